@@ -250,7 +250,7 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
     const measure::claim::ClaimRequest request{
         .data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies};
     const auto measured = run_division.division.result_of("check", [&] {
-        const auto units = run_division.division.share().of_units(claims.size());
+        const auto units = run_division.division.share().unit_range(claims.size());
         const std::vector<Claim> shard_claims(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
                                               claims.begin() + static_cast<std::ptrdiff_t>(units.last));
         return measure::claim::measure_claims(shard_claims, request);

@@ -166,7 +166,7 @@ ChoiceRequest make_request(const ChooseOptions& options, intersect::process::Sto
         request.requirement.tolerance = selection::tolerance_in_units(options.tolerance, options.unit);
     else if (!options.unit.empty())
         throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing");
-    request.single = options.single;
+    request.times_single_rays = options.single;
     request.limit.stop = request.plan.stop = stop;
     if (options.quick) {
         request.plan.repetitions = 5;
@@ -213,13 +213,13 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
         [](const measure::evaluate::TestedForm& form_row) { return !selection::is_emulated(form_row.format); });
-    request.untimed.assign(emulated, request.rows.end());
+    request.untimed_rows.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder =
         take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);
-    output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed.size()),
+    output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed_rows.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.rows);

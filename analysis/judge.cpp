@@ -38,7 +38,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
                                         bool has_matrices, measure::metric::MetricSet& metric_set) {
     std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
     std::erase_if(tested_rows,
-                  [&request](const measure::evaluate::TestedForm& form_row) { return request.is_of_file(form_row); });
+                  [&request](const measure::evaluate::TestedForm& form_row) { return request.is_file_row(form_row); });
     if (tested_rows.empty()) return selection::measured_metrics(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
@@ -61,9 +61,9 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
     const bool is_wide = format.parameters.precision > binary32.precision;
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
     // that is one digit short is therefore not reported.
-    const bool is_short = result.decimals > 10 && result.digits + 1 < digits_for(format);
-    if (is_wide && result.answers > 10 && result.floats == result.answers &&
-        !(is_short && result.digits < digits_for(narrow)))
+    const bool is_short = result.inexact_decimals > 10 && result.most_digits + 1 < digits_for(format);
+    if (is_wide && result.answers > 10 && result.float_answers == result.answers &&
+        !(is_short && result.most_digits < digits_for(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
                    "{}; if the answers were computed in float, add --answer-format f32\n",
@@ -73,7 +73,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
             stderr,
             "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits that were not printed count as "
             "lost: print with %.{}g (std::setprecision({}))\n",
-            file, result.digits, format.name, digits_for(format),
+            file, result.most_digits, format.name, digits_for(format),
             is_wide ? fmt::format(" (f32 needs {})", digits_for(narrow)) : "", digits_for(format), digits_for(format));
 }
 
@@ -108,7 +108,7 @@ void print_results(const JudgeRequest& request, const JudgeResult& result, const
         table.add(std::move(cells));
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
-        const bool is_file = request.is_of_file(request.rows[r]);
+        const bool is_file = request.is_file_row(request.rows[r]);
         add_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r],
                 is_file);
         for (const measure::evaluate::Group& group : result.groups.all())
@@ -207,9 +207,9 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     intersect::external::require_valid_facing(contract.facing, shape, options.file);
     if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, options.file);
     const measure::judge::FileForm answers(stem, shape, contract);
-    if (dump->layout().has_answers()) request.file_form = &answers.form();
-    request.by = selection::group_column(options, dump->layout());
-    request.rows = select_rows(options, *dump, meets, request.file_form, common);
+    if (dump->layout().has_answers()) request.file_answers_form = &answers.form();
+    request.group_column = selection::group_column(options, dump->layout());
+    request.rows = select_rows(options, *dump, meets, request.file_answers_form, common);
     if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.rows, common.quiet);
 
     if (!options.against.empty()) {
@@ -220,7 +220,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
                 fmt::format("--against {}: {}{}", options.against, options.file,
                             selection::fitting_forms_advice({{against_forms.front(), dump->format()}}, meets)));
         selection::compare_against(request.rows, options.against, common.quiet);
-        if (request.file_form && !request.file_row_index())
+        if (request.file_answers_form && !request.file_row_index())
             throw InputError(
                 fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
                             "--answer-format",
@@ -302,11 +302,12 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     if (const auto file_row = request.file_row_index())
         note_suspicions({request.rows[*file_row]}, common, [&](const measure::evaluate::TestedForm&) {
             const std::string suspicion_text =
-                measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,
-                                             result.misses_beside_first(result.summaries[*file_row]));
-            const bool is_whole_file = result.first_are_all(result.summaries[*file_row]);
-            return measure::contract::on_rays_of(options.file, is_whole_file ? result.rays : result.first.size(),
-                                                 result.rays, "of its rays that hit or should hit", suspicion_text);
+                measure::contract::suspicion(result.first_samples, measure::contract::AnswerSource::file,
+                                             result.scaled_right_misses(result.summaries[*file_row]));
+            const bool is_whole_file = result.has_all_samples(result.summaries[*file_row]);
+            return measure::contract::on_rays_of(options.file,
+                                                 is_whole_file ? result.rays : result.first_samples.size(), result.rays,
+                                                 "of its rays that hit or should hit", suspicion_text);
         });
     return report_unproved(result.summaries.front().count(Outcome::unresolved));
 }

@@ -77,7 +77,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
         if (!can_be(outcome, result.kind)) continue;
         const std::string title = output::map::name_in_words(name_of(outcome));
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
-        cells.push_back(std::to_string(result.of(outcome)));
+        cells.push_back(std::to_string(result.count(outcome)));
     }
     if (result.kind == AnswerKind::all_hits)
         for (const auto& [title, q] : {std::pair("bits lost: p50", 0.5), {"p99", 0.99}, {"max", 1.0}}) {
@@ -142,7 +142,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
         print_faults(result);
         fmt::print("{}\n", (folder / "summary.csv").string());
     }
-    return report_unproved(result.of(MeshOutcome::unresolved));
+    return report_unproved(result.count(MeshOutcome::unresolved));
 }
 
 }  // namespace lostbits::analysis

@@ -95,7 +95,7 @@ public:
         std::uint64_t pixels = 0;
         for (const AxisSteps& steps : selected_steps(values))
             for (const double factor : steps.values)
-                pixels += measure::offset::moved_along(study.scene, steps.axis, factor).pixels();
+                pixels += measure::offset::move_along(study.scene, steps.axis, factor).pixels();
         return pixels;
     }
     static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyValues& values) {
@@ -113,7 +113,7 @@ public:
     void run(const OffsetStudy& study, shard::Division& division) {
         for (std::size_t a = 0; a < steps_.size(); ++a) {
             for (const double factor : steps_[a].values) {
-                const Scene moved_scene = measure::offset::moved_along(study.scene, steps_[a].axis, factor);
+                const Scene moved_scene = measure::offset::move_along(study.scene, steps_[a].axis, factor);
                 const OffsetStudy moved_study{.scene = moved_scene,
                                               .rows = study.rows,
                                               .strategies = study.strategies,

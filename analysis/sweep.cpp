@@ -68,7 +68,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     std::optional<output::sweep::CaseFiles> files;
     if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
-    const auto units = request.share.of_units(file.size()).size() * request.rows.size();
+    const auto units = request.share.unit_range(file.size()).size() * request.rows.size();
     const auto case_results = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!case_results) return;
     files->finish(*case_results);

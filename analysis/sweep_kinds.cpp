@@ -165,7 +165,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto worst_rays = chosen.measure_or_join(search.id, request.share.of_units(request.rows.size()).size(),
+    const auto worst_rays = chosen.measure_or_join(search.id, request.share.unit_range(request.rows.size()).size(),
                                                    request, measure::sweep::find_worst);
     if (!worst_rays) return;
     if (std::ranges::none_of(*worst_rays, [](const auto& w) { return w.has_value(); })) {
@@ -210,7 +210,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto units = measure::edges::progress_units_per_row * request.share.of_units(request.rows.size()).size();
+    const auto units = measure::edges::progress_units_per_row * request.share.unit_range(request.rows.size()).size();
     const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!edge_results) return;
     const output::sweep::NearestFiles files{request, *edge_results,

@@ -59,7 +59,7 @@ std::vector<Contestant> contestants(std::size_t bytes) {
     measure::speed::BoxWork work(bytes);
     const auto add = [&](const std::string& kernel, std::string_view form, const std::string& format) {
         const std::string end = std::string(form) + "/" + format;
-        if (auto w = work.on({form, kernel, format}))
+        if (auto w = work.work_for({form, kernel, format}))
             all.push_back(
                 {kernel + "/" + end, kernel + "/by hand, " + end, format == "f32" ? 32.0 : 64.0, std::move(*w)});
     };
@@ -79,7 +79,7 @@ void print_all() {
     const std::string widest(name_of(intersect::simd::best_isa()));
     for (const std::string_view size : sizes)
         bench::print_speedup(widest + "/box.signs/f32", std::string(size), [&](std::size_t) {
-            return measure::speed::BoxWork(bytes_of(size)).on({"box.signs", widest, "f32"})->pass;
+            return measure::speed::BoxWork(bytes_of(size)).work_for({"box.signs", widest, "f32"})->pass;
         });
 }
 

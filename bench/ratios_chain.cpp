@@ -77,13 +77,13 @@ void print_tapes() {
     const auto inputs = band.inputs(format, {});
     std::printf("\n%-28s %18s\n", "tape of sphere.schoolbook", "million operations/s");
     for (const auto& [name, tape] :
-         {std::pair("in float", plain), std::pair("in double", measure::tape::widened(plain, all, binary64)),
-          std::pair("in two floats", measure::tape::widened(plain, all, measure::tape::two_floats))}) {
+         {std::pair("in float", plain), std::pair("in double", measure::tape::widen_operations(plain, all, binary64)),
+          std::pair("in two floats", measure::tape::widen_operations(plain, all, measure::tape::two_floats))}) {
         const measure::tape::TapeForm row(form, format, tape, "tape", "");
         double best = HUGE_VAL;
         for (int k = 0; k < 9; ++k)
             best = std::min(best, seconds_of([&] { measure::answer::evaluate(row.row(), inputs); }));
-        const double done = static_cast<double>(row.program().operations() * band.pixels());
+        const double done = static_cast<double>(row.program().operation_count() * band.pixels());
         std::printf("%-28s %18.0f\n", name, done / best / 1e6);
     }
 }

@@ -68,7 +68,7 @@ void print_rays(Shape shape, const std::vector<std::string>& forms) {
             for (const std::string& form : forms) {
                 const std::string kernel(name_of(isa));
                 for (const std::string format : {"f32", "f64"})
-                    if (auto w = work.on({form, kernel, format}))
+                    if (auto w = work.work_for({form, kernel, format}))
                         all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format,
                                        format == "f32" ? bytes_a_ray<float> : bytes_a_ray<double>, std::move(*w)});
                 add_by_hand(all, work, shape, form, isa, measure::speed::stay_in_cache(bytes_of(size)));
@@ -78,7 +78,7 @@ void print_rays(Shape shape, const std::vector<std::string>& forms) {
     const std::string widest(name_of(intersect::simd::best_isa())), &last = forms.back();
     for (const std::string_view size : sizes)
         print_speedup(widest + "/" + last + "/f32", std::string(size), [&](std::size_t) {
-            return RayWork(bytes_of(size)).on({last, widest, "f32"})->pass;
+            return RayWork(bytes_of(size)).work_for({last, widest, "f32"})->pass;
         });
 }
 

@@ -149,7 +149,7 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
     GivenRays given_rays = read_rays(rays, settings);
     measure::judge::JudgeRequest request{
         .primitives = given_rays.primitives, .mesh = given_rays.mesh, .limit = {.stop = settings.stop()}};
-    if (rays.by.data != nullptr) request.by = 0;
+    if (rays.by.data != nullptr) request.group_column = 0;
     intersect::Info contract = read_contract(rays, given_rays.shape);
     if (given_rays.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given_rays.shape, contract);
@@ -157,8 +157,8 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
     else if (!given_rays.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (given_rays.dump->layout().has_answers()) {
-        request.file_form = &answers.form();
-        request.rows.push_back({request.file_form, given_rays.dump->format()});
+        request.file_answers_form = &answers.form();
+        request.rows.push_back({request.file_answers_form, given_rays.dump->format()});
     }
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
@@ -186,8 +186,8 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
                                     : std::ranges::any_of(representatives, has_shape))
             shapes.push_back(shape_row.shape);
     }
-    const auto summary =
-        output::map::summary_table(request.metrics, shapes, given_rays.mesh != nullptr, request.by ? "by" : "");
+    const auto summary = output::map::summary_table(request.metrics, shapes, given_rays.mesh != nullptr,
+                                                    request.group_column ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     for (const TestedForm& form_row : request.rows) {
@@ -213,10 +213,11 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
     if (const auto file_row = request.file_row_index())
         result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
             const auto& summary_of_file = judgement.summaries[*file_row];
-            const std::string suspicion_text = measure::contract::suspicion(
-                judgement.first, measure::contract::AnswerSource::file, judgement.misses_beside_first(summary_of_file));
-            const bool is_whole = judgement.first_are_all(summary_of_file);
-            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first.size(),
+            const std::string suspicion_text =
+                measure::contract::suspicion(judgement.first_samples, measure::contract::AnswerSource::file,
+                                             judgement.scaled_right_misses(summary_of_file));
+            const bool is_whole = judgement.has_all_samples(summary_of_file);
+            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first_samples.size(),
                                                  judgement.rays, "of its rays that hit or should hit", suspicion_text);
         });
     return result;
@@ -326,8 +327,8 @@ std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, Cal
                        const auto primitives = scene::rays::primitive_list_of(group);
                        for (std::size_t i = 0; i < group.rays.size(); ++i)
                            crossings_by_ray[first + i] = measure::crossing::crossings_of(
-                               group.rays[i], {primitives, culler ? culler->for_truth() : nullptr}, group.rays.range(i),
-                               {.stop = settings.stop()});
+                               group.rays[i], {primitives, culler ? culler->index_for_truth() : nullptr},
+                               group.rays.range(i), {.stop = settings.stop()});
                    });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
@@ -384,7 +385,8 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
     std::vector<ArrayColumn> columns;
     append_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
     std::vector<measure::crossing::PointInMesh> points_in_mesh(count);
-    const measure::crossing::Triangles triangles{stored->culler().shared(), stored->culler().for_truth()};
+    const measure::crossing::Triangles triangles{stored->culler().shared_primitives(),
+                                                 stored->culler().index_for_truth()};
     const auto advance = settings.advance_callback(count);
     constexpr std::size_t points_per_piece = 1024;
     intersect::process::in_parallel(

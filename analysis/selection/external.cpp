@@ -229,7 +229,7 @@ std::string difference_text(const measure::tape::DriverDifference& found) {
         parts.push_back(rewriting.name + (rewriting.sites.size() > 1
                                               ? fmt::format(" ({} times)", rewriting.sites.size())
                                               : std::string()));
-    if (found.inexact != no_node)
+    if (found.inexact_operation != no_node)
         parts.push_back(fmt::format("is up to {} in the last place off in an operation",
                                     scene::toml::count_with_noun(static_cast<std::uint64_t>(found.ulps), "unit")));
     return fmt::format("{}", fmt::join(parts, ", and "));
@@ -252,14 +252,14 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
             const auto found = measure::tape::driver_difference(catalogue_row, program);
             const std::string message_prefix =
                 fmt::format("lostbits: {} ({})", catalogue_row.info->name, form->contract.source);
-            if (found.differ == 0) {
+            if (found.differing_rays == 0) {
                 fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n",
                            message_prefix, found.rays);
                 continue;
             }
             const std::string difference =
                 fmt::format("{}: the driver gives other bits than the followed function on {} of {} random rays",
-                            message_prefix, found.differ, found.rays);
+                            message_prefix, found.differing_rays, found.rays);
             if (!found.is_explained()) {
                 fmt::print(stderr,
                            "{}; no tried change explains all of these rays (another order of sums, fused "
@@ -269,7 +269,7 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
                 continue;
             }
             const std::string line =
-                intersect::function::quoted_line(*program.info, *find_format("f32"), found.first());
+                intersect::function::quoted_line(*program.info, *find_format("f32"), found.first_changed());
             fmt::print(stderr, "{}: it {}\n{}", difference, difference_text(found),
                        line.empty() ? "" : "first here: " + line);
         }

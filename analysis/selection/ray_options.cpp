@@ -228,7 +228,7 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm form_row, con
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
                                                           : " (counted from 0), the worst of them for this form")};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 
@@ -367,7 +367,7 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& form_row, cons
                          " is for the worst ray of a sweep; add --worst, or leave --steps out");
     SelectedRay found = options.subject.empty() ? make_ray_from_options(options, form_row)
                                                 : find_ray_in_scene(options, judged_row, data);
-    found.ray.judge_by(judged_row.touching);
+    found.ray.set_touching(judged_row.touching);
     return found;
 }
 

@@ -101,7 +101,7 @@ SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene,
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), form_row.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.reason),
         std::pair{x, worst.ray->y}};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 
@@ -132,7 +132,7 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
                     "form: {}.\n",
                     index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
                     step, worst.rays, summaries.size(), worst.reason)};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 
@@ -152,7 +152,7 @@ SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const Tested
         form_row.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                     file.name(worst.summary_index), ray_index, worst.rays, summaries.size(), worst.reason)};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 

@@ -69,7 +69,7 @@ public:
     /// The units of a shard, of as many as `count` returns; nothing in other runs, where it is not called.
     template <class Count>
     [[nodiscard]] std::optional<measure::shard::UnitRange> units_of_shard(const Count& count) const {
-        return is_shard() ? std::optional(share_.of_units(count())) : std::nullopt;
+        return is_shard() ? std::optional(share_.unit_range(count())) : std::nullopt;
     }
 
     /// Records what a shard found, under the name of a job. Call it only in a shard.

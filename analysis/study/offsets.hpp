@@ -105,7 +105,7 @@ struct OffsetsAdapter {
         explained_rays->primitives = {bad->primitive};
         return measure::evaluate::WorstRay{.x = bad->x,
                                            .y = bad->y,
-                                           .object = bad->object,
+                                           .object = bad->primitive_index,
                                            .size = 0,
                                            .ray = bad->ray.ray,
                                            .primitive = bad->primitive,
@@ -117,7 +117,7 @@ private:
                                                                const std::string& column) {
         using measure::offset::Fault;
         for (std::size_t f = 0; f < measure::offset::fault_names.size(); ++f)
-            if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first[f];
+            if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first_bad_rays[f];
         for (const Fault f : {Fault::self_hit, Fault::lost_occluder, Fault::lost_exit, Fault::self_hit_by_form})
             if (s.first_with(f)) return s.first_with(f);
         return std::nullopt;

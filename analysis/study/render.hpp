@@ -113,8 +113,8 @@ private:
             const measure::evaluate::TestedForm& form_row = study.rows[r];
             for (const measure::picture::RenderSummary& s : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
-                           form_row.form->info->name, form_row.format.name, s.changed, s.seen_wrong(),
-                           s.count(false, measure::picture::Shadow::own_shadow), s.flips(),
+                           form_row.form->info->name, form_row.format.name, s.changed_pixels, s.wrong_pixels(),
+                           s.count(false, measure::picture::Shadow::own_shadow), s.flipped_shadows(),
                            s.colour_error.quantile(0.99), s.unresolved());
         }
     }

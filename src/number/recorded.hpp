@@ -80,12 +80,12 @@ public:
     [[nodiscard]] NodeId node() const { return node_; }
 
     friend RecordedMask operator&&(const RecordedMask& a, const RecordedMask& b) {
-        return RecordedMask(record(TapeOp::both, a.node_, b.node_));
+        return RecordedMask(record(TapeOp::logical_and, a.node_, b.node_));
     }
     friend RecordedMask operator||(const RecordedMask& a, const RecordedMask& b) {
-        return RecordedMask(record(TapeOp::either, a.node_, b.node_));
+        return RecordedMask(record(TapeOp::logical_or, a.node_, b.node_));
     }
-    friend RecordedMask operator!(const RecordedMask& a) { return RecordedMask(record(TapeOp::opposite, a.node_)); }
+    friend RecordedMask operator!(const RecordedMask& a) { return RecordedMask(record(TapeOp::logical_not, a.node_)); }
     /// Condition of a form's loops. It is recorded because without rounding the loop might have gone on.
     friend bool any_of(const RecordedMask& a) {
         return Recorder::current().continues_loop(record(TapeOp::any, a.node_));

@@ -29,42 +29,43 @@ enum class OperationKind : std::uint8_t {
     logic        ///< a decision made from decisions
 };
 
-/// All operations of a tape: name, kind, number of operands. This is the only list of operations. All other properties
-/// of an operation are in its struct in measure/attribution/operations.hpp; a row without a struct does not compile.
+/// All operations of a tape: enumerator, name in files, kind, number of operands. This is the only list of operations.
+/// All other properties of an operation are in its struct in measure/attribution/operations.hpp; a row without a struct
+/// does not compile.
 ///
 /// `constant` is an integer of the formula's text, `call` a step that a form takes as a whole, `convert` the conversion
 /// to or from a wider format, `any` the condition of a loop.
 // clang-format off
-#define LOSTBITS_TAPE_OPERATIONS(row)  \
-    row(input,         given,      0)  \
-    row(constant,      given,      0)  \
-    row(add,           rounded,    2)  \
-    row(sub,           rounded,    2)  \
-    row(mul,           rounded,    2)  \
-    row(div,           rounded,    2)  \
-    row(sqrt,          rounded,    1)  \
-    row(fma,           rounded,    3)  \
-    row(call,          called,     0)  \
-    row(neg,           exact,      1)  \
-    row(abs,           exact,      1)  \
-    row(copysign,      sign,       2)  \
-    row(min,           choice,     2)  \
-    row(max,           choice,     2)  \
-    row(select,        choice,     3)  \
-    row(next_up,       moved,      1)  \
-    row(next_down,     moved,      1)  \
-    row(convert,       moved,      1)  \
-    row(less,          comparison, 2)  \
-    row(less_equal,    comparison, 2)  \
-    row(greater,       comparison, 2)  \
-    row(greater_equal, comparison, 2)  \
-    row(both,          logic,      2)  \
-    row(either,        logic,      2)  \
-    row(opposite,      logic,      1)  \
-    row(any,           logic,      1)
+#define LOSTBITS_TAPE_OPERATIONS(row)                   \
+    row(input,         "input",         given,      0)  \
+    row(constant,      "constant",      given,      0)  \
+    row(add,           "add",           rounded,    2)  \
+    row(sub,           "sub",           rounded,    2)  \
+    row(mul,           "mul",           rounded,    2)  \
+    row(div,           "div",           rounded,    2)  \
+    row(sqrt,          "sqrt",          rounded,    1)  \
+    row(fma,           "fma",           rounded,    3)  \
+    row(call,          "call",          called,     0)  \
+    row(neg,           "neg",           exact,      1)  \
+    row(abs,           "abs",           exact,      1)  \
+    row(copysign,      "copysign",      sign,       2)  \
+    row(min,           "min",           choice,     2)  \
+    row(max,           "max",           choice,     2)  \
+    row(select,        "select",        choice,     3)  \
+    row(next_up,       "next_up",       moved,      1)  \
+    row(next_down,     "next_down",     moved,      1)  \
+    row(convert,       "convert",       moved,      1)  \
+    row(less,          "less",          comparison, 2)  \
+    row(less_equal,    "less_equal",    comparison, 2)  \
+    row(greater,       "greater",       comparison, 2)  \
+    row(greater_equal, "greater_equal", comparison, 2)  \
+    row(logical_and,   "both",          logic,      2)  \
+    row(logical_or,    "either",        logic,      2)  \
+    row(logical_not,   "opposite",      logic,      1)  \
+    row(any,           "any",           logic,      1)
 // clang-format on
 
-#define LOSTBITS_ENUMERATOR(name, kind, operands) name,
+#define LOSTBITS_ENUMERATOR(op, name, kind, operands) op,
 enum class TapeOp : std::uint8_t { LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ENUMERATOR) };
 #undef LOSTBITS_ENUMERATOR
 
@@ -75,7 +76,7 @@ struct TapeOpRow {
     std::size_t operands;
 };
 
-#define LOSTBITS_ROW(name, kind, operands) TapeOpRow{TapeOp::name, #name, OperationKind::kind, operands},
+#define LOSTBITS_ROW(op, name, kind, operands) TapeOpRow{TapeOp::op, name, OperationKind::kind, operands},
 inline constexpr std::array tape_operations{LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ROW)};
 #undef LOSTBITS_ROW
 

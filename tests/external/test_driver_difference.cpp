@@ -43,10 +43,10 @@ TEST_CASE("drivers: every rewriting is the same formula without rounding", "[ext
     std::size_t tried = 0;
     for (const char* const name : {"sphere.schoolbook", "sphere.half_b", "sphere.press", "sphere.unit_half_b"}) {
         const Tape tape = tape_of(form(name), *find_format("f32"));
-        for (std::size_t k = 0; k < driver_rewritings().size(); ++k) {
+        for (std::size_t k = 0; k < driver_rewriting_names().size(); ++k) {
             std::vector<NodeId> changed;
-            const DerivedTape made = rewritten_by_driver(whole(tape), k, nullptr, changed);
-            CAPTURE(name, driver_rewritings()[k]);
+            const DerivedTape made = rewrite_as_driver(whole(tape), k, nullptr, changed);
+            CAPTURE(name, driver_rewriting_names()[k]);
             REQUIRE(made.origins.size() == made.tape.nodes.size());
             CHECK(std::fabs(exact_t(made.tape) - exact_t(tape)) <= 1e-14 * std::fabs(exact_t(tape)));
             tried += changed.empty() ? 0 : 1;
@@ -59,23 +59,23 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
     const Intersector& program = form("sphere.schoolbook");
     const Format& f32 = *find_format("f32");
     const Tape tape = tape_of(program, f32);
-    CHECK(driver_difference(program, program).differ == 0);
-    for (std::size_t k = 0; k < driver_rewritings().size(); ++k) {
+    CHECK(driver_difference(program, program).differing_rays == 0);
+    for (std::size_t k = 0; k < driver_rewriting_names().size(); ++k) {
         std::vector<NodeId> all;
-        rewritten_by_driver(whole(tape), k, nullptr, all);
+        rewrite_as_driver(whole(tape), k, nullptr, all);
         for (const NodeId site : all) {
             std::vector<NodeId> changed;
             const std::vector<NodeId> one{site};
-            Tape made = rewritten_by_driver(whole(tape), k, &one, changed).tape;
+            Tape made = rewrite_as_driver(whole(tape), k, &one, changed).tape;
             for (TapeNode& n : made.nodes)  // a tape without values; a program needs those of constants
                 if (n.op == TapeOp::constant) n.value = n.operands[0];
             const TapeForm driver(program, f32, made, "driver", "");
             const DriverDifference found = driver_difference(driver.row(), program);
-            CAPTURE(driver_rewritings()[k], site);
-            if (found.differ == 0) continue;  // it rounds the same on all rays
+            CAPTURE(driver_rewriting_names()[k], site);
+            if (found.differing_rays == 0) continue;  // it rounds the same on all rays
             REQUIRE(found.rewritings.size() == 1);
-            CHECK(found.rewritings[0].name == driver_rewritings()[k]);
-            CHECK(found.first() == site);
+            CHECK(found.rewritings[0].name == driver_rewriting_names()[k]);
+            CHECK(found.first_changed() == site);
         }
     }
     // A driver that answers another question is not explained.

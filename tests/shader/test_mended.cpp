@@ -80,9 +80,9 @@ TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "
                     // A driver compiles functions within functions, and takes seconds for a form of nothing else.
                     if (wider == tape::two_floats && every == 1 && !is_half_b) continue;
                     if (fma && wider == binary64) continue;  // GLSL's own fma of doubles rounds as drivers like
-                    const Tape made =
-                        tape::widened(plain, wider == binary32 ? sample_rays(plain, 0) : sample_rays(plain, every),
-                                      wider == binary32 ? binary64 : wider);
+                    const Tape made = tape::widen_operations(
+                        plain, wider == binary32 ? sample_rays(plain, 0) : sample_rays(plain, every),
+                        wider == binary32 ? binary64 : wider);
                     std::string id = std::string(form_name).substr(std::string(form_name).find('.') + 1);
                     id += std::string("_") + arithmetic + std::to_string(every);
                     const std::string file = folder.write(
@@ -125,7 +125,8 @@ TEST_CASE("shader bits: a function that GLSL lacks is refused with a replacement
     const auto code = [&](const Tape& made) {
         return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head_lines = {}});
     };
-    CHECK_THROWS_WITH(code(tape::widened(plain, sample_rays(plain, 1), binary64)), Catch::Contains("fma of doubles"));
+    CHECK_THROWS_WITH(code(tape::widen_operations(plain, sample_rays(plain, 1), binary64)),
+                      Catch::Contains("fma of doubles"));
     CHECK_THROWS_WITH(code(tape::tape_of(form, *find_format("f64"))), Catch::Contains("a shader computes in floats"));
 }
 

@@ -126,7 +126,7 @@ void record_with(const BoxedFormParts& form_parts, const Format& format, const R
     const TapeOutputs box_outcome = append_row(*form_parts.box, Target<double>(box), box_inputs);
     TapeOutputs answer = append_row(*form_parts.form, target, form_inputs);
     const bool hit = tape[box_outcome.hit].value != 0 && tape[answer.hit].value != 0;
-    answer.hit = tape.add(TapeOp::both, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
+    answer.hit = tape.add(TapeOp::logical_and, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
     tape.outputs = answer;
 }
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,

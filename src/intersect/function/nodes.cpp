@@ -125,7 +125,7 @@ NodeId Nodes::arithmetic(TapeOp op, NodeId a, NodeId b, NodeId c) {
 NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
     if (when == yes || a == b) return a;
     if (when == no) return b;
-    if ((*this)[when].op == TapeOp::opposite) return select((*this)[when].operands[0], b, a);
+    if ((*this)[when].op == TapeOp::logical_not) return select((*this)[when].operands[0], b, a);
     // A selection inside a selection by the same decision always takes the same side.
     const auto side_value = [&](NodeId side, std::size_t k) {
         const ProgramNode& n = (*this)[side];
@@ -232,7 +232,7 @@ Mask Nodes::logic(TapeOp op, Mask a, Mask b) {
 Mask Nodes::logical_not(Mask a) {
     if (a == yes) return no;
     if (a == no) return yes;
-    return (*this)[a].op == TapeOp::opposite ? (*this)[a].operands[0] : logic(TapeOp::opposite, a);
+    return (*this)[a].op == TapeOp::logical_not ? (*this)[a].operands[0] : logic(TapeOp::logical_not, a);
 }
 
 Mask Nodes::logical_and(Mask a, Mask b) {
@@ -240,7 +240,7 @@ Mask Nodes::logical_and(Mask a, Mask b) {
     if (a == yes || a == b) return b;
     if (b == yes) return a;
     if (logical_not(a) == b) return no;
-    return logic(TapeOp::both, a, b);
+    return logic(TapeOp::logical_and, a, b);
 }
 
 Mask Nodes::logical_or(Mask a, Mask b) {
@@ -251,13 +251,13 @@ Mask Nodes::logical_or(Mask a, Mask b) {
     // a or (not a and c) is a or c.
     const auto without_known = [&](Mask x, Mask y) {
         const ProgramNode n = (*this)[y];
-        if (n.op != TapeOp::both) return y;
+        if (n.op != TapeOp::logical_and) return y;
         if (n.operands[0] == logical_not(x)) return n.operands[1];
         if (n.operands[1] == logical_not(x)) return n.operands[0];
         return y;
     };
     b = without_known(a, b), a = without_known(b, a);
-    return a == b ? a : logic(TapeOp::either, a, b);
+    return a == b ? a : logic(TapeOp::logical_or, a, b);
 }
 
 Mask Nodes::select_mask(Mask when, Mask a, Mask b) {

@@ -162,9 +162,9 @@ private:
     }
     mask_t<T> decision(const WrittenOperation& w) const {
         switch (w.op) {
-            case TapeOp::both: return m(w, 0) && m(w, 1);
-            case TapeOp::either: return m(w, 0) || m(w, 1);
-            case TapeOp::opposite: return !m(w, 0);
+            case TapeOp::logical_and: return m(w, 0) && m(w, 1);
+            case TapeOp::logical_or: return m(w, 0) || m(w, 1);
+            case TapeOp::logical_not: return !m(w, 0);
             default: break;
         }
         const bool wide = formula_.operations[static_cast<std::size_t>(w.operands[0])].wide;

@@ -1,4 +1,4 @@
-// Compares the answers of two forms to the same ray. A difference shows without knowing the truth.
+// Compares the answers of two forms to the same ray. This finds differences without the truth.
 #pragma once
 
 #include <array>

@@ -45,9 +45,9 @@ void test_pairs(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
         const Primitive<S> primitive = lift_primitive<S>(in.primitives[first]);
         kernel(chunk.batch(i, end), Target<S>(primitive), chunk.hits(i, end));
         for (std::size_t k = i; k < end; ++k) {
-            const std::size_t p = chunk.begin() + k;
+            const std::size_t ray_index = chunk.begin() + k;
             const HitBatch<S> hits = chunk.hits();
-            if (hits.hit[k] != 0) keep_nearest(hits.t[k], p, static_cast<std::int32_t>(p), answers);
+            if (hits.hit[k] != 0) keep_nearest(hits.t[k], ray_index, static_cast<std::int32_t>(ray_index), answers);
         }
     }
 }
@@ -63,8 +63,8 @@ void test_pairs_in_one_call(const Kernel& kernel, RayChunk<S>& chunk, const Form
     const HitBatch<S> hits = chunk.hits();
     kernel(chunk.batch(), Target<S>(std::span<const Primitive<S>>(paired_primitives)), hits);
     for (std::size_t k = 0; k < chunk.count(); ++k) {
-        const std::size_t p = chunk.begin() + k;
-        if (hits.hit[k] != 0) keep_nearest(hits.t[k], p, static_cast<std::int32_t>(p), answers);
+        const std::size_t ray_index = chunk.begin() + k;
+        if (hits.hit[k] != 0) keep_nearest(hits.t[k], ray_index, static_cast<std::int32_t>(ray_index), answers);
     }
 }
 
@@ -87,8 +87,8 @@ using OneToMany = std::function<void(const Ray<S>&, const Range<S>&, const Primi
                                      std::span<std::uint8_t>)>;
 
 /// Calls `on_hit(c)` for every c with hit[c] != 0, in order. Hits are rare, so eight bytes are tested together.
-template <class Take>
-void for_each_hit(std::span<const std::uint8_t> hit, const Take& on_hit) {
+template <class OnHit>
+void for_each_hit(std::span<const std::uint8_t> hit, const OnHit& on_hit) {
     std::size_t c = 0;
     for (; c + 8 <= hit.size(); c += 8) {
         std::uint64_t eight;
@@ -106,9 +106,9 @@ void for_each_hit(std::span<const std::uint8_t> hit, const Take& on_hit) {
 /// True if one of the hits comes before the hit at `best`, which is not NaN. For most spheres there is no such hit.
 template <class S>
 bool has_nearer_hit(std::span<const S> t, std::span<const std::uint8_t> hit, S best) {
-    unsigned found = 0;
-    for (std::size_t c = 0; c < t.size(); ++c) found |= static_cast<unsigned>(t[c] < best) & hit[c];
-    return found != 0;
+    unsigned is_nearer = 0;
+    for (std::size_t c = 0; c < t.size(); ++c) is_nearer |= static_cast<unsigned>(t[c] < best) & hit[c];
+    return is_nearer != 0;
 }
 
 /// Tests rays against the spheres of one page, in the order of the spheres. Skips the spheres that a ray cannot meet,
@@ -120,37 +120,38 @@ public:
         : kernel_(kernel), rays_(rays), in_(in), answers_(answers) {}
 
     void test_page(std::size_t page, std::size_t first, std::size_t last) {
-        const std::size_t begin = page * SphereIndex::page;
+        const std::size_t begin = page * SphereIndex::spheres_per_page;
         std::optional<std::array<std::span<const S>, 4>> columns;  // made for the first ray that needs them
-        for (std::size_t p = first; p < last; ++p) {
-            const Ray<double> ray = rays_[p];
+        for (std::size_t ray_index = first; ray_index < last; ++ray_index) {
+            const Ray<double> ray = rays_[ray_index];
             in_.index->find_runs(SphereIndex::UnitRay(ray), page, grain_, runs_);
             if (runs_.empty()) continue;
             in_.stop.check();  // a ray may test all spheres of the page, in software
             if (!columns)
-                columns = in_.primitives.columns<S>(begin, std::min(SphereIndex::page, in_.primitives.size() - begin),
-                                                    buffers_);
+                columns = in_.primitives.columns<S>(
+                    begin, std::min(SphereIndex::spheres_per_page, in_.primitives.size() - begin), buffers_);
             for (const auto& [run_begin, run_end] : runs_) {
                 const auto column_part = [&, run_begin = run_begin, run_end = run_end](std::size_t k) {
                     return (*columns)[k].subspan(run_begin - begin,
                                                  run_end - run_begin);  // clang before 16 captures no bindings
                 };
-                test_run(ray, p, run_begin, {column_part(0), column_part(1), column_part(2), column_part(3)});
+                test_run(ray, ray_index, run_begin, {column_part(0), column_part(1), column_part(2), column_part(3)});
             }
         }
     }
 
 private:
-    void test_run(const Ray<double>& ray, std::size_t p, std::size_t first_sphere, const PrimitiveArrays<S>& spheres) {
+    void test_run(const Ray<double>& ray, std::size_t ray_index, std::size_t first_sphere,
+                  const PrimitiveArrays<S>& spheres) {
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
-        const Range<double> range = rays_.range(p);
+        const Range<double> range = rays_.range(ray_index);
         kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_,
                 hit_);
-        const bool has_best = answers_.hit[p] != 0 && !std::isnan(answers_.t[p]);
-        if (has_best && !has_nearer_hit<S>(t_, hit_, static_cast<S>(answers_.t[p]))) return;
+        const bool has_best = answers_.hit[ray_index] != 0 && !std::isnan(answers_.t[ray_index]);
+        if (has_best && !has_nearer_hit<S>(t_, hit_, static_cast<S>(answers_.t[ray_index]))) return;
         for_each_hit(hit_, [&](std::size_t c) {
-            keep_nearest(t_[c], p, static_cast<std::int32_t>(first_sphere + c), answers_);
+            keep_nearest(t_[c], ray_index, static_cast<std::int32_t>(first_sphere + c), answers_);
         });
     }
 
@@ -174,7 +175,7 @@ void test_pages(const OneToMany<S>& kernel, const RayBlock& rays, const FormatIn
     const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         PageTester<S> tester(kernel, rays, in, answers);
-        for (std::size_t page = 0; page < in.index->pages(); ++page)
+        for (std::size_t page = 0; page < in.index->page_count(); ++page)
             tester.test_page(page, part * rays_per_part, std::min((part + 1) * rays_per_part, rays.size()));
     });
 }
@@ -240,10 +241,10 @@ void test_spheres(const intersect::table::Intersector& form, const RayBlock& ray
 template <class S, class Kernel>
 void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool in_one_call,
                      Answers& answers) {
-    answers.claimed.resize(in.candidates->pairs());
+    answers.claimed.resize(in.candidates->pair_count());
     // Pairs of one part stay in a cache. Far from a large mesh a ray has all of its triangles as candidates.
     constexpr std::size_t most_rays = 512, least_rays = 4, most_pairs = 1 << 18;
-    const std::size_t pairs_per_ray = in.candidates->pairs() / std::max(rays.size(), std::size_t{1}) + 1;
+    const std::size_t pairs_per_ray = in.candidates->pair_count() / std::max(rays.size(), std::size_t{1}) + 1;
     const std::size_t rays_per_part = in_one_call ? std::max(rays.size(), std::size_t{1})
                                                   : std::clamp(most_pairs / pairs_per_ray, least_rays, most_rays);
     const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
@@ -255,12 +256,12 @@ void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
     });
 }
 
-/// Index of the primitive whose surface is nearest to the point at t, in double precision. A distance field does not
-/// say which primitive was hit.
+/// Returns the index of the primitive whose surface is nearest to the point at t, in double precision. A distance field
+/// does not say which primitive was hit.
 std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const Primitive<double>> primitives) {
     const Vec<double> p = intersect::sdf::along(ray, t);
-    const auto size = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
-    return static_cast<std::int32_t>(std::ranges::min_element(primitives, {}, size) - primitives.begin());
+    const auto distance = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
+    return static_cast<std::int32_t>(std::ranges::min_element(primitives, {}, distance) - primitives.begin());
 }
 
 /// Marches one chunk of rays through the field of all primitives.
@@ -274,8 +275,9 @@ void march_chunk(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays,
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < chunk.count(); ++i) {
         if (hits.hit[i] == 0) continue;
-        const std::size_t p = chunk.begin() + i;
-        keep_nearest(hits.t[i], p, nearest_primitive(rays[p], static_cast<double>(hits.t[i]), in.primitives.listed()),
+        const std::size_t ray_index = chunk.begin() + i;
+        keep_nearest(hits.t[i], ray_index,
+                     nearest_primitive(rays[ray_index], static_cast<double>(hits.t[i]), in.primitives.listed()),
                      answers);
     }
 }
@@ -285,7 +287,8 @@ void march_chunk(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays,
 Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
-    const bool marches = !is_primitive(form.shape), takes_many = !intersect::external::foreign_forms_of(form).empty();
+    const bool marches = !is_primitive(form.shape),
+               takes_batches = !intersect::external::foreign_forms_of(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Kernels of packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
@@ -302,12 +305,12 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
             const Intersector& shape_form = marches ? form : form.of(target.primitives.front().shape);
             intersect::table::limit_batch_to_range(*shape_form.info, shape_form.shape, batch, hits);
         };
-        if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_many, answers);
+        if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_batches, answers);
         RayChunk<S> chunk(rays);
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::capacity) {
             chunk.move_to(begin);
             if (marches) march_chunk<S>(kernel, chunk, rays, inputs, answers);
-            else if (inputs.paired && takes_many) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
+            else if (inputs.paired && takes_batches) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
             else if (inputs.paired) test_pairs<S>(kernel, chunk, inputs, answers);
             else find_nearest_hits<S>(kernel, chunk, inputs, answers);
         }

@@ -12,9 +12,10 @@ namespace lostbits::measure::answer {
 struct Answers {
     std::vector<double> t;
     std::vector<std::uint8_t> hit;
-    std::vector<std::int32_t>
-        object;  ///< −1 where there is no hit; in a field, the primitive whose surface is nearest to the answer
-    /// For each pair of the inputs' `candidates`, 1 where the form claims a hit; empty where there are no candidates.
+    /// Index of the primitive; −1 where there is no hit. In a distance field, the primitive whose surface is nearest to
+    /// the answer.
+    std::vector<std::int32_t> object;
+    /// For each pair of the inputs' `candidates`, 1 if the form claims a hit; empty if the inputs have no candidates.
     std::vector<std::uint8_t> claimed = {};
     std::vector<intersect::MarchRecord> march = {};  ///< one for every ray of a form that marches; else empty
 };

@@ -1,4 +1,4 @@
-// Rays in pieces of the size that a kernel takes, with buffers for its answers.
+// Rays in pieces of the size that a kernel takes, with buffers for the answers of the kernel.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 
 namespace lostbits::measure::answer {
 
-/// Rays `i` to `end` − 1 of the rays stored in eight columns: origin, direction, tmax and tmin. The last two columns
+/// Returns rays `i` to `end` − 1 of the rays in eight columns: origin, direction, tmax and tmin. The last two columns
 /// may be empty.
 template <class S, class Columns>
 intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open) {
@@ -76,8 +76,8 @@ public:
         : rays_(rays),
           buffers_(std::min(capacity, rays.size())),
           columns_(buffers_for_columns()),
-          nearest_(buffers_.hit.size()),
-          objects_(buffers_.hit.size()) {}
+          nearest_t_(buffers_.hit.size()),
+          nearest_primitives_(buffers_.hit.size()) {}
 
     /// Takes the rays from `begin` up to, but not including, `begin + capacity`, or to the last ray.
     void move_to(std::size_t begin) {
@@ -95,8 +95,8 @@ public:
                 batch_[k] = std::span(columns_[k]).first(count_);
             }
         }
-        std::ranges::fill(nearest_, std::numeric_limits<S>::quiet_NaN());
-        std::ranges::fill(objects_, -1);
+        std::ranges::fill(nearest_t_, std::numeric_limits<S>::quiet_NaN());
+        std::ranges::fill(nearest_primitives_, -1);
     }
 
     [[nodiscard]] std::size_t begin() const { return begin_; }
@@ -113,24 +113,24 @@ public:
         columns::keep_nearest(columns::RawHits<S>{.size = count_,
                                                   .t = buffers_.t.data(),
                                                   .hit = buffers_.hit.data(),
-                                                  .nearest = nearest_.data(),
-                                                  .objects = objects_.data(),
-                                                  .object = static_cast<std::int32_t>(primitive)});
+                                                  .nearest = nearest_t_.data(),
+                                                  .nearest_primitives = nearest_primitives_.data(),
+                                                  .primitive = static_cast<std::int32_t>(primitive)});
     }
     /// Writes the nearest hit of every ray.
     void write_to(Answers& answers) const {
-        const std::int32_t* const objects = objects_.data();
-        const S* const nearest = nearest_.data();
+        const std::int32_t* const primitives = nearest_primitives_.data();
+        const S* const nearest_t = nearest_t_.data();
         double* const t_out = answers.t.data() + begin_;
         std::uint8_t* const hit_out = answers.hit.data() + begin_;
         const std::size_t count = count_;
-        for (std::size_t i = 0; i < count; ++i) hit_out[i] = objects[i] >= 0;
+        for (std::size_t i = 0; i < count; ++i) hit_out[i] = primitives[i] >= 0;
         for (std::size_t i = 0; i < count; ++i) {
-            const auto t = static_cast<double>(nearest[i]);
+            const auto t = static_cast<double>(nearest_t[i]);
             // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-            t_out[i] = objects[i] < 0 ? 0 : t == t ? t : truth::missing;
+            t_out[i] = primitives[i] < 0 ? 0 : t == t ? t : truth::missing;
         }
-        std::copy_n(objects, count, answers.object.data() + begin_);
+        std::copy_n(primitives, count, answers.object.data() + begin_);
     }
 
 private:
@@ -145,21 +145,21 @@ private:
     const scene::rays::RayBlock& rays_;
     std::size_t begin_ = 0, count_ = 0;
     AnswerBuffers<S> buffers_;
-    std::array<std::vector<S>, 8> columns_;  ///< used where the kernels take another type than the block has
+    std::array<std::vector<S>, 8> columns_;  ///< used if the kernels take another type than double
     std::array<std::span<const S>, 8> batch_;
-    std::vector<S> nearest_;
-    std::vector<std::int32_t> objects_;
+    std::vector<S> nearest_t_;
+    std::vector<std::int32_t> nearest_primitives_;
 };
 
-/// Keeps a hit of ray p if it comes before the nearest hit so far.
+/// Keeps a hit of a ray if it comes before the nearest hit so far.
 template <class S>
-inline void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
-    const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
-    if (!(first || t < answers.t[p]) || (std::isnan(t) && answers.hit[p] != 0)) return;
-    answers.hit[p] = 1;
+inline void keep_nearest(S t, std::size_t ray, std::int32_t primitive, Answers& answers) {
+    const bool is_first = answers.hit[ray] == 0 || std::isnan(answers.t[ray]);
+    if (!(is_first || t < answers.t[ray]) || (std::isnan(t) && answers.hit[ray] != 0)) return;
+    answers.hit[ray] = 1;
     // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-    answers.t[p] = std::isnan(t) ? truth::missing : t;
-    answers.object[p] = object;
+    answers.t[ray] = std::isnan(t) ? truth::missing : t;
+    answers.object[ray] = primitive;
 }
 
 /// Pairs of rays and their candidates, as columns in the order of the primitives, so that all rays of a primitive are
@@ -171,7 +171,7 @@ public:
         : in_(in), open_(rays.open) {
         const culling::CandidateLists& candidates = *in.candidates;
         for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t k = candidates.first(i); k < candidates.first(i + 1); ++k)
+            for (std::size_t k = candidates.first_pair(i); k < candidates.first_pair(i + 1); ++k)
                 pairs_.push_back({candidates.primitive(k), static_cast<std::uint32_t>(k), i});
         culling::sort_by_index(pairs_, [](const Pair& pair) { return pair.primitive; });
         const std::array sources{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};

@@ -54,19 +54,19 @@ private:
     [[nodiscard]] bool in_mesh(std::int32_t primitive) const {
         return primitive >= 0 && static_cast<std::size_t>(primitive) >= first_;
     }
-    [[nodiscard]] std::size_t face(std::int32_t primitive) const {
+    [[nodiscard]] std::size_t face_of(std::int32_t primitive) const {
         return static_cast<std::size_t>(primitive) - first_;
     }
     [[nodiscard]] bool are_neighbours(std::int32_t a, std::int32_t b) const {
-        return in_mesh(a) && in_mesh(b) && mesh_.share_a_vertex(face(a), face(b));
+        return in_mesh(a) && in_mesh(b) && mesh_.share_a_vertex(face_of(a), face_of(b));
     }
-    /// True if the form claims a candidate for which `wanted(primitive)` holds.
-    template <class Wanted>
-    [[nodiscard]] bool claims(const Wanted& wanted) const {
+    /// True if the form claims a candidate for which `is_wanted(primitive)` holds.
+    template <class IsWanted>
+    [[nodiscard]] bool claims(const IsWanted& is_wanted) const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
-        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair)
+        for (std::size_t pair = candidates.first_pair(ray_); pair < candidates.first_pair(ray_ + 1); ++pair)
             if (band_answers_.answers.claimed[pair] != 0 &&
-                wanted(static_cast<std::int32_t>(candidates.primitive(pair))))
+                is_wanted(static_cast<std::int32_t>(candidates.primitive(pair))))
                 return true;
         return false;
     }
@@ -79,13 +79,13 @@ private:
     [[nodiscard]] bool passes_border(std::int32_t true_primitive) const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         const Truth first = truth_at(true_primitive);
-        return std::ranges::any_of(candidates.of(ray_), [&](std::uint32_t k) {
+        return std::ranges::any_of(candidates.candidates_of(ray_), [&](std::uint32_t k) {
             const auto primitive = static_cast<std::int32_t>(k);
-            if (!in_mesh(primitive) || !mesh_.has_border(face(primitive))) return false;
+            if (!in_mesh(primitive) || !mesh_.has_border(face_of(primitive))) return false;
             const Truth truth = truth_at(primitive);
             return truth.is_hit() && compare(truth.t, first.t) == 0 &&
                    crossing::is_beside_border(band_answers_.inputs.rays[ray_], triangle(primitive), mesh_,
-                                              face(primitive));
+                                              face_of(primitive));
         });
     }
     [[nodiscard]] Truth truth_at(std::int32_t primitive) const {
@@ -158,14 +158,14 @@ private:
     [[nodiscard]] bool has_other_crossing_parity() const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         std::vector<CrossedTriangle> claimed_crossings, true_crossings;
-        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
+        for (std::size_t pair = candidates.first_pair(ray_); pair < candidates.first_pair(ray_ + 1); ++pair) {
             const auto primitive = static_cast<std::int32_t>(candidates.primitive(pair));
             if (!in_mesh(primitive)) continue;
             const Truth truth = truth_at(primitive);
             if (band_answers_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
-            const CrossedTriangle triangle_here{primitive, truth, facing(primitive)};
-            if (band_answers_.answers.claimed[pair] != 0) claimed_crossings.push_back(triangle_here);
-            if (truth.is_hit()) true_crossings.push_back(triangle_here);
+            const CrossedTriangle crossed{primitive, truth, facing(primitive)};
+            if (band_answers_.answers.claimed[pair] != 0) claimed_crossings.push_back(crossed);
+            if (truth.is_hit()) true_crossings.push_back(crossed);
         }
         return !leave_count_open(claimed_crossings) &&
                crossings(std::move(claimed_crossings)) % 2 != crossings(std::move(true_crossings)) % 2;

@@ -1,5 +1,5 @@
-// Outcomes at several primitives: hits of another primitive than the true one, and the errors that only meshes have
-// (crossings that a form does not see, sees twice, or puts in the wrong order).
+// Outcomes of rays with several primitives: hits of another primitive than the true one, and the errors that only
+// meshes have (crossings that a form misses, counts twice, or puts in the wrong order).
 #pragma once
 
 #include <span>

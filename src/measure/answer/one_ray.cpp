@@ -72,14 +72,14 @@ double OneRay::reach(const intersect::Info& info, const Format& format) const {
 }
 
 truth::Certified OneRay::true_t(const intersect::Info& info) const {
-    const truth::Truth found = truth(info);
-    return info.direction == intersect::Direction::unit ? found.distance : found.t;
+    const truth::Truth ray_truth = truth(info);
+    return info.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
 }
 
 intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,
                                      const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    return form.log(format, in.ray(*form.info), in.all.target_for(form, 0));
+    return form.log(format, in.ray(*form.info), in.format_inputs.target_for(form, 0));
 }
 
 }  // namespace lostbits::measure::answer

@@ -14,16 +14,16 @@
 
 namespace lostbits::measure::answer {
 
-/// One ray, its primitives and its truth; it gives each form its inputs in each format. The ray is a pixel of a scene,
-/// a given ray among the primitives of a scene, or a ray that brings its own primitives.
+/// One ray, its primitives and its truth. It provides the inputs of each form in each format. The ray is a pixel of a
+/// scene, a given ray among the primitives of a scene, or a ray that brings its own primitives.
 class OneRay {
 public:
     /// Takes the ray of pixel (x, y). Throws InputError if the picture has no such pixel.
     OneRay(const scene::file::Scene& scene, int x, int y, truth::TruthLimit limit = {});
-    /// Takes a ray as it is given. If the scene's inputs are shared, each number of the ray is rounded once to
-    /// binary64, which usually changes none of them, and the primitives are those of the scene's maps. If each format
-    /// rounds its own inputs, the ray is ideal as the scene is, and the change when a format rounds it counts as an
-    /// error of the input.
+    /// Takes a given ray among the primitives of a scene. If the scene's inputs are shared, each number of the ray is
+    /// rounded once to binary64, which usually changes none of them, and the primitives are those of the scene's maps.
+    /// If each format rounds its own inputs, the ray is ideal as the scene is, and the change when a format rounds it
+    /// counts as an error of the input.
     OneRay(const scene::file::Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit = {});
     /// Takes the first ray of a group as it is stored, with its own primitives and constants.
     explicit OneRay(scene::rays::RayGroup group);
@@ -33,15 +33,15 @@ public:
                                              truth::TruthLimit limit = {});
     static constexpr int columns_around = 10;
     /// Sets the touching convention that the ray is judged by; by default each form is judged by its own.
-    void judge_by(std::optional<intersect::Touching> convention) { touching_ = convention; }
+    void set_touching(std::optional<intersect::Touching> convention) { touching_ = convention; }
     [[nodiscard]] std::optional<intersect::Touching> touching() const { return touching_; }
 
     /// Inputs of a form in a format: the ray, for the form's kind of direction, and its target. Valid as long as the
     /// OneRay is.
     struct Inputs {
-        truth::FormatInputs all;
-        std::size_t index;
-        [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return all.rays_for(info)[index]; }
+        truth::FormatInputs format_inputs;  ///< inputs of the band that has the ray
+        std::size_t index;                  ///< index of the ray in the band
+        [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return format_inputs.rays_for(info)[index]; }
     };
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
     /// Operations that make the ray of a camera's pixel; empty if the ray is rounded to the format.
@@ -50,7 +50,7 @@ public:
     }
     /// True if the format rounds none of the numbers of the ray and the primitives, so that a form gets these numbers
     /// as given.
-    [[nodiscard]] bool is_unrounded(const Inputs& inputs) const { return band_->keeps(inputs.all, index_); }
+    [[nodiscard]] bool is_unrounded(const Inputs& inputs) const { return band_->keeps(inputs.format_inputs, index_); }
     [[nodiscard]] truth::Truth truth(const intersect::Info& info) const {
         return band_->truth(index_, convention(info));
     }
@@ -63,10 +63,10 @@ public:
     /// primitives have no mesh or the ray truly misses.
     [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
                                   Outcome plain_outcome) const {
-        const truth::Truth found = truth(info);
-        return found.is_hit() ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object,
-                                                plain_outcome)
-                              : plain_outcome;
+        const truth::Truth ray_truth = truth(info);
+        return ray_truth.is_hit() ? outcome_in_mesh({answers, inputs.format_inputs, *band_, convention(info)}, index_,
+                                                    ray_truth.object, plain_outcome)
+                                  : plain_outcome;
     }
     /// True if the ray truly meets this primitive first, alone or together with others.
     [[nodiscard]] bool meets_first(std::int32_t primitive, const intersect::Info& info) const {

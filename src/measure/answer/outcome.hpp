@@ -55,16 +55,16 @@ inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
     return hit ? Outcome::false_hit : Outcome::agree_miss;
 }
 
-/// Table of `classify` for all cases of its three arguments: looking up an outcome needs no branch.
+/// Table of `classify` for all cases of its three arguments. A look-up needs no branch.
 class OutcomeTable {
 public:
-    /// Pass `false` for a form that answers no t: a NaN is then ignored.
-    explicit OutcomeTable(bool tells_t = true) {
+    /// Pass `false` for a form that reports no t: a NaN is then ignored.
+    explicit OutcomeTable(bool reports_t = true) {
         using Decision = truth::Truth::Decision;
         for (const Decision decision : {Decision::miss, Decision::hit, Decision::unresolved})
             for (const bool hit : {false, true})
                 for (const bool is_nan : {false, true})
-                    cases_[case_index(decision, hit, is_nan)] = classify(decision, hit, is_nan && tells_t ? NAN : 0);
+                    cases_[case_index(decision, hit, is_nan)] = classify(decision, hit, is_nan && reports_t ? NAN : 0);
     }
     static constexpr std::size_t case_index(truth::Truth::Decision decision, bool hit, bool is_nan) {
         return 4 * static_cast<std::size_t>(decision) + 2 * static_cast<std::size_t>(hit) +

@@ -1,4 +1,4 @@
-// Primitives that a ray is about: the one that it is measured at, and those that own its hit.
+// Primitives of a ray: the one at which it is measured, and those that it meets first.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,9 @@
 
 namespace lostbits::measure::answer {
 
-/// Index of the primitive that ray i is measured at: `hit_primitive`, which the form or else the truth hits, unless it
-/// is negative because neither hits; then the ray's own primitive, if each ray has one; else the first.
+/// Returns the index of the primitive at which ray i is measured. This is `hit_primitive`, the one that the form or
+/// else the truth hits. If neither hits (−1), it is the ray's own primitive if each ray has one, and otherwise the
+/// first.
 inline std::size_t measured_primitive(const truth::FormatInputs& inputs, std::size_t i, std::int32_t hit_primitive) {
     return hit_primitive >= 0 ? static_cast<std::size_t>(hit_primitive) : inputs.paired ? i : 0;
 }

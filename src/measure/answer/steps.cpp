@@ -58,8 +58,8 @@ Affine<Real> exactly(const Affine<T>& m) {
     return {{exactly(m.rows[0]), exactly(m.rows[1]), exactly(m.rows[2])}, exactly(m.shift)};
 }
 
-/// t as a certified value. The bits of the Real that the value leaves out are below any of its error bounds: a Real has
-/// 256 bits.
+/// Returns t as a certified value. A Real has 256 bits; those that the value leaves out are smaller than its error
+/// bound.
 std::optional<Certified> certified_value(const Real& t) {
     if (t == 0) return Certified{};
     int exponent = 0;
@@ -72,7 +72,7 @@ std::optional<Certified> certified_value(const Real& t) {
 
 Real value_of(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
 
-/// Takes one ray through the transform steps of a row, in T.
+/// Runs the transform steps of a row for one ray, in the number type T.
 template <class T>
 class StepWalk {
 public:
@@ -85,8 +85,8 @@ public:
           range_(range) {
         world_ = lift_ray<T>(ray);
         exact_world_ = {exactly(world_.origin), exactly(world_.direction)};
-        unplaced_ = primitive;
-        unplaced_.placed.reset();
+        object_primitive_ = primitive;
+        object_primitive_.placed.reset();
     }
 
     Steps walk(const Certified& truth) {
@@ -105,14 +105,16 @@ public:
         steps.t[1] = exact_t(finish_exactly(exact_steps.origin(maps_, exact_world_.origin), exact_d));
         steps.t[2] = exact_t(finish_exactly(exactly(o), exact_d));
         steps.t[3] = exact_t(finish_exactly(exactly(o), exactly(d)));
-        const ObjectRay<T> in = rounded_steps.finish(maps, world_.origin, Ray<T>{o, d});
-        const ObjectRay<Real> exact_in{
-            {exactly(in.ray.origin), exactly(in.ray.direction)}, Real(as_double(in.length)), Real(as_double(in.scale))};
-        steps.t[4] = exact_t(exact_in);
-        if (const auto t = rounded_t(in)) {
+        const ObjectRay<T> object_ray = rounded_steps.finish(maps, world_.origin, Ray<T>{o, d});
+        const ObjectRay<Real> exact_object_ray{{exactly(object_ray.ray.origin), exactly(object_ray.ray.direction)},
+                                               Real(as_double(object_ray.length)),
+                                               Real(as_double(object_ray.scale))};
+        steps.t[4] = exact_t(exact_object_ray);
+        if (const auto t = rounded_t(object_ray)) {
             if (std::isfinite(as_double(*t)))
-                steps.t[5] = certified_value(exact_steps.back(maps_, exact_world_, exact_in, Real(as_double(*t))));
-            const double rounded_world_t = as_double(rounded_steps.back(maps, world_, in, *t));
+                steps.t[5] =
+                    certified_value(exact_steps.back(maps_, exact_world_, exact_object_ray, Real(as_double(*t))));
+            const double rounded_world_t = as_double(rounded_steps.back(maps, world_, object_ray, *t));
             if (std::isfinite(rounded_world_t)) steps.t[6] = truth::exactly(rounded_world_t);
         }
         return steps;
@@ -126,23 +128,24 @@ private:
         return range;
     }
 
-    /// t in the world if the form and the way back are exact; empty for a miss.
-    std::optional<Certified> exact_t(const ObjectRay<Real>& in) const {
-        Primitive<Real> object = transformed(unplaced_, [](double x) { return Real(x); });
-        if (in.scale != 1) object = scaled(object, in.scale);
-        const truth::Truth truth = truth::find_truth(in.ray, object, {}, row_.info->convention().of(object.shape),
-                                                     scaled_range(word_of(in.length)));
+    /// Returns t in the world if the form and the transform back are exact; empty for a miss.
+    std::optional<Certified> exact_t(const ObjectRay<Real>& object_ray) const {
+        Primitive<Real> object = transformed(object_primitive_, [](double x) { return Real(x); });
+        if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
+        const truth::Truth truth =
+            truth::find_truth(object_ray.ray, object, {}, row_.info->convention().of(object.shape),
+                              scaled_range(word_of(object_ray.length)));
         if (!truth.is_hit()) return std::nullopt;
-        return certified_value(parts_.method->real.back(maps_, exact_world_, in, value_of(truth.t)));
+        return certified_value(parts_.method->real.back(maps_, exact_world_, object_ray, value_of(truth.t)));
     }
 
-    /// Answer of the form in its format; empty for a miss.
-    std::optional<T> rounded_t(const ObjectRay<T>& in) const {
-        Primitive<T> object = lift_primitive<T>(unplaced_);
-        if (as_double(in.scale) != 1) object = scaled(object, in.scale);
-        const auto t =
-            evaluate_one(*parts_.form, format_, as_doubles(in.ray), as_doubles(object),
-                         std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * in.length));
+    /// Returns the answer of the form in its format; empty for a miss.
+    std::optional<T> rounded_t(const ObjectRay<T>& object_ray) const {
+        Primitive<T> object = lift_primitive<T>(object_primitive_);
+        if (as_double(object_ray.scale) != 1) object = scaled(object, object_ray.scale);
+        const auto t = evaluate_one(
+            *parts_.form, format_, as_doubles(object_ray.ray), as_doubles(object),
+            std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * object_ray.length));
         return t ? std::optional(static_cast<T>(*t)) : std::nullopt;
     }
 
@@ -153,7 +156,7 @@ private:
     Range<double> range_;
     Ray<T> world_;
     Ray<Real> exact_world_;
-    Primitive<double> unplaced_;
+    Primitive<double> object_primitive_;
     Maps<Real> maps_;
 };
 

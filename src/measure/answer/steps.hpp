@@ -1,6 +1,7 @@
-// Attributes a loss to the transform steps and to the levels of an answer. Steps lead into the space of a primitive and
-// back; the first k of them are rounded and the others exact, for each k. Levels belong to a form behind boxes, in the
-// world and in the space of its primitive; the first level that misses loses the hit.
+// Attributes a loss to the transform steps and to the levels of an answer. The steps transform a ray into the space of
+// a primitive and the answer back; for each k, the first k steps are rounded and the others exact. The levels are the
+// boxes around a primitive, in the world and in its own space, and the form itself; the first level that misses loses
+// the hit.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@
 
 namespace lostbits::measure::answer {
 
-/// The t that a row answers; empty if it misses. Inputs are numbers of the format.
+/// Returns the t that a row answers; empty if it misses. The inputs are numbers of the format.
 std::optional<double> evaluate_one(const intersect::table::Intersector& catalogue_row, const Format& format,
                                    const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 
@@ -43,15 +44,15 @@ struct Steps {
     [[nodiscard]] std::optional<std::size_t> worst() const;
 };
 
-/// Steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given as the form
-/// received it, and the primitive under a matrix. Uses the convention of the row, within a range.
+/// Returns the steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given
+/// as the form received it, and the primitive under a matrix. Uses the convention of the row, within a range.
 Steps steps_of(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
                const Primitive<double>& primitive, const Range<double>& range = {});
 
 enum class Level {
     nothing,    ///< the hit is found
     world_box,  ///< false cull: the ray misses the box in the world around a primitive under a matrix
-    space,      ///< the ray, after its transformation into the space of the primitive, truly misses it
+    space,      ///< the ray, transformed into the space of the primitive, truly misses the primitive
     box,        ///< false cull: the ray misses the box in the primitive's space, or the box around one without a matrix
     form        ///< the form itself
 };
@@ -67,15 +68,15 @@ struct Levels {
     std::vector<BoxTest> boxes;
 };
 
-/// Levels of a row behind a box, for a ray that truly hits the primitive in its range, both as the form received them.
-/// The hit is lost to the first level, from the outside in, that misses.
+/// Returns the levels of a row behind a box, for a ray that truly hits the primitive in its range, both as the form
+/// received them. The hit is lost to the first level, from the outside in, that misses.
 Levels levels_of(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, const Range<double>& range);
 
-/// Margin, in ulps of t, that an earlier and farther hit must leave for the row to find this hit: the earlier hit ends
-/// the ray. The margin is the least k for which the row hits when the ray ends at t + k ulp(t), where t is the row's
-/// own answer. 0: the row hits even if the ray ends at t. Infinite if no k up to 2^p is enough; NaN if the row misses
-/// with the range's own end.
+/// Returns the margin, in ulps of t, that an earlier and farther hit must leave for the row to find this hit: the
+/// earlier hit ends the ray. The margin is the least k for which the row hits when the ray ends at t + k ulp(t), where
+/// t is the row's own answer. 0: the row hits even if the ray ends at t. Infinite if no k up to 2^p is enough; NaN if
+/// the row misses with the range's own end.
 double end_margin(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
                   const Primitive<double>& primitive, const Range<double>& range);
 

@@ -12,7 +12,7 @@ using truth::Certified;
 
 namespace {
 
-/// True if the precision of `hit` decides the form's answer. Then sets `answer` if there is one.
+/// Returns true if the precision of `hit` decides the form's answer, and sets `answer` if there is one.
 template <class E>
 bool try_to_answer(const Hit<E>& hit, std::optional<Certified>& answer) {
     if (hit.hit.is_unknown()) return false;

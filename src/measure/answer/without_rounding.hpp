@@ -1,4 +1,5 @@
-// Evaluates a form, or a call on a tape, without rounding: tells the error of the formula from that of its arithmetic.
+// Evaluates a form, or a call on a tape, without rounding, which separates the error of the formula from the error of
+// its arithmetic.
 #pragma once
 
 #include <optional>

@@ -306,9 +306,9 @@ EnclosedNode enclose(const NodeContext& context) {
         case TapeOp::less_equal: return compare(a, b, false);
         case TapeOp::greater: return compare(b, a, true);
         case TapeOp::greater_equal: return compare(b, a, false);
-        case TapeOp::both: return combine(a, b, true);
-        case TapeOp::either: return combine(a, b, false);
-        case TapeOp::opposite: return opposite(a);
+        case TapeOp::logical_and: return combine(a, b, true);
+        case TapeOp::logical_or: return combine(a, b, false);
+        case TapeOp::logical_not: return opposite(a);
         case TapeOp::any: return a;
         default: return {};  // a call has no enclosure; inputs, constants and select are handled above
     }

@@ -32,7 +32,7 @@ public:
     /// The form's t if its decision is the same without rounding, otherwise the decision.
     NodeId default_subject() {
         const NodeId hit = tape_.outputs.hit;
-        return error_of(hit).turned ? hit : tape_.outputs.t;
+        return error_of(hit).is_flipped ? hit : tape_.outputs.t;
     }
 
     void attribute(NodeId subject) {
@@ -88,9 +88,9 @@ private:
         }
         e.exact = Exact::nearest(exact(i));
         e.error = Exact::difference(n.value, exact(i));
-        if (!e.turned) e.rounding = rounding_of(tape_, i);
+        if (!e.is_flipped) e.rounding = rounding_of(tape_, i);
         e.cancelled = cancellation(tape_, i);
-        for (const NodeId operand : tape_.operands_of(i)) e.carried |= error_of(operand).error != 0;
+        for (const NodeId operand : tape_.operands_of(i)) e.has_operand_error |= error_of(operand).error != 0;
         if (depth_.full) e.local_bits = local_bits(i);
     }
 
@@ -123,7 +123,7 @@ private:
         const TapeNode& n = tape_[i];
         const bool computed_holds = n.value != 0, exact_holds = holds(n.op, ExactJudge{*this, n});
         error_of(i).exact = exact_holds;
-        error_of(i).turned = exact_holds != computed_holds;
+        error_of(i).is_flipped = exact_holds != computed_holds;
         if (n.op == TapeOp::any && exact_holds && !computed_holds) attribution_.cut_short = true;
     }
 
@@ -133,9 +133,10 @@ private:
         const TapeNode& n = tape_[i];
         const NodeId taken_side = side_taken(tape_, i), exact_side = side_taken(n, ExactJudge{*this, n});
         exact(i) = exact(exact_side);
-        error_of(i).turned = exact_side != taken_side && !have_same_bits(computed(exact_side), computed(taken_side));
-        error_of(i).side = error_of(i).turned ? taken_side : exact_side;
-        if (!error_of(i).turned) return;
+        error_of(i).is_flipped =
+            exact_side != taken_side && !have_same_bits(computed(exact_side), computed(taken_side));
+        error_of(i).side = error_of(i).is_flipped ? taken_side : exact_side;
+        if (!error_of(i).is_flipped) return;
         error_of(i).rounding = lacks_exact_value(taken_side) ? Exact::difference(n.value, exact(exact_side))
                                                              : Exact::nearest(exact(taken_side) - exact(exact_side));
     }
@@ -160,7 +161,7 @@ private:
             negative = decision_or_fail(Exact::less(exact(b), Number(0)), was_negative);
         const Number size = abs(exact(a));
         exact(i) = negative ? -size : size;
-        error_of(i).turned = negative != was_negative;
+        error_of(i).is_flipped = negative != was_negative;
         if (negative != was_negative) error_of(i).rounding = Exact::nearest(was_negative ? -size - size : size + size);
     }
 
@@ -177,7 +178,7 @@ private:
                 }
                 case OperationKind::called:
                     return bits_lost_by(
-                        i, error_of(i).carried ? Exact::round_to(exact(i), tape_.format_of(i)) : computed(i));
+                        i, error_of(i).has_operand_error ? Exact::round_to(exact(i), tape_.format_of(i)) : computed(i));
                 case OperationKind::given:
                 case OperationKind::exact:  // rounding the operand alone costs half an ulp, which is no bit
                 case OperationKind::moved:  // its change is intended
@@ -198,7 +199,7 @@ private:
 
     void seed(NodeId subject) {
         OperationError& e = error_of(subject);
-        e.live = true;
+        e.is_live = true;
         e.adjoint = e.derivative = 1;
     }
 
@@ -206,11 +207,11 @@ private:
     void pass_adjoint(NodeId i) {
         const TapeNode& n = tape_[i];
         const OperationError& e = error_of(i);
-        if (!e.live || is_given(n.op)) return;
+        if (!e.is_live || is_given(n.op)) return;
         if (n.op == TapeOp::call) return pass_through_call(i);
         has_failed_ |= !is_decision(n.op) && !Exact::is_good(exact(i), n.value);
         const NodeId taken_side = e.side;
-        if (e.turned && taken_side != no_node && lacks_exact_value(taken_side)) return;
+        if (e.is_flipped && taken_side != no_node && lacks_exact_value(taken_side)) return;
         std::array<Step, 3> differences{}, points{};
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (is_decision(tape_[n.operands[k]].op)) continue;
@@ -223,7 +224,7 @@ private:
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (!difference[k]) continue;
             OperationError& operand = error_of(n.operands[k]);
-            operand.live = true;
+            operand.is_live = true;
             operand.adjoint += e.adjoint * *difference[k];
             if (depth_.full) operand.derivative += e.derivative * *derivative[k];
         }
@@ -231,7 +232,7 @@ private:
 
     void pass_through_call(NodeId i) {
         const auto arguments = tape_.operands_of(i);
-        for (const NodeId k : arguments) error_of(k).live = true;
+        for (const NodeId k : arguments) error_of(k).is_live = true;
         if constexpr (std::same_as<Exact, DeepExact>) {
             std::vector<Number> exact_arguments, computed_arguments;
             for (const NodeId k : arguments)
@@ -248,7 +249,7 @@ private:
 
     void add_contribution(NodeId i) {
         OperationError& e = error_of(i);
-        if (!e.live || e.rounding == 0) return;
+        if (!e.is_live || e.rounding == 0) return;
         e.contribution = e.rounding * e.adjoint;
         attribution_.explained += e.contribution;
         if (depth_.full) attribution_.first_order += e.rounding * e.derivative;
@@ -273,11 +274,11 @@ private:
         while (decision != no_node && !is_comparison(tape_[decision].op)) {
             NodeId next = no_node;
             for (const NodeId operand : tape_[decision].operands) {
-                if (operand != no_node && next == no_node && error_of(operand).turned) next = operand;
+                if (operand != no_node && next == no_node && error_of(operand).is_flipped) next = operand;
             }
             decision = next;
         }
-        return decision != no_node && error_of(decision).turned ? decision : no_node;
+        return decision != no_node && error_of(decision).is_flipped ? decision : no_node;
     }
 
     /// The subject if it is not finite; for a comparison, the side that is not finite and would be finite without

@@ -23,7 +23,7 @@ struct OperationError {
     double exact = 0;       ///< rounded to the nearest double
     double error = 0;       ///< computed − exact
     double rounding = 0;    ///< its own error: computed − the exact operation on the computed operands; for a choice
-                            ///< that rounding turned, exact value of the side taken − exact value of the other side
+                            ///< that rounding flipped, exact value of the side taken − exact value of the other side
     double adjoint = 0;     ///< difference quotient of the subject by this value
     double derivative = 0;  ///< ∂subject/∂value at the computed values; only with `AttributionDepth::full`
     double contribution = 0;  ///< rounding · adjoint, in the unit of the subject
@@ -33,14 +33,16 @@ struct OperationError {
                         ///< significand if the result is 0
     NodeId side = no_node;  ///< of a choice, the operand that the result comes from. If both have the same computed
                             ///< value, it is the one that exact values choose, and the choice makes no error
-    bool carried = false;  ///< an operand carries error, so a cancellation here is catastrophic; otherwise it is benign
-    bool live = false;     ///< the subject is computed from it, on the chosen side of each select
-    bool turned = false;   ///< a decision, or the choice of a min, max, select or sign, that differs from the exact one
+    /// An operand carries error, so a cancellation in this operation is catastrophic; otherwise it is benign.
+    bool has_operand_error = false;
+    bool is_live = false;  ///< the subject is computed from it, on the chosen side of each select
+    /// A decision, or the choice of a min, max, select or sign, that differs from the exact one.
+    bool is_flipped = false;
 };
 
 struct Attribution {
     std::vector<OperationError> errors;  ///< one for each node
-    NodeId subject = no_node;            ///< explained value: t, or the comparison that turned the decision
+    NodeId subject = no_node;            ///< explained value: t, or the comparison that flipped the decision
     bool exact_hit = false;              ///< the form's decision without rounding
     bool cut_short = false;  ///< without rounding a loop would have gone on, so the exact values end where the computed
                              ///< ones did
@@ -64,7 +66,7 @@ struct AttributionDepth {
 };
 
 /// Attributes the error of a subject that is a number. For a decision, the subject is the difference of the sides of
-/// the first comparison behind it that rounding turned; there is none if no comparison turned.
+/// the first comparison behind it that rounding flipped; there is none if no comparison was flipped.
 ///
 /// Exact values are double-double with certified bounds if those settle every decision and bound each live value to
 /// 2^-60 of the larger of it and the computed one. Otherwise they have 2048 bits, and values that differ by less than

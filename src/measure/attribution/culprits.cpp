@@ -150,7 +150,7 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
     for (std::size_t i = 0; i < labels.size(); ++i) {
         if (labels[i] != label) continue;
         has_label = true;
-        if (attribution.errors[i].live) sum += attribution.errors[i].contribution;
+        if (attribution.errors[i].is_live) sum += attribution.errors[i].contribution;
     }
     return has_label ? sum : missing;
 }
@@ -158,7 +158,7 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
 int worst_cancellation(const Attribution& attribution) {
     int worst = 0;
     for (const OperationError& e : attribution.errors) {
-        if (e.live && e.carried) worst = std::max(worst, e.cancelled);
+        if (e.is_live && e.has_operand_error) worst = std::max(worst, e.cancelled);
     }
     return worst;
 }
@@ -168,7 +168,7 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (tape[i].label != label) continue;
         const OperationError& e = attribution[i];
-        worst = std::fmax(worst, e.live && e.carried ? e.cancelled : 0);
+        worst = std::fmax(worst, e.is_live && e.has_operand_error ? e.cancelled : 0);
     }
     return worst;
 }

@@ -61,7 +61,7 @@ FormResult result_of_answer(const Intersector& form, const Format& format, const
 /// Result of the form's nearest answer over the primitives of the scene, as in a picture.
 FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    const answer::Answers answers = answer::evaluate(form, in.all);
+    const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     return result_of_answer(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
@@ -93,10 +93,10 @@ double mean_lost_bits(const Intersector& form, const Format& format, const Surro
 /// includes all.
 std::vector<Primitive<double>> primitives_around(const Explanation& x, const OneRay::Inputs& in, int true_primitive) {
     std::vector<Primitive<double>> primitives;
-    for (std::size_t i = 0; i < in.all.primitives.size(); ++i) {
+    for (std::size_t i = 0; i < in.format_inputs.primitives.size(); ++i) {
         const int index = static_cast<int>(i);
         if (!is_primitive(x.form->shape) || index == x.primitive || index == true_primitive)
-            primitives.push_back(in.all.primitives[i]);
+            primitives.push_back(in.format_inputs.primitives[i]);
     }
     return primitives;
 }
@@ -180,7 +180,7 @@ void compare_with_other_forms(Explanation& x, const OneRay& ray, const Surroundi
 std::vector<OneRay> pixels_around(const ScenePixel& pixel, const scene::file::Scene& scene,
                                   std::optional<intersect::Touching> touching) {
     std::vector<OneRay> rays = OneRay::pixels_around(scene, pixel.x, pixel.y, pixel.limit);
-    for (OneRay& ray : rays) ray.judge_by(touching);
+    for (OneRay& ray : rays) ray.set_touching(touching);
     return rays;
 }
 
@@ -212,12 +212,12 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
                                               const std::optional<scene::rays::RecordedRay>& recorded_ray,
                                               int true_primitive) {
     TruePrimitive result{.primitive = true_primitive,
-                         .ray_and_primitive = scene::rays::group_of(in.all.rays[in.index])};
+                         .ray_and_primitive = scene::rays::group_of(in.format_inputs.rays[in.index])};
     const auto index = static_cast<std::size_t>(true_primitive);
-    result.ray_and_primitive.primitives = {in.all.primitives[index]};
-    result.ray_and_primitive.rays.push_range(in.all.rays, in.index);
-    const Range<double> range = in.all.rays_for(*form.info).range(in.index);
-    const FormatInputs::AimedAt aim = in.all.target_for(form, index);
+    result.ray_and_primitive.primitives = {in.format_inputs.primitives[index]};
+    result.ray_and_primitive.rays.push_range(in.format_inputs.rays, in.index);
+    const Range<double> range = in.format_inputs.rays_for(*form.info).range(in.index);
+    const FormatInputs::AimedAt aim = in.format_inputs.target_for(form, index);
     const intersect::Target<double> target = aim;
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
@@ -235,19 +235,20 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
 /// The true t of the ray under another range; nothing if it misses.
 std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
                              const intersect::Info& info) {
-    scene::rays::RayGroup group = scene::rays::group_of(in.all.rays[in.index]);
+    scene::rays::RayGroup group = scene::rays::group_of(in.format_inputs.rays[in.index]);
     group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open = range.open;
-    for (std::size_t i = 0; i < in.all.primitives.size(); ++i) group.primitives.push_back(in.all.primitives[i]);
-    group.march = in.all.march;
+    for (std::size_t i = 0; i < in.format_inputs.primitives.size(); ++i)
+        group.primitives.push_back(in.format_inputs.primitives[i]);
+    group.march = in.format_inputs.march;
     OneRay changed(std::move(group));
-    changed.judge_by(ray.touching());
+    changed.set_touching(ray.touching());
     if (!changed.truth(info).is_hit()) return {};
     return changed.rounded_truth(info, binary64);
 }
 
 /// Finds the hits that the range of a ray excludes, if the ray truly misses.
 void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inputs& in) {
-    const Range<double> range = in.all.rays.range(in.index);
+    const Range<double> range = in.format_inputs.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;
     const intersect::Info& info = *x.form->info;
     x.beyond_end = hit_in({range.tmin, HUGE_VAL, {.tmin = range.open.tmin}}, ray, in, info);
@@ -263,17 +264,17 @@ std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answe
                                           const FloatFormat& format, const std::vector<Primitive<double>>& primitives) {
     std::vector<answer::OneRay> rays;
     RandomMoves moves;
-    const Ray<double> original = in.all.rays[in.index];
+    const Ray<double> original = in.format_inputs.rays[in.index];
     for (int k = 0; k < neighbours; ++k) {
         Ray<double> neighbour = original;
         for (Vec<double>* const v : {&neighbour.origin, &neighbour.direction}) {
             for (double* const x : {&v->x, &v->y, &v->z}) *x = moved_by_ulps(*x, moves.next(), format);
         }
         scene::rays::RayGroup group = scene::rays::group_of(neighbour);
-        group.rays.push_range(in.all.rays, in.index);
+        group.rays.push_range(in.format_inputs.rays, in.index);
         group.primitives = primitives;
-        group.march = in.all.march;
-        rays.emplace_back(std::move(group)).judge_by(ray.touching());
+        group.march = in.format_inputs.march;
+        rays.emplace_back(std::move(group)).set_touching(ray.touching());
     }
     return rays;
 }
@@ -299,11 +300,11 @@ NodeId Explanation::amplifier(NodeId from) const {
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
-        if (!e.live) continue;
+        if (!e.is_live) continue;
         for (const NodeId operand : tape.operands_of(i)) {
             if (is_reached[static_cast<std::size_t>(operand)]) is_reached[static_cast<std::size_t>(i)] = true;
         }
-        if (is_reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
+        if (is_reached[static_cast<std::size_t>(i)] && e.has_operand_error && e.cancelled > bits) {
             largest = i;
             bits = e.cancelled;
         }
@@ -316,34 +317,34 @@ bool Explanation::rounding_turned_order() const {
     return !attribution.exact_hit || missed->exact_t < attribution[tape.outputs.t].exact;
 }
 
-std::vector<NodeId> Explanation::turned() const {
+std::vector<NodeId> Explanation::flipped_decisions() const {
     std::vector<NodeId> nodes;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
-        if (e.turned && e.live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
+        if (e.is_flipped && e.is_live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
     }
     return nodes;
 }
 
 Explanation explain_alone(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    const answer::Answers answers = answer::evaluate(form, in.all);
+    const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     const truth::Truth& truth = ray.truth(*form.info);
     Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
-    const Vec<double> given_direction = in.all.rays[in.index].direction,
+    const Vec<double> given_direction = in.format_inputs.rays[in.index].direction,
                       received_direction = in.ray(*form.info).direction;
     if (!is_same_number(given_direction.x, received_direction.x) ||
         !is_same_number(given_direction.y, received_direction.y) ||
         !is_same_number(given_direction.z, received_direction.z))
         x.given_direction = given_direction;
-    x.primitives = static_cast<int>(in.all.primitives.size());
+    x.primitives = static_cast<int>(in.format_inputs.primitives.size());
     const std::size_t primitive = answer::measured_primitive(
-        in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
     x.primitive = static_cast<int>(primitive);
-    x.shape = in.all.primitives[primitive].shape;
-    const FormatInputs::AimedAt aim = in.all.target_for(form, primitive);
+    x.shape = in.format_inputs.primitives[primitive].shape;
+    const FormatInputs::AimedAt aim = in.format_inputs.target_for(form, primitive);
     const intersect::Target<double> target = aim;
-    x.range = in.all.rays_for(*form.info).range(in.index);
+    x.range = in.format_inputs.rays_for(*form.info).range(in.index);
     if (form.is_template()) {
         form.record(format, in.ray(*form.info), target, x.range.tmax, x.tape);
         const auto recorded_ray = ray.recorded_ray(format);
@@ -360,8 +361,8 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.result = result_of_answer(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     } else {
         x.names = intersect::bounding_box::names_on_tape(form, target);
-        x.inputs =
-            tape::inputs_of(in.ray(*form.info), in.all.primitives[static_cast<std::size_t>(x.primitive)], x.range.tmax);
+        x.inputs = tape::inputs_of(in.ray(*form.info),
+                                   in.format_inputs.primitives[static_cast<std::size_t>(x.primitive)], x.range.tmax);
         if (!x.range.is_whole()) x.names.emplace_back("ray.tmin"), x.inputs.push_back(x.range.tmin);
         x.hit = answers.hit[in.index] != 0;
         x.result = result_of_answer(form, format, ray, x.hit, answers.t[in.index]);

@@ -91,8 +91,8 @@ struct Explanation {
     [[nodiscard]] NodeId amplifier(NodeId from) const;
     /// True if the form would hit `missed` first without rounding.
     [[nodiscard]] bool rounding_turned_order() const;
-    /// Decisions on the path to the answer that rounding turned: live choices, and the form's own decision.
-    [[nodiscard]] std::vector<NodeId> turned() const;
+    /// Decisions on the path to the answer that rounding flipped: live choices, and the form's own decision.
+    [[nodiscard]] std::vector<NodeId> flipped_decisions() const;
 };
 
 /// Explains the form on the ray without comparing it with others: `better`, `compared` and `lost_nearby` keep their

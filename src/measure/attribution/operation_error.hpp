@@ -11,7 +11,7 @@ namespace lostbits::measure::attribution {
 NodeId side_taken(const Tape& tape, NodeId i);
 
 /// True if a result can differ from the exact one on the same operands, by rounding or by a choice that rounding
-/// turned.
+/// flipped.
 bool can_err(TapeOp op);
 
 /// True if the change of value is intended and not a rounding: a form moves to the next number on purpose.

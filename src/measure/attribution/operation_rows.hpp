@@ -255,19 +255,19 @@ struct Operation<TapeOp::greater_equal> {
 };
 
 template <>
-struct Operation<TapeOp::both> {
+struct Operation<TapeOp::logical_and> {
     static constexpr OperationText text{.binds = 0, .plain = "$1:1 and $2:1", .c = "$1 && $2", .fpcore = "(and $1 $2)"};
     static bool holds(const auto& judge) { return judge.holds(0) && judge.holds(1); }
 };
 
 template <>
-struct Operation<TapeOp::either> {
+struct Operation<TapeOp::logical_or> {
     static constexpr OperationText text{.binds = 0, .plain = "$1:1 or $2:1", .c = "$1 || $2", .fpcore = "(or $1 $2)"};
     static bool holds(const auto& judge) { return judge.holds(0) || judge.holds(1); }
 };
 
 template <>
-struct Operation<TapeOp::opposite> {
+struct Operation<TapeOp::logical_not> {
     static constexpr OperationText text{.binds = 0, .plain = "not $1:1", .c = "!$1", .fpcore = "(not $1)"};
     static bool holds(const auto& judge) { return !judge.holds(0); }
 };

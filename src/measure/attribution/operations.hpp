@@ -16,9 +16,9 @@ namespace lostbits::measure::attribution {
 template <OperationKind... kinds, class F>
 decltype(auto) visit_operation(TapeOp op, const F& f) {
     switch (op) {
-#define LOSTBITS_CASE(name, kind_of_name, operands)                                                                  \
-    case TapeOp::name:                                                                                               \
-        if constexpr (((OperationKind::kind_of_name == kinds) || ...)) return f.template operator()<TapeOp::name>(); \
+#define LOSTBITS_CASE(tape_op, name, kind_of_op, operands)                                                            \
+    case TapeOp::tape_op:                                                                                             \
+        if constexpr (((OperationKind::kind_of_op == kinds) || ...)) return f.template operator()<TapeOp::tape_op>(); \
         else break;
         LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
 #undef LOSTBITS_CASE
@@ -48,8 +48,8 @@ typename Exact::Number without_rounding(const TapeNode& n, const Operand& operan
 
 constexpr const OperationText& text_of(TapeOp op) {
     switch (op) {
-#define LOSTBITS_CASE(name, kind, operands) \
-    case TapeOp::name: return Operation<TapeOp::name>::text;
+#define LOSTBITS_CASE(tape_op, name, kind, operands) \
+    case TapeOp::tape_op: return Operation<TapeOp::tape_op>::text;
         LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
 #undef LOSTBITS_CASE
     }

@@ -31,7 +31,7 @@ public:
           distances_(tape.nodes.size()),
           positions_(tape.nodes.size(), unnumbered) {
         for (NodeId i = attribution.subject; i >= 0; --i) {
-            if (!attribution[i].live) continue;
+            if (!attribution[i].is_live) continue;
             for_each_source(tape, attribution, i, [&](NodeId source) {
                 element(distances_, source) = std::max(element(distances_, source), element(distances_, i) + 1);
             });
@@ -71,7 +71,7 @@ bool do_wrong_choices_cancel(const Attribution& attribution, const std::vector<N
     double sum = 0, largest = 0;
     for (const NodeId i : equals) {
         const OperationError& e = attribution[i];
-        if (!e.turned) return false;
+        if (!e.is_flipped) return false;
         sum += e.contribution;
         largest = std::max(largest, std::fabs(e.contribution));
     }
@@ -89,7 +89,7 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
     };
     const auto is_considered = [&](NodeId i) {
         const OperationError& e = attribution[i];
-        return e.live && e.rounding != 0 && !(below && size(i) >= *below);
+        return e.is_live && e.rounding != 0 && !(below && size(i) >= *below);
     };
     double largest = -1;
     for (NodeId i = 0; i <= attribution.subject; ++i) {
@@ -123,7 +123,8 @@ bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i
     const auto mark = [&](NodeId k) { is_reached[static_cast<std::size_t>(k)] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].live) for_each_source(tape, attribution, i, mark);
+        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].is_live)
+            for_each_source(tape, attribution, i, mark);
     }
     return is_reached[static_cast<std::size_t>(from)];
 }

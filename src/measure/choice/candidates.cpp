@@ -46,15 +46,16 @@ std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-RowQuality quality_of(const evaluate::FormSummary& s, const TestedForm& form_row, const Requirement& requirement) {
-    return {
-        .rays = s.rays - s.count(answer::Outcome::unresolved),
-        .wrong = s.wrong_count(),
-        .main_fault = s.wrong(),
-        .main_fault_count = s.wrong() ? s.count(*s.wrong()) : 0,
-        .kept_bits = form_row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
-        .hits = s.true_hits,
-        .distance_error = requirement.has_tolerance() ? s.metrics[1].quantile(requirement.quantile) : truth::missing};
+RowQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& form_row,
+                      const Requirement& requirement) {
+    return {.rays = summary.rays - summary.count(answer::Outcome::unresolved),
+            .wrong = summary.wrong_count(),
+            .main_fault = summary.wrong(),
+            .main_fault_count = summary.wrong() ? summary.count(*summary.wrong()) : 0,
+            .kept_bits = form_row.format.parameters.precision - summary.metrics[0].quantile(requirement.quantile),
+            .hits = summary.true_hits,
+            .distance_error =
+                requirement.has_tolerance() ? summary.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
 RowQuality quality_on(const truth::Band& band, const TestedForm& form_row, const Requirement& requirement) {
@@ -78,18 +79,19 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     std::vector<speed::TimedWork> work;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& form_row = request.rows[r];
-        const intersect::simd::Isa isa = request.single || !is_packed(*form_row.form, intersect::simd::current_isa())
-                                             ? intersect::simd::Isa::scalar
-                                             : intersect::simd::current_isa();
+        const intersect::simd::Isa isa =
+            request.times_single_rays || !is_packed(*form_row.form, intersect::simd::current_isa())
+                ? intersect::simd::Isa::scalar
+                : intersect::simd::current_isa();
         candidates.push_back({form_row, name_of(isa), {}, quality[r]});
-        work.push_back(scene_work.on(form_row, packed_kernels(*form_row.form, isa)));
+        work.push_back(scene_work.work_for(form_row, packed_kernels(*form_row.form, isa)));
     }
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].time = timings[c];
     return candidates;
 }
 
-Format computes_in(const TestedForm& form_row) {
+Format computing_format(const TestedForm& form_row) {
     if (form_row.format.engine != Format::Engine::native32 || form_row.form->count == nullptr ||
         !is_primitive(form_row.form->shape))
         return form_row.format;
@@ -99,7 +101,7 @@ Format computes_in(const TestedForm& form_row) {
     return counts[Operation::convert] > 0 ? *find_format("f64") : form_row.format;
 }
 
-std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates) {
+std::vector<std::size_t> order_by_price(const std::vector<Candidate>& candidates) {
     std::vector<std::size_t> order(candidates.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&candidates](std::size_t c) { return candidates[c].time.median; });
@@ -156,7 +158,7 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidate
 
 std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     const auto nearest_deciding = least_of(
-        candidates, [&requirement](const Candidate& c) { return c.quality.decides(requirement); },
+        candidates, [&requirement](const Candidate& c) { return c.quality.decides_as_required(requirement); },
         [&requirement](const Candidate& a, const Candidate& b) {
             return nearness(a, requirement) > nearness(b, requirement);
         });

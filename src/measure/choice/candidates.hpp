@@ -20,7 +20,7 @@ using speed::with_smaller_picture;
 struct Requirement {
     double bits = 0;   ///< least number of correct bits of t
     double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another primitive
-    double quantile = 0.99;  ///< share of the agreed hits that must keep those bits; 1: all hits
+    double quantile = 0.99;  ///< share of the hits on which form and truth agree that must keep these bits; 1: all
     double tolerance = std::numeric_limits<double>::infinity();  ///< largest `distance_error` of the same share
 
     [[nodiscard]] bool has_tolerance() const { return tolerance < std::numeric_limits<double>::infinity(); }
@@ -44,9 +44,11 @@ struct RowQuality {
     [[nodiscard]] double wrong_fraction() const {
         return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
     }
-    [[nodiscard]] bool decides(const Requirement& requirement) const { return wrong_fraction() <= requirement.wrong; }
+    [[nodiscard]] bool decides_as_required(const Requirement& requirement) const {
+        return wrong_fraction() <= requirement.wrong;
+    }
     [[nodiscard]] bool meets(const Requirement& requirement) const {
-        return decides(requirement) && kept_bits >= requirement.bits &&
+        return decides_as_required(requirement) && kept_bits >= requirement.bits &&
                (!requirement.has_tolerance() || distance_error <= requirement.tolerance);
     }
 };
@@ -62,13 +64,13 @@ struct Candidate {
 struct FileRays;
 
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;       ///< scene to choose for; null for rays of files
-    const FileRays* rays = nullptr;                  ///< rays of files, judged for `rows` and `requirement`
-    std::vector<evaluate::TestedForm> rows = {};     ///< in f32 and f64 only
-    std::vector<evaluate::TestedForm> untimed = {};  ///< rows in emulated formats; used only for the requirement of
-                                                     ///< each pixel
+    const scene::file::Scene* scene = nullptr;            ///< scene to choose for; null for rays of files
+    const FileRays* rays = nullptr;                       ///< rays of files, judged for `rows` and `requirement`
+    std::vector<evaluate::TestedForm> rows = {};          ///< in f32 and f64 only
+    std::vector<evaluate::TestedForm> untimed_rows = {};  ///< rows in emulated formats; used only for the requirement
+                                                          ///< of each pixel
     Requirement requirement{};
-    bool single = false;  ///< measure one ray at a time instead of a register of rays
+    bool times_single_rays = false;  ///< time kernels of one ray at a time instead of a register of rays
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
     evaluate::ShowRows show = {};  ///< receives the rows of `measure_candidates`; may be empty
@@ -92,9 +94,9 @@ RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs
 /// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
 std::vector<RowQuality> quality_of(const ChoiceRequest& request);
 
-/// Format in which a row computes. It is the format of the row's inputs and answers, unless the formula converts to the
-/// wider one and back on a plain ray.
-Format computes_in(const evaluate::TestedForm& form_row);
+/// Returns the format in which a row computes: the format of its inputs and answers, or f64 if they are f32 and the
+/// formula converts them to f64 and back.
+Format computing_format(const evaluate::TestedForm& form_row);
 
 /// Numbers of rays and primitives that were timed, see `speed::SceneWork`.
 struct TimedRays {
@@ -104,8 +106,8 @@ struct TimedRays {
 /// Measures every row, in the request's order, and times it on rays of the scene or of the files.
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
 
-/// Indices of all candidates, cheapest first.
-std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates);
+/// Returns the indices of all candidates, cheapest first.
+std::vector<std::size_t> order_by_price(const std::vector<Candidate>& candidates);
 
 /// `cheapest` is the fastest candidate that meets the requirement. `fastest` and `most_accurate` (fewest wrong
 /// decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.

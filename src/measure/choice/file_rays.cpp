@@ -61,8 +61,8 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.representatives().front().shape;
     const judge::FileForm answers(terms.id, shape, contract);
     if (dump.layout().has_answers()) {
-        judge_request.file_form = &answers.form();
-        judge_request.rows.insert(judge_request.rows.begin(), {judge_request.file_form, dump.format()});
+        judge_request.file_answers_form = &answers.form();
+        judge_request.rows.insert(judge_request.rows.begin(), {judge_request.file_answers_form, dump.format()});
     }
     Sampler sampler;
     const judge::JudgeResult result = judge::run_judge(
@@ -74,7 +74,7 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
     for (std::size_t r = 0; r < judge_request.rows.size(); ++r) {
         const RowQuality quality = quality_of(result.summaries[r], judge_request.rows[r], request.requirement);
-        if (judge_request.is_of_file(judge_request.rows[r]))
+        if (judge_request.is_file_row(judge_request.rows[r]))
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
         else rays.quality.push_back(quality);
     }

@@ -35,7 +35,7 @@ std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
     return {(Real(1) / Real(targets.size())) * sum};
 }
 
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::ranges::nth_element(values, middle);
     return *middle;
@@ -47,7 +47,7 @@ void set_origin(scene::rays::IdealRayBlock& rays, std::size_t i, const Vec<Real>
     rays.oz[i] = origin.z;
 }
 
-std::optional<StretchedRays> rays_farther(IdealRays ideal, const Real& k) {
+std::optional<StretchedRays> stretch_distance(IdealRays ideal, const Real& k) {
     const auto targets = targets_of(ideal);
     std::vector<double> distances;
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) {
@@ -62,10 +62,10 @@ std::optional<StretchedRays> rays_farther(IdealRays ideal, const Real& k) {
         distances.push_back(to_double(k * share * length(ray.direction)));
     }
     if (distances.empty()) return std::nullopt;
-    return StretchedRays{std::move(ideal), median(std::move(distances))};
+    return StretchedRays{std::move(ideal), median_of(std::move(distances))};
 }
 
-std::optional<StretchedRays> primitives_larger(IdealRays ideal, const Real& k) {
+std::optional<StretchedRays> stretch_radius(IdealRays ideal, const Real& k) {
     if (!ideal.paired && ideal.primitives.size() == 1) {
         ideal.primitives.assign(ideal.rays.size(), Primitive<Real>(ideal.primitives.front()));
         ideal.paired = true;
@@ -84,12 +84,12 @@ std::optional<StretchedRays> primitives_larger(IdealRays ideal, const Real& k) {
     return StretchedRays{std::move(ideal), to_double(largest)};
 }
 
-std::optional<StretchedRays> rays_moved(IdealRays ideal, const Real& k) {
+std::optional<StretchedRays> stretch_offset(IdealRays ideal, const Real& k) {
     const auto targets = targets_of(ideal);
     std::vector<double> distances;
     for (std::size_t i = 0; i < ideal.rays.size(); ++i)
         distances.push_back(to_double(length(targets[ideal.paired ? i : 0] - ideal.rays[i].origin)));
-    const Real distance = (k - 1) * Real(median(std::move(distances)));
+    const Real distance = (k - 1) * Real(median_of(std::move(distances)));
     const Vec<Real> offset = (distance / length(scene::file::offset_direction())) * scene::file::offset_direction();
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + offset);
     for (Primitive<Real>& primitive : ideal.primitives) primitive = scene::file::translate(primitive, offset);
@@ -119,7 +119,7 @@ IdealRays ideal_of(const scene::file::Scene& scene) {
     return {scene::rays::make_own_rays(scene, 0, scene.height), scene.primitives(), false};
 }
 
-scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format) {
+scene::rays::RayGroup store_in_format(const IdealRays& ideal, const FloatFormat& format) {
     scene::rays::RayGroup group{.rays = scene::rays::round_rays(ideal.rays, format), .primitives = {}};
     for (const Primitive<Real>& primitive : ideal.primitives)
         group.primitives.push_back(scene::rays::round_primitive(primitive, format));
@@ -127,7 +127,7 @@ scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format) 
     return group;
 }
 
-IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
+IdealRays round_inputs(const IdealRays& ideal, const InputFormats& formats) {
     const auto round_input = [&formats](Input input, Real& x) {
         const auto& format = formats[static_cast<std::size_t>(input)];
         if (format) x = round_once(x, *format);
@@ -146,12 +146,12 @@ IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
     return result;
 }
 
-std::optional<StretchedRays> stretched(const IdealRays& rays, Growth growth, double factor) {
+std::optional<StretchedRays> stretch(const IdealRays& rays, Growth growth, double factor) {
     const Real k(factor);
     switch (growth) {
-        case Growth::distance: return rays_farther(rays, k);
-        case Growth::radius: return primitives_larger(rays, k);
-        case Growth::offset: return rays_moved(rays, k);
+        case Growth::distance: return stretch_distance(rays, k);
+        case Growth::radius: return stretch_radius(rays, k);
+        case Growth::offset: return stretch_offset(rays, k);
         case Growth::view: return std::nullopt;
     }
     return std::nullopt;

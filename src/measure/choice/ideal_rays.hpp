@@ -33,22 +33,22 @@ struct IdealRays {
     }
 };
 
-/// Rays of a file: its numbers are exact.
+/// Returns the rays of a file, whose numbers are taken as exact.
 IdealRays ideal_of(const scene::rays::RayGroup& group);
-/// Rays of a scene before any format rounds them. The scene must not be a flake.
+/// Returns the rays of a scene before any format rounds them. The scene must not be a flake.
 IdealRays ideal_of(const scene::file::Scene& scene);
 
 /// Rounds every number once to the format.
-scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format);
+scene::rays::RayGroup store_in_format(const IdealRays& ideal, const FloatFormat& format);
 
 /// Groups of the numbers of a ray and its primitive; each can be stored in a format of its own. `place` is the centre
 /// of a sphere and the corners of a box; a box has no `radius`.
 enum class Input { origin, direction, place, radius };
 inline constexpr std::array input_kinds{Input::origin, Input::direction, Input::place, Input::radius};
-/// Format of each group; nothing: the ideal number.
+/// Format of each group; absent: the numbers stay ideal.
 using InputFormats = std::array<std::optional<FloatFormat>, input_kinds.size()>;
-/// Rounds the numbers to these formats.
-IdealRays rounded(const IdealRays& ideal, const InputFormats& formats);
+/// Rounds the numbers of each group to its format.
+IdealRays round_inputs(const IdealRays& ideal, const InputFormats& formats);
 
 struct StretchedRays {
     IdealRays rays;
@@ -66,6 +66,6 @@ struct StretchedRays {
 ///
 /// Returns nothing if the growth does not apply: `view`, `distance` if the primitives lie behind all rays, `radius` if
 /// the point that stays is the centre of a sphere.
-std::optional<StretchedRays> stretched(const IdealRays& rays, Growth growth, double factor);
+std::optional<StretchedRays> stretch(const IdealRays& rays, Growth growth, double factor);
 
 }  // namespace lostbits::measure::choice

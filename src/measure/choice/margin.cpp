@@ -22,20 +22,20 @@ namespace {
 
 double double_of(const Real& x) { return static_cast<double>(x); }
 
-StretchedScene with_offset(const Scene& scene, const Real& k) {
+StretchedScene stretch_offset(const Scene& scene, const Real& k) {
     const Vec<Real> direction = scene::file::offset_direction();
     const Real distance = (k - 1) * length(scene::file::middle_of(scene) - scene.camera.eye);
     return {scene::file::translate(scene, (distance / length(direction)) * direction), double_of(distance)};
 }
 
-std::optional<StretchedScene> with_distance(const Scene& scene, const Real& k) {
+std::optional<StretchedScene> stretch_distance(const Scene& scene, const Real& k) {
     auto farther_scene = scene::file::move_farther(scene, k);
     if (!farther_scene) return std::nullopt;
     const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
     return StretchedScene{std::move(*farther_scene), double_of(k * distance)};
 }
 
-std::optional<StretchedScene> with_radius(const Scene& scene, const Real& k) {
+std::optional<StretchedScene> stretch_radius(const Scene& scene, const Real& k) {
     auto larger_scene = scene::file::grow(scene, k);
     if (!larger_scene) return std::nullopt;
     Real largest(0);
@@ -44,7 +44,7 @@ std::optional<StretchedScene> with_radius(const Scene& scene, const Real& k) {
     return StretchedScene{std::move(*larger_scene), double_of(largest)};
 }
 
-std::optional<StretchedScene> with_view(Scene scene, const Real& k) {
+std::optional<StretchedScene> stretch_view(Scene scene, const Real& k) {
     if (scene.camera.kind != Camera::Kind::pinhole) return std::nullopt;
     scene.camera.fov_deg = scene::file::degrees_of(k * scene::file::half_tangent(scene.camera.fov_deg));
     const double degrees = double_of(scene.camera.fov_deg);
@@ -54,14 +54,14 @@ std::optional<StretchedScene> with_view(Scene scene, const Real& k) {
 
 }  // namespace
 
-std::optional<StretchedScene> stretched(const Scene& scene, Growth growth, double factor) {
+std::optional<StretchedScene> stretch(const Scene& scene, Growth growth, double factor) {
     const bool is_pixel_plane = scene.camera.kind == Camera::Kind::pixel_plane;
     const Real k(factor);
     switch (growth) {
-        case Growth::distance: return is_pixel_plane ? std::nullopt : with_distance(scene, k);
-        case Growth::radius: return scene.flake ? std::nullopt : with_radius(scene, k);
-        case Growth::offset: return is_pixel_plane ? std::nullopt : std::optional(with_offset(scene, k));
-        case Growth::view: return with_view(scene, k);
+        case Growth::distance: return is_pixel_plane ? std::nullopt : stretch_distance(scene, k);
+        case Growth::radius: return scene.flake ? std::nullopt : stretch_radius(scene, k);
+        case Growth::offset: return is_pixel_plane ? std::nullopt : std::optional(stretch_offset(scene, k));
+        case Growth::view: return stretch_view(scene, k);
     }
     return std::nullopt;
 }
@@ -108,8 +108,9 @@ public:
         double factor = 1;
         while (factor <= largest_factor && try_at(factor)) factor *= growth_step;
         if (!is_measured_) return std::nullopt;
-        if (margin_.end == MarginEnd::none || margin_.holds == 0) return margin_;
-        while (margin_.beyond / margin_.holds > fine_ratio) try_at(std::sqrt(margin_.holds * margin_.beyond));
+        if (margin_.end == MarginEnd::none || margin_.holding_factor == 0) return margin_;
+        while (margin_.end_factor / margin_.holding_factor > fine_ratio)
+            try_at(std::sqrt(margin_.holding_factor * margin_.end_factor));
         return margin_;
     }
 
@@ -120,19 +121,20 @@ private:
         if (!measurement) return false;
         is_measured_ = true;
         const RowQuality& quality = measurement->quality;
-        const bool meets = quality.meets(requirement_) || (quality.hits == 0 && quality.decides(requirement_));
+        const bool meets =
+            quality.meets(requirement_) || (quality.hits == 0 && quality.decides_as_required(requirement_));
         const MarginEnd end = !measurement->is_ideal_scene ? MarginEnd::other_scene
                               : !meets                     ? MarginEnd::fails
                               : quality.hits == 0          ? MarginEnd::nothing_hit
                                                            : MarginEnd::none;
         if (end == MarginEnd::none) {
-            margin_.holds = factor;
+            margin_.holding_factor = factor;
             margin_.value = measurement->value;
             return true;
         }
         margin_.end = end;
-        margin_.beyond = factor;
-        margin_.broken = end == MarginEnd::fails ? quality : RowQuality{};
+        margin_.end_factor = factor;
+        margin_.end_quality = end == MarginEnd::fails ? quality : RowQuality{};
         return false;
     }
 
@@ -144,7 +146,7 @@ private:
 
 std::optional<Measurement> measure_scene(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
                                          const Scene& small_scene, Growth growth, double factor) {
-    const auto larger_scene = stretched(small_scene, growth, factor);
+    const auto larger_scene = stretch(small_scene, growth, factor);
     if (!larger_scene) return std::nullopt;
     const Scene& scene = larger_scene->scene;
     culling::Culler culler(scene);
@@ -161,9 +163,9 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
 
 std::optional<Measurement> measure_rays(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
                                         const IdealRays& rays, Growth growth, double factor) {
-    const auto stretched_rays = stretched(rays, growth, factor);
+    const auto stretched_rays = stretch(rays, growth, factor);
     if (!stretched_rays) return std::nullopt;
-    const truth::Band band(stored(stretched_rays->rays, request.rays->format.parameters), request.limit);
+    const truth::Band band(store_in_format(stretched_rays->rays, request.rays->format.parameters), request.limit);
     const RowQuality quality = quality_on(band, form_row, request.requirement);
     request.progress(band.pixels());
     return Measurement{stretched_rays->value, quality,
@@ -219,7 +221,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     for (const offset::Side side : offset::both_sides) safe.rays += summary.side_summary(side).rays;
     safe.outside = offset::safe_strategies(summary, offset_study.strategies, form_row.form->shape,
                                            std::array{offset::Side::outside});
-    safe.both = offset::safe_strategies(summary, offset_study.strategies, form_row.form->shape);
+    safe.both_sides = offset::safe_strategies(summary, offset_study.strategies, form_row.form->shape);
     return safe;
 }
 

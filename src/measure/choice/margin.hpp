@@ -26,9 +26,9 @@ struct StretchedScene {
 /// apply to the pixel plane, distance does not to primitives behind the eye, radius to a sphereflake, and view to
 /// parallel rays or beyond 170 degrees. The offset at a factor k is (k − 1) times the distance from the eye to the
 /// centre of the primitives.
-std::optional<StretchedScene> stretched(const scene::file::Scene& scene, Growth growth, double factor);
+std::optional<StretchedScene> stretch(const scene::file::Scene& scene, Growth growth, double factor);
 
-/// End of the search along one kind of growth.
+/// Reason why the search along one kind of growth ended.
 enum class MarginEnd {
     fails,        ///< the requirement is not met
     nothing_hit,  ///< no ray hits anything there
@@ -41,24 +41,26 @@ inline constexpr std::array<std::string_view, 4> margin_end_names{"fails", "noth
 
 struct GrowthMargin {
     Growth growth = Growth::distance;
-    double holds = 0, value = 0;  ///< largest measured factor below the end at which the requirement holds, and the
-                                  ///< value there; 0: it fails without any growth
-    double beyond = 0;            ///< least measured factor at the end; 0 if there is no end
+    /// Largest measured factor below the end at which the requirement holds; 0: it fails without any growth.
+    double holding_factor = 0;
+    double value = 0;       ///< length or angle at `holding_factor`, as in `StretchedScene`
+    double end_factor = 0;  ///< least measured factor at the end; 0 if there is no end
     MarginEnd end = MarginEnd::none;
-    RowQuality broken{};  ///< measurements at `beyond`, if the requirement fails there
+    RowQuality end_quality{};  ///< measurements at `end_factor`, if the requirement fails there
 };
 
-/// Multiplies the factor until the requirement fails or the growth ends, at most to 2^64, and narrows the last step
-/// down to 2 %. A failure between two steps is not found if the requirement holds at both. Works on a picture of at
-/// most `pixels`, or on the sample of the files' rays (`StretchedRays` says how those grow).
+/// Finds the margin of each kind of growth that applies. Multiplies the factor until the requirement fails or the
+/// growth ends, at most to 2^64, and narrows the last step down to 2 %. A failure between two steps is not found if the
+/// requirement holds at both. Works on a picture of at most `pixels`, or on the sample of the files' rays
+/// (`StretchedRays` says how those grow).
 std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
                                      int pixels = 4096);
 
 /// Offset strategies that are right for every ray that leaves a hit of a form on a scene.
 struct SafeOffsets {
-    std::vector<offset::SafeStrategy> outside;  ///< right for rays that leave the primitive; cheapest first
-    std::vector<offset::SafeStrategy> both;     ///< right for these rays and for rays that enter it
-    std::uint64_t points = 0, rays = 0;         ///< number of points and rays measured
+    std::vector<offset::SafeStrategy> outside;     ///< right for rays that leave the primitive; cheapest first
+    std::vector<offset::SafeStrategy> both_sides;  ///< right for these rays and for rays that enter it
+    std::uint64_t points = 0, rays = 0;            ///< number of points and rays measured
 };
 
 /// Finds the strategies on a picture of at most `pixels`, fewer if there are many primitives. Returns nothing if the

@@ -98,24 +98,26 @@ public:
         for (const unsigned wide_inputs : sets) obstacle_.trials.push_back(trial(wide_inputs));
         if (obstacle_.trials.front().exact.meets(request_.requirement)) return;
         find_enough();
-        if (obstacle_.enough) find_least_precision();
+        if (obstacle_.sufficient_trial) find_least_precision();
     }
 
 private:
     [[nodiscard]] InputFormats formats(unsigned wide_inputs, const std::optional<FloatFormat>& wider) const {
         InputFormats input_formats;
         for (std::size_t k = 0; k < input_formats.size(); ++k)
-            input_formats[k] = (wide_inputs >> k & 1U) != 0 ? wider : obstacle_.base;
+            input_formats[k] = (wide_inputs >> k & 1U) != 0 ? wider : obstacle_.base_format;
         return input_formats;
     }
 
     [[nodiscard]] InputTrial trial(unsigned wide_inputs) const {
-        const std::optional<FloatFormat> wider = obstacle_.wider_than_f64 ? std::nullopt : std::optional(binary64);
-        const Band stored = rounded(ideal_, formats(wide_inputs, wider)).band(request_.limit);
+        const std::optional<FloatFormat> wider =
+            obstacle_.wide_inputs_are_exact ? std::nullopt : std::optional(binary64);
+        const Band stored = round_inputs(ideal_, formats(wide_inputs, wider)).band(request_.limit);
         request_.progress(0);
-        InputTrial trial{.wide = wide_inputs, .exact = exact_quality(ideal_band_, stored, row_, request_.requirement)};
+        InputTrial trial{.wide_inputs = wide_inputs,
+                         .exact = exact_quality(ideal_band_, stored, row_, request_.requirement)};
         const TestedForm in_f64{row_.form, *find_format("f64")};
-        if (row_.form->exists_in(in_f64.format) && !(obstacle_.wider_than_f64 && wide_inputs != 0))
+        if (row_.form->exists_in(in_f64.format) && !(obstacle_.wide_inputs_are_exact && wide_inputs != 0))
             trial.form = quality_on(ideal_band_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64,
                                     request_.requirement);
         return trial;
@@ -124,24 +126,27 @@ private:
     /// Finds the fewest inputs that are enough; among equally few, those that keep the most bits.
     void find_enough() {
         const auto is_better = [](const InputTrial& a, const InputTrial& b) {
-            const int difference = std::popcount(a.wide) - std::popcount(b.wide);
+            const int difference = std::popcount(a.wide_inputs) - std::popcount(b.wide_inputs);
             return difference != 0 ? difference < 0 : a.exact.kept_bits > b.exact.kept_bits;
         };
         for (std::size_t k = 0; k < obstacle_.trials.size(); ++k) {
             if (!obstacle_.trials[k].exact.meets(request_.requirement)) continue;
-            if (!obstacle_.enough || is_better(obstacle_.trials[k], obstacle_.trials[*obstacle_.enough]))
-                obstacle_.enough = k;
+            if (!obstacle_.sufficient_trial ||
+                is_better(obstacle_.trials[k], obstacle_.trials[*obstacle_.sufficient_trial]))
+                obstacle_.sufficient_trial = k;
         }
     }
 
     /// Finds the least precision by bisection, which assumes that more bits are not worse.
     void find_least_precision() {
-        int failing = obstacle_.base.precision, sufficient = obstacle_.wider_than_f64 ? 256 : binary64.precision;
+        int failing = obstacle_.base_format.precision,
+            sufficient = obstacle_.wide_inputs_are_exact ? 256 : binary64.precision;
         while (sufficient - failing > 1) {
             const int precision = (failing + sufficient) / 2;
             const FloatFormat format{precision, binary64.emin, binary64.emax};
             const Band stored =
-                rounded(ideal_, formats(obstacle_.trials[*obstacle_.enough].wide, format)).band(request_.limit);
+                round_inputs(ideal_, formats(obstacle_.trials[*obstacle_.sufficient_trial].wide_inputs, format))
+                    .band(request_.limit);
             (exact_quality(ideal_band_, stored, row_, request_.requirement).meets(request_.requirement) ? sufficient
                                                                                                         : failing) =
                 precision;
@@ -165,8 +170,8 @@ Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& form_row, c
     // Within what half an ulp in each input can cost, the problem is hard; beyond it, the formula is bad.
     const bool is_hard =
         (obstacle.inherent_kept < requirement.bits && !(reached.kept_bits < obstacle.inherent_kept)) ||
-        (obstacle.inherent_off > requirement.tolerance && !(reached.distance_error > obstacle.inherent_off));
-    return reached.decides(requirement) && is_hard ? Cause::inherent : Cause::formula;
+        (obstacle.inherent_distance > requirement.tolerance && !(reached.distance_error > obstacle.inherent_distance));
+    return reached.decides_as_required(requirement) && is_hard ? Cause::inherent : Cause::formula;
 }
 
 }  // namespace
@@ -184,7 +189,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& form_row,
         small_scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
         band.emplace(*small_scene, 0, small_scene->height, request.limit);
         if (can_try_inputs) ideal = ideal_of(*small_scene);
-        obstacle.rounded_before = small_scene->inputs == scene::file::Inputs::shared;
+        obstacle.rounds_to_binary32_first = small_scene->inputs == scene::file::Inputs::shared;
     } else {
         const auto& sample = request.rays->sample;
         const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
@@ -196,15 +201,15 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& form_row,
     }
     const InherentLimit row_limit = inherent(*band, form_row, form_row.format, request.requirement);
     obstacle.inherent_kept = row_limit.kept_bits;
-    obstacle.inherent_off = row_limit.distance_error;
+    obstacle.inherent_distance = row_limit.distance_error;
     obstacle.inherent_kept_f64 = inherent(*band, form_row, *find_format("f64"), request.requirement).kept_bits;
     const RowQuality reached = quality_on(*band, form_row, request.requirement);
-    obstacle.base = obstacle.rounded_before ? binary32 : form_row.format.parameters;
-    obstacle.wider_than_f64 = obstacle.base == binary64;
+    obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : form_row.format.parameters;
+    obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
     if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, form_row, ideal, obstacle).run();
     // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first
     // trial, in which no input is wide, has the inputs that the row gets.
-    if (obstacle.rounded_before || obstacle.trials.empty())
+    if (obstacle.rounds_to_binary32_first || obstacle.trials.empty())
         obstacle.exact = exact_quality(*band, *band, form_row, request.requirement);
     else obstacle.exact = obstacle.trials.front().exact;
     obstacle.cause = cause_of(obstacle, form_row, request.requirement, reached);

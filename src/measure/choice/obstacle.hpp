@@ -11,43 +11,44 @@
 
 namespace lostbits::measure::choice {
 
-/// Trial with some of the inputs in a wider format and the others in the base format.
+/// Trial with some kinds of inputs in a wider format and the others in the base format.
 struct InputTrial {
-    unsigned wide = 0;  ///< bit k: inputs of `input_kinds[k]` are wider
-    /// Result of exact arithmetic on the inputs as stored, compared with the truth of the ideal inputs. Its bits are of
-    /// 53.
+    unsigned wide_inputs = 0;  ///< bit mask; bit k: the inputs of `input_kinds[k]` are wider
+    /// Result of exact arithmetic on the inputs as stored, compared with the truth of the ideal inputs. Its kept bits
+    /// count from 53.
     RowQuality exact{};
     /// Result of the form in f64; nothing if the form does not exist in f64, or if inputs are wider than f64.
     std::optional<RowQuality> form{};
 
-    [[nodiscard]] bool has(Input input) const { return (wide >> static_cast<unsigned>(input) & 1U) != 0; }
+    [[nodiscard]] bool is_wide(Input input) const { return (wide_inputs >> static_cast<unsigned>(input) & 1U) != 0; }
 };
 
 struct Obstacle {
     enum class Cause {
         no_hit,    ///< no ray truly hits, so no bits can be kept with any choice; nothing else is examined
         width,     ///< the format has fewer bits than required
-        inputs,    ///< rounded to the format, the inputs are another problem: exact arithmetic fails as well
+        inputs,    ///< rounding the inputs to the format changes the problem: exact arithmetic fails as well
         inherent,  ///< the inputs are exact enough, but half an ulp of the format in each costs more than the
                    ///< requirement leaves, and the form loses no more than that
         formula    ///< none of these: the form's own arithmetic
     };
     Cause cause = Cause::formula;
-    RowQuality exact{};        ///< exact arithmetic on the inputs as the row receives them; of 53 bits
+    RowQuality exact{};        ///< exact arithmetic on the inputs as the row receives them; kept bits count from 53
     double inherent_kept = 0;  ///< p − inherent_bits at the requirement's quantile: the bits that half an ulp in each
                                ///< input leaves; NaN if nothing is hit
     double inherent_kept_f64 = 0;  ///< the same for binary64
-    double inherent_off = 0;       ///< distance by which half an ulp of the format in each input moves the hit point,
+    double inherent_distance = 0;  ///< distance by which half an ulp of the format in each input moves the hit point,
                                    ///< at the same quantile
 
-    bool rounded_before = false;  ///< inputs of all formats were first rounded to binary32, and the trials vary that
-    FloatFormat base{};           ///< format of the inputs that are not wider in a trial
-    bool wider_than_f64 = false;  ///< wide inputs are exact in the trials; otherwise they are binary64
+    bool rounds_to_binary32_first = false;  ///< the inputs of all formats are first rounded to binary32; the trials
+                                            ///< vary this rounding
+    FloatFormat base_format{};              ///< format of the inputs that are not wider in a trial
+    bool wide_inputs_are_exact = false;     ///< wide inputs are exact in the trials; otherwise they are binary64
     /// Every choice of wide inputs, from none to all. Empty if there are too many primitives, or if nothing is rounded.
     std::vector<InputTrial> trials{};
     /// Index of the trial with the fewest wide inputs with which exact arithmetic meets the requirement, and the least
     /// precision that these inputs need. Nothing if no input has to be wider, or if widening all of them is not enough.
-    std::optional<std::size_t> enough{};
+    std::optional<std::size_t> sufficient_trial{};
     int least_precision = 0;
 };
 

@@ -46,7 +46,7 @@ int first_at(const std::vector<RankedForm>& ranked, std::size_t pixel) {
         if (form.met_pixels->meets(pixel)) return form.index;
     }
     const bool unknown =
-        std::ranges::any_of(ranked, [pixel](const RankedForm& form) { return form.met_pixels->unresolved(pixel); });
+        std::ranges::any_of(ranked, [pixel](const RankedForm& form) { return form.met_pixels->is_unresolved(pixel); });
     return unknown ? RequirementMap::unresolved : RequirementMap::none;
 }
 
@@ -54,7 +54,7 @@ int first_at(const std::vector<RankedForm>& ranked, std::size_t pixel) {
 std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     std::vector<Format> formats;
     for (const TestedForm& form_row : rows) {
-        const Format format = computes_in(form_row);
+        const Format format = computing_format(form_row);
         if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
     }
     std::ranges::sort(formats, [](const Format& a, const Format& b) {
@@ -79,20 +79,20 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& rows,
     map.formats = formats_of(rows);
     std::vector<std::vector<RankedForm>> forms_by_format(map.formats.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const auto index = std::ranges::find(map.formats, computes_in(rows[k])) - map.formats.begin();
+        const auto index = std::ranges::find(map.formats, computing_format(rows[k])) - map.formats.begin();
         forms_by_format[static_cast<std::size_t>(index)].push_back({met_pixels[k], static_cast<int>(index)});
     }
-    map.any_meets.assign(map.formats.size(), 0);
+    map.pixels_any_form_meets.assign(map.formats.size(), 0);
     for (std::size_t i = 0; i < map.pixels(); ++i) {
         int narrowest = RequirementMap::none;
         for (std::size_t f = 0; f < forms_by_format.size(); ++f) {
-            const int found = first_at(forms_by_format[f], i);
-            if (found >= 0) ++map.any_meets[f];
-            if (narrowest < 0 && found != RequirementMap::none) narrowest = found;
+            const int first = first_at(forms_by_format[f], i);
+            if (first >= 0) ++map.pixels_any_form_meets[f];
+            if (narrowest < 0 && first != RequirementMap::none) narrowest = first;
         }
         map.narrowest.push_back(narrowest);
     }
-    map.needed = counts_of(map.narrowest, map.formats.size());
+    map.pixels_narrowest = counts_of(map.narrowest, map.formats.size());
 }
 
 }  // namespace
@@ -101,8 +101,8 @@ double RequirementMap::least_time(const std::vector<Candidate>& candidates) cons
     double sum = 0;
     std::uint64_t count = 0;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-        sum += static_cast<double>(taken[c]) * candidates[c].time.median;
-        count += taken[c];
+        sum += static_cast<double>(pixels_cheapest[c]) * candidates[c].time.median;
+        count += pixels_cheapest[c];
     }
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
@@ -111,27 +111,27 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
                                   const MetPixelsByForm& met_pixels) {
     RequirementMap map{.width = request.scene->width, .height = request.scene->height};
     std::vector<RankedForm> ranked;
-    for (const std::size_t c : by_price(candidates)) ranked.push_back({&met_pixels.rows[c], static_cast<int>(c)});
+    for (const std::size_t c : order_by_price(candidates)) ranked.push_back({&met_pixels.rows[c], static_cast<int>(c)});
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) map.cheapest.push_back(first_at(ranked, i));
-    map.taken = counts_of(map.cheapest, candidates.size());
-    for (const MetPixels& row : met_pixels.rows) map.met.push_back(row.count());
+    map.pixels_cheapest = counts_of(map.cheapest, candidates.size());
+    for (const MetPixels& row : met_pixels.rows) map.pixels_met.push_back(row.count());
 
-    MetPixelsByForm emulated(request, request.untimed);
-    if (!request.untimed.empty()) {
+    MetPixelsByForm emulated(request, request.untimed_rows);
+    if (!request.untimed_rows.empty()) {
         evaluate::MapStudy study{
-            .scene = request.scene, .rows = request.untimed, .metrics = request.requirement.metrics()};
+            .scene = request.scene, .rows = request.untimed_rows, .metrics = request.requirement.metrics()};
         study.limit = request.limit;
         study.progress = request.progress;
         (void)evaluate::run_map(study, emulated.show());
     }
     std::vector<TestedForm> rows = request.rows;
-    rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());
+    rows.insert(rows.end(), request.untimed_rows.begin(), request.untimed_rows.end());
     std::vector<const MetPixels*> all_met_pixels;
     for (const MetPixels& row : met_pixels.rows) all_met_pixels.push_back(&row);
     for (const MetPixels& row : emulated.rows) all_met_pixels.push_back(&row);
     find_narrowest(map, rows, all_met_pixels);
-    map.none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
-    map.unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
+    map.pixels_none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
+    map.pixels_unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
     return map;
 }
 

@@ -21,7 +21,7 @@ public:
     void band(const evaluate::BandResult& result);
     [[nodiscard]] bool meets(std::size_t pixel) const { return meets_[pixel]; }
     /// True if the truth is not proved, so that it is unknown whether the row meets the requirement.
-    [[nodiscard]] bool unresolved(std::size_t pixel) const { return unresolved_[pixel]; }
+    [[nodiscard]] bool is_unresolved(std::size_t pixel) const { return unresolved_[pixel]; }
     [[nodiscard]] std::uint64_t count() const;
 
 private:
@@ -41,14 +41,15 @@ struct RequirementMap {
     static constexpr int none = -1;        ///< nothing meets the requirement at the pixel
     static constexpr int unresolved = -2;  ///< the truth is unknown there
     int width = 0, height = 0;
-    std::vector<int> cheapest{};         ///< by pixel, from the top left: index of the candidate, or one of the above
-    std::vector<int> narrowest{};        ///< the same for indices of `formats`
-    std::vector<Format> formats{};       ///< formats in which rows compute, narrowest significand first
-    std::vector<std::uint64_t> met{};    ///< by candidate: number of pixels at which it meets the requirement
-    std::vector<std::uint64_t> taken{};  ///< by candidate: number of pixels at which it is the cheapest of them
-    std::vector<std::uint64_t> any_meets{};  ///< by format: number of pixels at which any form meets it
-    std::vector<std::uint64_t> needed{};     ///< by format: number of pixels at which no narrower one has such a form
-    std::uint64_t none_meets = 0, unknown = 0;  ///< numbers of pixels
+    std::vector<int> cheapest{};    ///< by pixel, from the top left: index of the candidate, or one of the above
+    std::vector<int> narrowest{};   ///< the same for indices of `formats`
+    std::vector<Format> formats{};  ///< formats in which rows compute, narrowest significand first
+    /// By candidate: number of pixels at which it meets the requirement, and at which it is the cheapest that does.
+    std::vector<std::uint64_t> pixels_met{}, pixels_cheapest{};
+    std::vector<std::uint64_t> pixels_any_form_meets{};  ///< by format: pixels at which any form meets the requirement
+    std::vector<std::uint64_t> pixels_narrowest{};       ///< by format: pixels at which it is the narrowest such format
+    std::uint64_t pixels_none_meets = 0;                 ///< pixels at which nothing meets the requirement
+    std::uint64_t pixels_unknown = 0;                    ///< pixels whose truth is not proved
 
     [[nodiscard]] std::uint64_t pixels() const { return cheapest.size(); }
     /// Mean seconds for one ray and primitive if each pixel uses its cheapest candidate, over the pixels at which any
@@ -57,7 +58,7 @@ struct RequirementMap {
     [[nodiscard]] double least_time(const std::vector<Candidate>& candidates) const;
 };
 
-/// `met_pixels` belongs to the request's rows, in their order, and is already filled. The `untimed` rows are in
+/// `met_pixels` belongs to the request's rows, in their order, and is already filled. `untimed_rows` are in
 /// emulated formats and have no time: they are measured here, and only the members about formats depend on them.
 RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
                                   const MetPixelsByForm& met_pixels);

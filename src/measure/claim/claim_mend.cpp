@@ -42,9 +42,9 @@ public:
     /// wider.
     double wider_operations() {
         if (own_.meets(request_.requirement)) return 0;
-        const FloatFormat wider = tape::wider_than(request_.row.format.parameters, false);
+        const FloatFormat wider = tape::wider_format(request_.row.format.parameters, false);
         const auto quality_with_all =
-            judge_->quality_of({tape::widened(tape_, tape::rounded_operations(tape_), wider)}).front();
+            judge_->quality_of({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
         if (!quality_with_all.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(
             smallest_set(tape_, wider, quality_with_all, request_, *judge_, 0).operations.size());

@@ -27,7 +27,7 @@ template <class Work>
 Works works_of(std::span<const TimedKernel> kernels, std::size_t bytes) {
     Work work(bytes);
     Works result;
-    for (const TimedKernel& k : kernels) result.push_back(work.on(k));
+    for (const TimedKernel& k : kernels) result.push_back(work.work_for(k));
     return result;
 }
 
@@ -140,7 +140,7 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, c
     speed::SceneWork scene_work(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
     for (const TestedForm& form_row : {timed_row(claim, scene), timed_row(over_claim, scene)})
-        work.push_back(scene_work.on(form_row, intersect::simd::packed_kernels(*form_row.form)));
+        work.push_back(scene_work.work_for(form_row, intersect::simd::packed_kernels(*form_row.form)));
     const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }

@@ -18,8 +18,8 @@ using truth::missing;
 
 namespace {
 
-/// Kernels of a width; null if every ray is left to the scalar functions. The function that makes a table was itself
-/// compiled for its width, so no table is made for a width that the machine lacks.
+/// Returns the kernels of a width; null if the scalar functions handle every ray. The function that makes a table was
+/// itself compiled for its width, so no table is made for a width that the machine lacks.
 const RawKernels* kernels_of(Isa isa) {
     if (isa == Isa::scalar) return nullptr;
 #if defined(__x86_64__)
@@ -42,13 +42,13 @@ const RawKernels& kernels() {
     return chosen ? *chosen : *kernels_of(Isa::w128);
 }
 
-void leave_all(std::span<const double> answers, std::initializer_list<double*> columns,
-               std::vector<std::uint32_t>& left) {
+void leave_all_to_scalar(std::span<const double> answers, std::initializer_list<double*> columns,
+                         std::vector<std::uint32_t>& unhandled) {
     for (double* const column : columns) {
         if (column) std::fill_n(column, answers.size(), missing);
     }
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        if (!std::isnan(answers[i])) left.push_back(static_cast<std::uint32_t>(i));
+        if (!std::isnan(answers[i])) unhandled.push_back(static_cast<std::uint32_t>(i));
     }
 }
 
@@ -67,14 +67,14 @@ void copy_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std:
     }
 }
 
-/// Buffer for the indices of the rays that a kernel leaves in one block; `append` adds them to `left`.
-constexpr std::size_t block = 512;  // columns of primitives stay in the first-level cache
+/// Buffer for the indices of the rays that a kernel leaves in one block; `append` adds them to `unhandled`.
+constexpr std::size_t rays_per_block = 512;  // columns of primitives stay in the first-level cache
 struct BlockIndices {
-    std::array<std::uint32_t, block> indices;
+    std::array<std::uint32_t, rays_per_block> indices;
 
-    [[nodiscard]] RawLeft raw() { return {indices.data(), 0}; }
-    void append(const RawLeft& raw, std::size_t begin, std::vector<std::uint32_t>& left) const {
-        for (std::size_t k = 0; k < raw.count; ++k) left.push_back(static_cast<std::uint32_t>(begin + indices[k]));
+    [[nodiscard]] RawUnhandledRays raw() { return {indices.data(), 0}; }
+    void append(const RawUnhandledRays& raw, std::size_t begin, std::vector<std::uint32_t>& unhandled) const {
+        for (std::size_t k = 0; k < raw.count; ++k) unhandled.push_back(static_cast<std::uint32_t>(begin + indices[k]));
     }
 };
 
@@ -86,8 +86,8 @@ void TrueLengths::resize(std::size_t rays) {
     for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
 }
 
-void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction unit_of) {
-    const truth::Certified& x = unit_of == Direction::unit ? truth.distance : truth.t;
+void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction direction_kind) {
+    const truth::Certified& x = direction_kind == Direction::unit ? truth.distance : truth.t;
     decision[i] = truth.decision;
     object[i] = truth.object;
     hi[i] = missing;
@@ -99,45 +99,47 @@ void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction unit_o
     inverse[i] = std::ldexp(1.0, -static_cast<int>(x.floor_log2()));
 }
 
-const BandColumns::CachedLengths* BandColumns::find_if(Convention convention, Direction unit_of) const {
-    const auto found = std::ranges::find_if(
-        cached_, [&](const CachedLengths& f) { return f.convention == convention && f.unit_of == unit_of; });
+const BandColumns::CachedLengths* BandColumns::cached_lengths(Convention convention, Direction direction_kind) const {
+    const auto found = std::ranges::find_if(cached_, [&](const CachedLengths& f) {
+        return f.convention == convention && f.direction_kind == direction_kind;
+    });
     return found == cached_.end() ? nullptr : &*found;
 }
 
-const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
-    if (const CachedLengths* const found = find_if(convention, unit_of)) return found->lengths;
+const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction direction_kind) {
+    if (const CachedLengths* const found = cached_lengths(convention, direction_kind)) return found->lengths;
     const truth::RayTruths& truths = band_->truths();
-    TrueLengths& columns = cached_.emplace_back(CachedLengths{convention, unit_of, {}}).lengths;
+    TrueLengths& columns = cached_.emplace_back(CachedLengths{convention, direction_kind, {}}).lengths;
     columns.decision = truths.decision;
     columns.object = truths.object;
     for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
-        copy_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
+        copy_lengths(direction_kind == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(),
+                     columns);
     });
-    for (const auto& [i, truth] : truths.whole) columns.set(i, truth, unit_of);
+    for (const auto& [i, truth] : truths.whole) columns.set(i, truth, direction_kind);
     if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (band_->may_differ(i, convention)) columns.set(i, band_->truth(i, convention), unit_of);
+            if (band_->may_differ(i, convention)) columns.set(i, band_->truth(i, convention), direction_kind);
     });
     return columns;
 }
 
 double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
-                   const ErrorColumns& out, std::vector<std::uint32_t>& left) {
+                   const ErrorColumns& out, std::vector<std::uint32_t>& unhandled) {
     const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
     if (!raw_kernels) {
-        leave_all(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, left);
+        leave_all_to_scalar(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, unhandled);
         return 0;
     }
     const auto column_from = [](double* column, std::size_t begin) { return column ? column + begin : nullptr; };
     double largest = 0;
-    for (std::size_t begin = 0; begin < answers.size(); begin += block) {
+    for (std::size_t begin = 0; begin < answers.size(); begin += rays_per_block) {
         BlockIndices block_indices;
         RawErrors batch{
-            .size = std::min(block, answers.size() - begin),
+            .size = std::min(rays_per_block, answers.size() - begin),
             .in = {answers.data() + begin, truth.hi.data() + begin, truth.lo.data() + begin,
                    truth.inverse.data() + begin},
             .out = {column_from(out.ulp, begin), column_from(out.lost, begin), column_from(out.correct, begin),
@@ -146,16 +148,16 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
             .ulps_of_binade = std::ldexp(1.0, format.precision - 1),
             .most_inverse = std::ldexp(1.0, -format.emin),
             .largest = largest,
-            .left = block_indices.raw()};
+            .unhandled = block_indices.raw()};
         raw_kernels->errors(batch);
         largest = batch.largest;
-        block_indices.append(batch.left, begin, left);
+        block_indices.append(batch.unhandled, begin, unhandled);
     }
     return largest;
 }
 
 void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
-                    std::vector<std::uint32_t>& left) {
+                    std::vector<std::uint32_t>& unhandled) {
     const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
@@ -166,28 +168,28 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     void (*const residuals)(RawResiduals&) =
         raw_kernels ? raw_kernels->residuals[static_cast<std::size_t>(shape)] : nullptr;
     if (!residuals || points.engine == Format::Engine::rounded || !has_one_shape) {
-        leave_all(answers, {out}, left);
+        leave_all_to_scalar(answers, {out}, unhandled);
         return;
     }
     const std::size_t number_count = first.shape_numbers().size();
-    std::array<std::array<double, block>, most_numbers> numbers;
+    std::array<std::array<double, rays_per_block>, most_numbers> numbers;
     const auto load_primitive = [&](std::size_t i, std::size_t primitive) {
         const Primitive<double> current = points.primitives[primitive];
         for (std::size_t k = 0; k < number_count; ++k) numbers[k][i] = current.numbers[k];
     };
     if (points.primitives.size() == 1) {
-        for (std::size_t i = 0; i < block; ++i) load_primitive(i, 0);
+        for (std::size_t i = 0; i < rays_per_block; ++i) load_primitive(i, 0);
     }
     const std::span<const Primitive<double>> listed = points.primitives.listed();
     const scene::rays::RayBlock& rays = points.rays;
-    for (std::size_t begin = 0; begin < answers.size(); begin += block) {
-        const std::size_t size = std::min(block, answers.size() - begin);
+    for (std::size_t begin = 0; begin < answers.size(); begin += rays_per_block) {
+        const std::size_t size = std::min(rays_per_block, answers.size() - begin);
         for (std::size_t i = 0; points.primitives.size() > 1 && i < size; ++i) {
-            const auto object = static_cast<std::size_t>(std::max(0, points.objects[begin + i]));
-            if (object < listed.size()) {
-                for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[object].numbers[k];
+            const auto primitive = static_cast<std::size_t>(std::max(0, points.primitive_indices[begin + i]));
+            if (primitive < listed.size()) {
+                for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[primitive].numbers[k];
             } else {
-                load_primitive(i, object);
+                load_primitive(i, primitive);
             }
         }
         BlockIndices block_indices;
@@ -197,10 +199,10 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
                    rays.dx.data() + begin, rays.dy.data() + begin, rays.dz.data() + begin},
             .out = out + begin,
             .binary32 = points.engine == Format::Engine::native32,
-            .left = block_indices.raw()};
+            .unhandled = block_indices.raw()};
         for (std::size_t k = 0; k < most_numbers; ++k) batch.in[RawResiduals::primitive + k] = numbers[k].data();
         residuals(batch);
-        block_indices.append(batch.left, begin, left);
+        block_indices.append(batch.unhandled, begin, unhandled);
     }
 }
 

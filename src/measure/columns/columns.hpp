@@ -13,34 +13,36 @@
 
 namespace lostbits::measure::columns {
 
-/// Truth of a band by one convention and in one unit. |t*| is hi + lo. hi is NaN if there is no hit, if t* is 0, or if
-/// doubles cannot hold both parts (see `errors_of`). `inverse` is 1/2^⌊log2 t*⌋.
+/// Truth of a band by one convention, with t in the unit of one kind of direction. |t*| is hi + lo. hi is NaN if there
+/// is no hit, if t* is 0, or if doubles cannot hold both parts (see `errors_of`). `inverse` is 1/2^⌊log2 t*⌋.
 struct TrueLengths {
     std::vector<truth::Truth::Decision> decision;
     std::vector<std::int32_t> object;
     std::vector<double> hi, lo, inverse;
 
     void resize(std::size_t rays);
-    void set(std::size_t i, const truth::Truth& truth, intersect::Direction unit_of);
+    void set(std::size_t i, const truth::Truth& truth, intersect::Direction direction_kind);
 };
 
-/// Truth of a band as columns, for each convention and unit in use.
+/// Truth of a band as columns, for each convention and kind of direction in use.
 class BandColumns {
 public:
     explicit BandColumns(const truth::Band& band) : band_(&band) {}
-    /// Computes the columns once. Unlike `of`, it must not be called by several threads at once.
-    const TrueLengths& find(intersect::Convention convention, intersect::Direction unit_of);
-    [[nodiscard]] const TrueLengths& of(intersect::Convention convention, intersect::Direction unit_of) const {
-        return find_if(convention, unit_of)->lengths;
+    /// Computes the columns once. Unlike `lengths`, it must not be called by several threads at once.
+    const TrueLengths& compute_lengths(intersect::Convention convention, intersect::Direction direction_kind);
+    [[nodiscard]] const TrueLengths& lengths(intersect::Convention convention,
+                                             intersect::Direction direction_kind) const {
+        return cached_lengths(convention, direction_kind)->lengths;
     }
 
 private:
     struct CachedLengths {
         intersect::Convention convention;
-        intersect::Direction unit_of;
+        intersect::Direction direction_kind;
         TrueLengths lengths;
     };
-    [[nodiscard]] const CachedLengths* find_if(intersect::Convention convention, intersect::Direction unit_of) const;
+    [[nodiscard]] const CachedLengths* cached_lengths(intersect::Convention convention,
+                                                      intersect::Direction direction_kind) const;
 
     const truth::Band* band_;
     std::deque<CachedLengths> cached_;
@@ -52,24 +54,24 @@ struct ErrorColumns {
     double *ulp, *lost, *correct, *relative, *absolute;
 };
 
-/// Computes the errors of `answers` (NaN: not measured) in a format. Adds the rays that are left to `left`, and returns
-/// the largest |ulp| of the others, at least 0.
+/// Computes the errors of `answers` (NaN: not measured) in a format. Adds the rays that are left to `unhandled`, and
+/// returns the largest |ulp| of the others, at least 0.
 double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
-                   const ErrorColumns& out, std::vector<std::uint32_t>& left);
+                   const ErrorColumns& out, std::vector<std::uint32_t>& unhandled);
 
-/// Inputs of hit points: the rays as the form received them, and the primitives. `objects` names the primitive of each
-/// measured answer.
+/// Inputs of hit points: the rays as the form received them, and the primitives. `primitive_indices` names the
+/// primitive of each measured answer.
 struct HitPoints {
     const scene::rays::RayBlock& rays;
     const scene::rays::PrimitiveList<double>& primitives;
-    std::span<const std::int32_t> objects;
+    std::span<const std::int32_t> primitive_indices;
     Format::Engine engine;
 };
 
-/// Computes the residuals of `answers` (NaN: not measured). Adds the rays that are left to `left`; these are all rays
-/// if the format is neither the machine's float nor its double, or if the primitives have several shapes.
+/// Computes the residuals of `answers` (NaN: not measured). Adds the rays that are left to `unhandled`; these are all
+/// rays if the format is neither the machine's float nor its double, or if the primitives have several shapes.
 void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
-                    std::vector<std::uint32_t>& left);
+                    std::vector<std::uint32_t>& unhandled);
 
 /// Adds a column to the sums.
 void add_sizes(std::span<const double> values, RawSizes& sizes);

@@ -30,10 +30,10 @@ struct LaneBits {
 
 using stages::TwoWords;
 
-/// Numbers of one pass of a loop, from index i on: a whole pack, or the last `left` numbers followed by NaN.
+/// Numbers of one pass of a loop, from index i on: a whole pack, or the `remaining` last numbers followed by NaN.
 template <class P, bool is_whole>
 struct Pass {
-    std::size_t i, left;
+    std::size_t i, remaining;
 
     [[nodiscard]] P load(const double* column) const {
         if constexpr (is_whole) {
@@ -41,7 +41,7 @@ struct Pass {
         } else {
             double lanes[most_lanes];
             for (std::size_t k = 0; k < P::lanes; ++k)
-                lanes[k] = k < left ? column[i + k] : std::numeric_limits<double>::quiet_NaN();
+                lanes[k] = k < remaining ? column[i + k] : std::numeric_limits<double>::quiet_NaN();
             return P::load(lanes);
         }
     }
@@ -51,17 +51,17 @@ struct Pass {
         } else {
             double lanes[most_lanes];
             x.store(lanes);
-            for (std::size_t k = 0; k < left; ++k) column[i + k] = lanes[k];
+            for (std::size_t k = 0; k < remaining; ++k) column[i + k] = lanes[k];
         }
     }
-    /// Records the lanes of a mask as left to the scalar functions; few masks have any lane set.
+    /// Records the lanes that a mask selects as rays for the scalar functions. Most masks select none.
     template <class Mask>
-    void leave(const Mask& mask, RawLeft& left_rays) const {
+    void leave_to_scalar(const Mask& mask, RawUnhandledRays& unhandled) const {
         if (!any_of(mask)) return;
-        bool is_set[most_lanes];
-        mask.store(is_set);
+        bool is_selected[most_lanes];
+        mask.store(is_selected);
         for (std::size_t k = 0; k < P::lanes; ++k) {
-            if (is_set[k]) left_rays.indices[left_rays.count++] = static_cast<std::uint32_t>(i + k);
+            if (is_selected[k]) unhandled.indices[unhandled.count++] = static_cast<std::uint32_t>(i + k);
         }
     }
 };
@@ -73,7 +73,7 @@ template <class P, class Step>
     if (i < size) step(Pass<P, false>{i, size - i});
 }
 
-/// Computes the same as `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference, to the bit.
+/// Computes the same bits as `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference.
 ///
 /// These functions work in units of 2^e, where e is the larger exponent; here every number keeps its own size. All
 /// steps except the last are sums of doubles, so the results are the same unless a step overflows or goes below
@@ -95,12 +95,12 @@ template <class Width>
     const P low(0x1p-400), high(0x1p+400), nan(std::numeric_limits<double>::quiet_NaN());
     const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), most_inverse(batch.most_inverse);
     P largest(batch.largest);
-    RawLeft left = batch.left;
+    RawUnhandledRays unhandled = batch.unhandled;
     for_each_pack<P>(size, [&](const auto& pass) {
         const P t = pass.load(answers), hi = pass.load(truth_hi), lo = pass.load(truth_lo);
         const auto is_measured = t >= t;
         const auto is_in_range = is_measured && abs(t) >= low && abs(t) <= high && abs(hi) >= low && abs(hi) <= high;
-        pass.leave(is_measured && !is_in_range, left);
+        pass.leave_to_scalar(is_measured && !is_in_range, unhandled);
         const TwoWords<P> raw_difference = stages::sum_of<P>(t, -hi);
         const P tail = P(0) - lo;
         const TwoWords<P> sum = stages::sum_of<P>(raw_difference.hi, tail);
@@ -118,7 +118,7 @@ template <class Width>
         if (relative_out) pass.store(select(is_in_range, abs(difference / (hi + lo)), nan), relative_out);
         if (absolute_out) pass.store(select(is_in_range, abs(difference), nan), absolute_out);
     });
-    batch.left = left;
+    batch.unhandled = unhandled;
     double lanes[most_lanes];
     largest.store(lanes);
     for (std::size_t k = 0; k < P::lanes; ++k) batch.largest = batch.largest < lanes[k] ? lanes[k] : batch.largest;
@@ -170,28 +170,28 @@ template <class Width>
     }
 }
 
-/// Written so that the compiler can vectorise it. A hit at NaN never replaces another hit; it stays if it is the only
-/// one.
+/// Keeps the first hit so far on each ray; the compiler vectorises the loop. A hit at NaN never replaces another hit;
+/// it stays if it is the only one.
 template <class F, class Width>
 [[gnu::flatten]] void keep_nearest(const RawHits<F>& batch) {
     const F* __restrict const t = batch.t;
     const std::uint8_t* __restrict const hit = batch.hit;
     F* __restrict const nearest = batch.nearest;
-    std::int32_t* __restrict const objects = batch.objects;
-    const std::int32_t object = batch.object;
+    std::int32_t* __restrict const nearest_primitives = batch.nearest_primitives;
+    const std::int32_t primitive = batch.primitive;
     const std::size_t size = batch.size;
     for (std::size_t i = 0; i < size; ++i) {
         const F x = t[i], old_nearest = nearest[i];
-        const bool is_first = objects[i] < 0;
+        const bool is_first = nearest_primitives[i] < 0;
         const bool is_nearer = x < old_nearest || old_nearest != old_nearest;
-        const bool is_taken = hit[i] != 0 && (is_first || (is_nearer && x == x));
-        nearest[i] = is_taken ? x : old_nearest;
-        objects[i] = is_taken ? object : objects[i];
+        const bool is_kept = hit[i] != 0 && (is_first || (is_nearer && x == x));
+        nearest[i] = is_kept ? x : old_nearest;
+        nearest_primitives[i] = is_kept ? primitive : nearest_primitives[i];
     }
 }
 
-/// Coordinate of o + t·d as the format computes it. A product of two floats is exact in double. Their sum, rounded to
-/// double and then to float, is the same as if rounded once, since 53 ≥ 2·24 + 2.
+/// Returns a coordinate of o + t·d as the format computes it. A product of two floats is exact in double. Their sum,
+/// rounded to double and then to float, is the same as if rounded once, since 53 ≥ 2·24 + 2.
 template <bool binary32, class P, class Width>
 [[gnu::always_inline]] inline P hit_coordinate(const P& origin, const P& t, const P& direction) {
     if constexpr (binary32) {
@@ -208,7 +208,7 @@ template <bool binary32, class Width, class Residual>
     for (int k = 0; k < RawResiduals::columns_in; ++k) in[k] = batch.in[k];
     double* const out = batch.out;
     const P nan(std::numeric_limits<double>::quiet_NaN());
-    RawLeft left = batch.left;
+    RawUnhandledRays unhandled = batch.unhandled;
     for_each_pack<P>(
         batch.size, [&](const auto& pass) __attribute__((always_inline)) {
             const auto load = [&](int column) __attribute__((always_inline)) { return pass.load(in[column]); };
@@ -222,10 +222,10 @@ template <bool binary32, class Width, class Residual>
                 is_measured &&
                 residual(
                     p, [&](int k) __attribute__((always_inline)) { return load(RawResiduals::primitive + k); }, value);
-            pass.leave(is_measured && !is_proved, left);
+            pass.leave_to_scalar(is_measured && !is_proved, unhandled);
             pass.store(select(is_proved, value, nan), out);
         });
-    batch.left = left;
+    batch.unhandled = unhandled;
 }
 
 template <template <class> class S, bool binary32, class Width>

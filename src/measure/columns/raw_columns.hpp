@@ -11,8 +11,8 @@ namespace lostbits::measure::columns {
 /// Number of doubles in the widest registers.
 inline constexpr std::size_t most_lanes = 8;
 
-/// Rays that a kernel leaves to the scalar functions: `count` indices in ascending order.
-struct RawLeft {
+/// Rays that a kernel cannot handle and leaves to the scalar functions: `count` indices in ascending order.
+struct RawUnhandledRays {
     std::uint32_t* indices;
     std::size_t count;
 };
@@ -29,7 +29,7 @@ struct RawErrors {
     double ulps_of_binade;         ///< 2^(p − 1)
     double most_inverse;           ///< 2^−emin
     double largest;                ///< input and output: the largest |ulp| so far
-    RawLeft left;
+    RawUnhandledRays unhandled;
 };
 
 /// Distances of hit points from primitives of one shape.
@@ -40,7 +40,7 @@ struct RawResiduals {
     const double* in[columns_in];  ///< from `primitive` on, in the order of `Primitive::numbers`
     double* out;
     bool binary32;  ///< true: the hit point is computed in float; false: in double
-    RawLeft left;
+    RawUnhandledRays unhandled;
 };
 
 /// Sums of the sizes |x| of a column, without NaN; a kernel adds to them.
@@ -53,15 +53,15 @@ struct RawSizes {
 };
 inline constexpr double largest_summed = 0x1p+900;
 
-/// Hits with one more primitive. A kernel keeps each hit that comes before the nearest hit so far.
+/// Hits with one primitive. A kernel keeps each hit that comes before the nearest hit so far.
 template <class F>
 struct RawHits {
     std::size_t size;
     const F* t;
     const std::uint8_t* hit;
-    F* nearest;             ///< NaN if nothing is hit yet, or if the hit is at NaN
-    std::int32_t* objects;  ///< −1 if nothing is hit yet
-    std::int32_t object;
+    F* nearest;                        ///< NaN if nothing is hit yet, or if the hit is at NaN
+    std::int32_t* nearest_primitives;  ///< −1 if nothing is hit yet
+    std::int32_t primitive;            ///< index of this primitive
 };
 
 struct RawKernels {

@@ -16,7 +16,7 @@ namespace {
 std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, const FloatFormat& format,
                                                        const scene::rays::PrimitiveList<double>& primitives) {
     if (primitives.size() <= offset::most_primitives || !primitives.mesh() || !band.culler()) return nullptr;
-    return band.culler()->for_stored_truth(format, primitives);
+    return band.culler()->index_for_stored_truth(format, primitives);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ FormOnBand::Candidates FormOnBand::candidates(std::span<const Ray<double>> rays)
     if (tree_) {
         std::vector<std::uint32_t> ray_candidates;
         for (const Ray<double>& ray : rays) {
-            tree_->candidates(ray, ray_candidates);
+            tree_->find_candidates(ray, ray_candidates);
             found.indices.insert(found.indices.end(), ray_candidates.begin(), ray_candidates.end());
         }
         std::ranges::sort(found.indices);
@@ -71,7 +71,7 @@ FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& band_form, cons
     std::vector<std::uint32_t> candidates;
     for (std::size_t i = 0; i < all_rays.size(); ++i) {
         band_form.form.stop.check();
-        band_form.tree_->candidates(all_rays[i], candidates);
+        band_form.tree_->find_candidates(all_rays[i], candidates);
         for (const std::uint32_t k : candidates) pairs.emplace_back(k, i);
     }
     std::ranges::sort(pairs);

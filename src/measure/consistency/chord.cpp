@@ -62,7 +62,7 @@ struct BallOnRay {
     double centre_distance2;  ///< squared distance of the line from the centre, in radii²
 
     BallOnRay(const Ray<double>& ray, const Primitive<double>& primitive) {
-        const auto [centre, radius] = offset::ball_of(primitive);
+        const auto [centre, radius] = offset::bounding_ball_of(primitive);
         const Vec<double> f = centre - ray.origin;
         const double a = square(ray.direction);
         middle = dot(f, ray.direction) / a;

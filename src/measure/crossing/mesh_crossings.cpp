@@ -84,7 +84,7 @@ std::optional<int> order_of_t(const Ray<double>& ray, const Primitive<double>& a
 std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles& triangles) {
     std::vector<std::uint32_t> found;
     if (triangles.index) {
-        triangles.index->candidates(ray, found);
+        triangles.index->find_candidates(ray, found);
     } else {
         found.resize(triangles.primitives.size());
         std::iota(found.begin(), found.end(), 0U);

@@ -207,8 +207,8 @@ double BoxTree::least_distance(const Vec<double>& p, const Node& node, std::size
     return std::ldexp(length(outside) * (1 - 0x1p-40) - 0x1p-40 * size, shift_);
 }
 
-void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& found) const {
-    found = unboxed_;
+void BoxTree::find_within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& primitives) const {
+    primitives = unboxed_;
     std::vector<std::uint32_t> pending;
     if (!nodes_.empty()) pending.push_back(0);
     while (!pending.empty()) {
@@ -217,11 +217,11 @@ void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uin
         const Node& node = nodes_[i];
         for (std::size_t c = 0; c < 2; ++c) {
             if (least_distance(p, node, c) > distance) continue;
-            found.insert(found.end(), leaf(node, c).begin(), leaf(node, c).end());
+            primitives.insert(primitives.end(), leaf(node, c).begin(), leaf(node, c).end());
             if (node.has_node(c)) pending.push_back(node.next[c]);
         }
     }
-    sort(found);
+    sort(primitives);
 }
 
 namespace {
@@ -252,8 +252,8 @@ double safe_length(const Vec<double>& v) {
 class BoxTree::Walk {
 public:
     Walk() = default;
-    /// Starts with the primitives outside the tree. `found` outlives the walk.
-    Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found);
+    /// Starts with the primitives outside the tree. `candidates` outlives the walk.
+    Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& candidates);
 
     [[nodiscard]] bool is_done() const { return pending_count_ == 0; }
     /// Visits one node. Adds the primitives of each leaf that the ray may meet, and records each such child node for a
@@ -277,7 +277,7 @@ private:
     }
 
     const BoxTree* tree_ = nullptr;
-    std::vector<std::uint32_t>* found_ = nullptr;
+    std::vector<std::uint32_t>* candidates_ = nullptr;
     double earliest_t_ = 0;
     /// Corner of each axis through which the ray enters, and corner through which it leaves.
     std::array<std::size_t, 3> entry_corner_, exit_corner_;
@@ -286,19 +286,20 @@ private:
     std::size_t pending_count_ = 0;
 };
 
-BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found)
-    : tree_(&tree), found_(&found) {
-    found = tree.unboxed_;
+BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& candidates)
+    : tree_(&tree), candidates_(&candidates) {
+    candidates = tree.unboxed_;
     const auto& order = tree.order_;
     if (order.empty()) return;
     if (is_invalid(ray)) {
-        found.insert(found.end(), order.begin(), order.begin() + std::min(order.size(), most_for_invalid_ray));
+        candidates.insert(candidates.end(), order.begin(),
+                          order.begin() + std::min(order.size(), most_for_invalid_ray));
         return;
     }
     const Vec<double> o(std::ldexp(ray.origin.x, -tree.shift_), std::ldexp(ray.origin.y, -tree.shift_),
                         std::ldexp(ray.origin.z, -tree.shift_));
     if (!std::isfinite(largest(o))) {
-        found.insert(found.end(), order.begin(), order.end());
+        candidates.insert(candidates.end(), order.begin(), order.end());
         return;
     }
     const int e = std::ilogb(largest(ray.direction));
@@ -323,7 +324,7 @@ void BoxTree::Walk::step() {
         if (!may_meet(node, c)) continue;
         if (node.count[c] > 0) {
             const auto primitives = tree_->leaf(node, c);
-            found_->insert(found_->end(), primitives.begin(), primitives.end());
+            candidates_->insert(candidates_->end(), primitives.begin(), primitives.end());
         } else {
             __builtin_prefetch(&tree_->nodes_[node.next[c]]);
             pending_[pending_count_++] = node.next[c];
@@ -331,18 +332,18 @@ void BoxTree::Walk::step() {
     }
 }
 
-void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
-    for (Walk walk(*this, ray, found); !walk.is_done();) walk.step();
-    sort(found);
+void BoxTree::find_candidates(const Ray<double>& ray, std::vector<std::uint32_t>& candidates) const {
+    for (Walk walk(*this, ray, candidates); !walk.is_done();) walk.step();
+    sort(candidates);
 }
 
 // A node of a large tree is rarely in a cache, so a walk waits for memory most of its time. If several walks take
 // turns, their waits overlap.
-void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& candidates,
                                 std::span<std::size_t> ends) const {
     constexpr std::size_t most_walks = 16, batch_size = 256;
     std::array<Walk, most_walks> walks;
-    std::vector<std::vector<std::uint32_t>> found_by(std::min(rays.size(), batch_size));
+    std::vector<std::vector<std::uint32_t>> candidates_by_ray(std::min(rays.size(), batch_size));
     for (std::size_t begin = 0; begin < rays.size(); begin += batch_size) {
         const std::size_t count = std::min(batch_size, rays.size() - begin);
         std::size_t next = 0;
@@ -350,13 +351,13 @@ void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<s
             is_running = next < count;
             for (Walk& walk : walks) {
                 if (!walk.is_done()) walk.step(), is_running = true;
-                else if (next < count) walk = Walk(*this, rays[begin + next], found_by[next]), ++next;
+                else if (next < count) walk = Walk(*this, rays[begin + next], candidates_by_ray[next]), ++next;
             }
         }
         for (std::size_t i = 0; i < count; ++i) {
-            sort(found_by[i]);
-            found.insert(found.end(), found_by[i].begin(), found_by[i].end());
-            ends[begin + i] = found.size();
+            sort(candidates_by_ray[i]);
+            candidates.insert(candidates.end(), candidates_by_ray[i].begin(), candidates_by_ray[i].end());
+            ends[begin + i] = candidates.size();
         }
     }
 }

@@ -55,44 +55,45 @@ public:
     static std::shared_ptr<const BoxTree> make(const scene::rays::PrimitiveList<double>& primitives,
                                                const RayBounds& bounds, const FloatFormat* format);
 
-    void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
-    void append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+    void find_candidates(const Ray<double>& ray, std::vector<std::uint32_t>& candidates) const override;
+    void append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& candidates,
                            std::span<std::size_t> ends) const override;
 
-    /// Fills `found` with every primitive that has a point within `distance` of p, and perhaps others, in ascending
-    /// order.
-    void within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& found) const;
+    /// Finds every primitive that has a point within `distance` of p, and perhaps others, in ascending order.
+    void find_within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& primitives) const;
 
     /// Primitive with the least `distance(primitive)`, the first one among equals. The distances are those of p from
     /// the surfaces, or from the insides, and must be known to 2^-40 (|p| + R). Returns the first primitive if p is not
     /// finite.
     template <class Distance>
     [[nodiscard]] std::uint32_t nearest(const Vec<double>& p, const Distance& distance) const {
-        double best = HUGE_VAL;
-        std::uint32_t found = 0;
+        double least_distance_so_far = HUGE_VAL;
+        std::uint32_t nearest_primitive = 0;
         const auto test = [&](std::uint32_t primitive) {
             const double d = distance(primitive);
-            if (d < best || (d == best && primitive < found)) best = d, found = primitive;
+            if (d < least_distance_so_far || (d == least_distance_so_far && primitive < nearest_primitive))
+                least_distance_so_far = d, nearest_primitive = primitive;
         };
-        if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL)) return found;
+        if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL))
+            return nearest_primitive;
         for (const std::uint32_t primitive : unboxed_) test(primitive);
         std::vector<std::pair<double, std::uint32_t>> pending;
         if (!nodes_.empty()) pending.push_back({0, 0});  // least distance below a node, and the node's index
         while (!pending.empty()) {
             const auto [least_below, i] = pending.back();
             pending.pop_back();
-            if (least_below > best) continue;
+            if (least_below > least_distance_so_far) continue;
             const Node& node = nodes_[i];
             std::array<std::pair<double, std::size_t>, 2> children{std::pair(least_distance(p, node, 0), 0),
                                                                    std::pair(least_distance(p, node, 1), 1)};
             if (children[0].first < children[1].first) std::swap(children[0], children[1]);
             for (const auto& [distance_of_child, c] : children) {
-                if (distance_of_child > best) continue;
+                if (distance_of_child > least_distance_so_far) continue;
                 for (const std::uint32_t primitive : leaf(node, c)) test(primitive);
                 if (node.has_node(c)) pending.push_back({distance_of_child, node.next[c]});
             }
         }
-        return found;
+        return nearest_primitive;
     }
 
 private:

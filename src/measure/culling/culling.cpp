@@ -17,13 +17,13 @@ namespace lostbits::measure::culling {
 
 using scene::rays::PrimitiveList;
 
-void PrimitiveIndex::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+void PrimitiveIndex::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& candidates,
                                        std::span<std::size_t> ends) const {
     std::vector<std::uint32_t> ray_candidates;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        candidates(rays[i], ray_candidates);
-        found.insert(found.end(), ray_candidates.begin(), ray_candidates.end());
-        ends[i] = found.size();
+        find_candidates(rays[i], ray_candidates);
+        candidates.insert(candidates.end(), ray_candidates.begin(), ray_candidates.end());
+        ends[i] = candidates.size();
     }
 }
 
@@ -48,7 +48,7 @@ CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::R
 
 CandidateLists::CandidateLists(const CandidateLists& all_rays, std::span<const std::uint32_t> rays) {
     for (const std::uint32_t ray : rays) {
-        const auto ray_candidates = all_rays.of(ray);
+        const auto ray_candidates = all_rays.candidates_of(ray);
         primitives_.insert(primitives_.end(), ray_candidates.begin(), ray_candidates.end());
         ends_.push_back(primitives_.size());
     }
@@ -70,11 +70,11 @@ std::optional<Extent> extent_of(const PrimitiveList<double>& primitives, const R
         const Primitive<double> primitive = primitives[i];
         // The bound holds for forms of round primitives, in the space of the rays.
         if (!row_of(primitive.shape).round || primitive.placed) return std::nullopt;
-        const auto s = ball_around(primitive);
-        const double distance = size_of(s.centre) + s.radius;
-        if (!(s.radius > 0) || !std::isfinite(distance)) return std::nullopt;
+        const auto ball = ball_around(primitive);
+        const double distance = size_of(ball.centre) + ball.radius;
+        if (!(ball.radius > 0) || !std::isfinite(distance)) return std::nullopt;
         reach = std::max(reach, distance);
-        extent.least_radius = std::min(extent.least_radius, s.radius);
+        extent.least_radius = std::min(extent.least_radius, ball.radius);
     }
     extent.sum = sum_of_squares(rays.origin, reach);
     return extent;
@@ -96,17 +96,17 @@ struct SphereBounds {
 }  // namespace
 
 RayBounds bounds_of(const scene::rays::RayBlock& rays) {
-    RayBounds b{0, HUGE_VAL, 0};
+    RayBounds bounds{0, HUGE_VAL, 0};
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Ray<double> r = rays[i];
-        const double d = size_of(r.direction);
+        const Ray<double> ray = rays[i];
+        const double d = size_of(ray.direction);
         // NaN and infinity make every bound useless; these values mark that.
-        if (!std::isfinite(d) || !std::isfinite(size_of(r.origin))) return {HUGE_VAL, 0, HUGE_VAL};
-        b.origin = std::max(b.origin, size_of(r.origin));
-        b.direction = std::max(b.direction, d);
-        b.least_direction = std::min(b.least_direction, d);
+        if (!std::isfinite(d) || !std::isfinite(size_of(ray.origin))) return {HUGE_VAL, 0, HUGE_VAL};
+        bounds.origin = std::max(bounds.origin, size_of(ray.origin));
+        bounds.direction = std::max(bounds.direction, d);
+        bounds.least_direction = std::min(bounds.least_direction, d);
     }
-    return b;
+    return bounds;
 }
 
 RayBounds join(const RayBounds& a, const RayBounds& b) {
@@ -181,12 +181,12 @@ Culler::Culler(PrimitiveList<double> primitives) : bounds_{HUGE_VAL, 0, HUGE_VAL
 Culler::Culler(const Culler& parent, const scene::rays::RayBlock& rays)
     : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(parent.stored_), truth_(parent.truth_), parent_(&parent) {}
 
-std::shared_ptr<const PrimitiveIndex> Culler::for_forms(const FloatFormat& format,
-                                                        const PrimitiveList<double>& primitives) {
+std::shared_ptr<const PrimitiveIndex> Culler::index_for_forms(const FloatFormat& format,
+                                                              const PrimitiveList<double>& primitives) {
     return index_for(Use::forms, format, primitives);
 }
-std::shared_ptr<const PrimitiveIndex> Culler::for_stored_truth(const FloatFormat& format,
-                                                               const PrimitiveList<double>& primitives) {
+std::shared_ptr<const PrimitiveIndex> Culler::index_for_stored_truth(const FloatFormat& format,
+                                                                     const PrimitiveList<double>& primitives) {
     return index_for(Use::stored_truth, format, primitives);
 }
 
@@ -235,8 +235,8 @@ double SphereIndex::reach(const Vec<double>& centre, double radius) const {
 }
 
 void SphereIndex::make_balls() {
-    for (std::size_t begin = 0; begin < primitives_.size(); begin += block) {
-        const std::size_t end = std::min(primitives_.size(), begin + block);
+    for (std::size_t begin = 0; begin < primitives_.size(); begin += spheres_per_block) {
+        const std::size_t end = std::min(primitives_.size(), begin + spheres_per_block);
         SphereBounds bounds;
         for (std::size_t i = begin; i < end; ++i) {
             const auto [centre, radius] = ball_around(primitives_[i]);
@@ -250,9 +250,9 @@ void SphereIndex::make_balls() {
         }
         blocks_.add(middle, ball_reach + margin_);
     }
-    constexpr std::size_t blocks = page / block;
-    for (std::size_t begin = 0; begin < blocks_.x.size(); begin += blocks) {
-        const std::size_t end = std::min(blocks_.x.size(), begin + blocks);
+    constexpr std::size_t blocks_per_page = spheres_per_page / spheres_per_block;
+    for (std::size_t begin = 0; begin < blocks_.x.size(); begin += blocks_per_page) {
+        const std::size_t end = std::min(blocks_.x.size(), begin + blocks_per_page);
         SphereBounds bounds;
         for (std::size_t b = begin; b < end; ++b) bounds.add(blocks_.centre(b), blocks_.reach[b]);
         const Vec<double> middle = bounds.middle();
@@ -280,11 +280,11 @@ void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std
         if (!runs.empty() && runs.back().second == begin) runs.back().second = end;
         else runs.emplace_back(begin, end);
     };
-    constexpr std::size_t blocks = page / block;
-    const std::size_t first = p * blocks, last = std::min(first + blocks, blocks_.x.size());
+    constexpr std::size_t blocks_per_page = spheres_per_page / spheres_per_block;
+    const std::size_t first = p * blocks_per_page, last = std::min(first + blocks_per_page, blocks_.x.size());
     for (std::size_t b = first; b < last; ++b) {
         if (!meets(line, blocks_.centre(b), blocks_.reach[b])) continue;
-        const std::size_t begin = b * block, end = std::min(begin + block, primitives_.size());
+        const std::size_t begin = b * spheres_per_block, end = std::min(begin + spheres_per_block, primitives_.size());
         if (grain == Grain::blocks) add_run(begin, end);
         for (std::size_t i = begin; grain == Grain::spheres && i < end; ++i) {
             const auto [centre, radius] = ball_around(primitives_[i]);
@@ -293,14 +293,14 @@ void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std
     }
 }
 
-void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
-    found.clear();
+void SphereIndex::find_candidates(const Ray<double>& ray, std::vector<std::uint32_t>& candidates) const {
+    candidates.clear();
     const UnitRay line(ray);
     thread_local std::vector<Run> runs;
-    for (std::size_t p = 0; p < pages(); ++p) {
+    for (std::size_t p = 0; p < page_count(); ++p) {
         find_runs(line, p, Grain::spheres, runs);
         for (const auto& [begin, end] : runs) {
-            for (std::size_t i = begin; i < end; ++i) found.push_back(static_cast<std::uint32_t>(i));
+            for (std::size_t i = begin; i < end; ++i) candidates.push_back(static_cast<std::uint32_t>(i));
         }
     }
 }

@@ -27,11 +27,11 @@ inline constexpr std::size_t least_primitives = 64;
 class PrimitiveIndex {
 public:
     virtual ~PrimitiveIndex() = default;
-    /// Fills `found` with the candidates for a ray in ascending order.
-    virtual void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const = 0;
-    /// Appends the candidates for several rays to `found`, ray by ray. `ends[i]` is the size of `found` after ray i.
-    /// For large trees it is faster than ray by ray.
-    virtual void append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+    /// Finds the candidates for a ray, in ascending order.
+    virtual void find_candidates(const Ray<double>& ray, std::vector<std::uint32_t>& candidates) const = 0;
+    /// Appends the candidates for several rays to `candidates`, ray by ray. `ends[i]` is the size of `candidates` after
+    /// ray i. For large trees it is faster than ray by ray.
+    virtual void append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& candidates,
                                    std::span<std::size_t> ends) const;
 };
 
@@ -42,13 +42,13 @@ public:
     /// Copies the candidates of some rays of another list, in the order of `rays`.
     CandidateLists(const CandidateLists& all_rays, std::span<const std::uint32_t> rays);
 
-    [[nodiscard]] std::size_t rays() const { return ends_.size() - 1; }
-    [[nodiscard]] std::size_t pairs() const { return primitives_.size(); }
-    /// Index of the first pair of ray i; for i = `rays()`, the number of pairs.
-    [[nodiscard]] std::size_t first(std::size_t i) const { return ends_[i]; }
+    [[nodiscard]] std::size_t ray_count() const { return ends_.size() - 1; }
+    [[nodiscard]] std::size_t pair_count() const { return primitives_.size(); }
+    /// Index of the first pair of ray i; for i = `ray_count()`, the number of pairs.
+    [[nodiscard]] std::size_t first_pair(std::size_t i) const { return ends_[i]; }
     /// Primitive of a pair.
     [[nodiscard]] std::uint32_t primitive(std::size_t pair) const { return primitives_[pair]; }
-    [[nodiscard]] std::span<const std::uint32_t> of(std::size_t i) const {
+    [[nodiscard]] std::span<const std::uint32_t> candidates_of(std::size_t i) const {
         return std::span(primitives_).subspan(ends_[i], ends_[i + 1] - ends_[i]);
     }
 
@@ -91,7 +91,7 @@ bool squares_are_safe(double sum, double radius, const RayBounds& rays, const Fl
 /// each sphere. The result is runs of indices, which the kernels read in place.
 class SphereIndex : public PrimitiveIndex {
 public:
-    static constexpr std::size_t block = 64, page = 8192;
+    static constexpr std::size_t spheres_per_block = 64, spheres_per_page = 8192;
 
     /// Makes an index. Returns nothing if no index can be trusted (squares of the picture's numbers overflow or vanish
     /// in the format), if there are fewer than 64 primitives, or if one is not round: test every primitive then.
@@ -109,9 +109,9 @@ public:
         Vec<double> origin, unit_direction;
     };
 
-    void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
+    void find_candidates(const Ray<double>& ray, std::vector<std::uint32_t>& candidates) const override;
 
-    [[nodiscard]] std::size_t pages() const { return pages_.x.size(); }
+    [[nodiscard]] std::size_t page_count() const { return pages_.x.size(); }
     using Run = std::pair<std::size_t, std::size_t>;  ///< indices [first, second)
     enum class Grain { blocks, spheres };
     /// Fills `runs` with indices of page p in ascending order: only the candidates, or whole blocks that contain all of
@@ -128,6 +128,7 @@ private:
         }
     };
     SphereIndex() = default;
+    /// Distance from the centre of a sphere up to which a line may matter to it.
     [[nodiscard]] double reach(const Vec<double>& centre, double radius) const;
     void make_balls();
     [[nodiscard]] bool meets(const UnitRay& line, const Vec<double>& centre, double reach) const;
@@ -157,17 +158,17 @@ public:
     Culler& operator=(Culler&&) = default;
 
     /// Primitives for the bands of a scene with shared inputs, and of a scene with own inputs.
-    [[nodiscard]] const scene::rays::PrimitiveList<double>& shared() const { return stored_; }
-    [[nodiscard]] const scene::rays::PrimitiveList<Real>& ideal() const { return ideal_; }
+    [[nodiscard]] const scene::rays::PrimitiveList<double>& shared_primitives() const { return stored_; }
+    [[nodiscard]] const scene::rays::PrimitiveList<Real>& ideal_primitives() const { return ideal_; }
     /// Index for the truth of the primitives as given. This and the indices of a format may be null: test every
     /// primitive then.
-    [[nodiscard]] const PrimitiveIndex* for_truth() const { return truth_.get(); }
+    [[nodiscard]] const PrimitiveIndex* index_for_truth() const { return truth_.get(); }
     /// Indices for forms in a format that receive `primitives`, and for the truth of those primitives. Made on first
     /// use.
-    std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
-                                                    const scene::rays::PrimitiveList<double>& primitives);
-    std::shared_ptr<const PrimitiveIndex> for_stored_truth(const FloatFormat& format,
-                                                           const scene::rays::PrimitiveList<double>& primitives);
+    std::shared_ptr<const PrimitiveIndex> index_for_forms(const FloatFormat& format,
+                                                          const scene::rays::PrimitiveList<double>& primitives);
+    std::shared_ptr<const PrimitiveIndex> index_for_stored_truth(const FloatFormat& format,
+                                                                 const scene::rays::PrimitiveList<double>& primitives);
 
 private:
     RayBounds bounds_{0, 1, 1};

@@ -40,7 +40,7 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     const auto& candidates = *result.inputs->candidates;
     const auto answered = static_cast<std::size_t>(result.answers->object[i]);
     const truth::Truth answered_truth = result.band->truth_of_primitive(i, answered, result.convention);
-    for (std::size_t pair = candidates.first(i); pair < candidates.first(i + 1); ++pair) {
+    for (std::size_t pair = candidates.first_pair(i); pair < candidates.first_pair(i + 1); ++pair) {
         if (result.answers->claimed[pair] == 0 || candidates.primitive(pair) == answered) continue;
         const truth::Truth other_truth =
             result.band->truth_of_primitive(i, candidates.primitive(pair), result.convention);
@@ -302,12 +302,13 @@ private:
         inputs.primitives = round_primitives(primitives, tested_form_.format.parameters);
         culling::Culler culler(primitives, inputs.rays);
         inputs.candidates = std::make_shared<culling::CandidateLists>(
-            *culler.for_forms(tested_form_.format.parameters, inputs.primitives), inputs.rays);
+            *culler.index_for_forms(tested_form_.format.parameters, inputs.primitives), inputs.rays);
         const answer::Answers answers = answer::evaluate(*tested_form_.form, inputs);
         std::vector<AimedRay> suspects;
         for (std::size_t i = 0; i < batch.size(); ++i) {
             std::size_t claimed = 0, touched = 0;
-            for (std::size_t pair = inputs.candidates->first(i); pair < inputs.candidates->first(i + 1); ++pair) {
+            for (std::size_t pair = inputs.candidates->first_pair(i); pair < inputs.candidates->first_pair(i + 1);
+                 ++pair) {
                 if (answers.claimed[pair] == 0) continue;
                 ++claimed;
                 touched += mesh_.touches(batch[i], inputs.candidates->primitive(pair));
@@ -350,7 +351,7 @@ private:
 
 std::vector<EdgeFinding> search_edges(const EdgeRequest& request) {
     const SearchedMesh mesh(request.search.scene);
-    const auto units = request.share.of_units(request.rows.size());
+    const auto units = request.share.unit_range(request.rows.size());
     std::vector<EdgeFinding> found(units.size());
     intersect::process::in_parallel(std::size_t{0}, found.size() * progress_units_per_row, [&](std::size_t k) {
         const std::size_t form_index = k / progress_units_per_row, unit = k % progress_units_per_row;

@@ -35,7 +35,8 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows
         if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
     }
     for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
-    for (const TestedForm& form_row : rows) columns_.find(form_row.convention(), form_row.form->info->direction);
+    for (const TestedForm& form_row : rows)
+        columns_.compute_lengths(form_row.convention(), form_row.form->info->direction);
 }
 
 std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows) {

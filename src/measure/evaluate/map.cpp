@@ -24,7 +24,7 @@ std::vector<study::RowsOfScene> MapStudy::scenes() const {
     for (FormsOfGenerator& group : by_generator(rows)) {
         auto row_scene = group.generator
                              ? std::make_shared<const scene::file::Scene>(with_ray_generator(*scene, *group.generator))
-                             : study::not_owned(*scene);
+                             : study::non_owning_pointer(*scene);
         scenes_of_rows.push_back({std::move(row_scene), std::move(group.rows)});
     }
     return scenes_of_rows;

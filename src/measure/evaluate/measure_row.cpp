@@ -308,7 +308,7 @@ void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSum
                       .convention = form_row.convention(),
                       .outcomes = std::move(columns_of_thread.outcomes),
                       .metrics = std::move(columns_of_thread.metrics)};
-    const TrueLengths& truth = row_inputs.columns.of(form_row.convention(), form_row.form->info->direction);
+    const TrueLengths& truth = row_inputs.columns.lengths(form_row.convention(), form_row.form->info->direction);
     Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
     columns_of_thread.outcomes = std::move(result.outcomes);
@@ -319,7 +319,7 @@ void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSum
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                  FormSummary& summary) {
     columns::BandColumns columns(band);
-    columns.find(request.row.convention(), request.row.form->info->direction);
+    columns.compute_lengths(request.row.convention(), request.row.form->info->direction);
     measure_row(request, {band, inputs, columns}, summary);
 }
 

@@ -37,7 +37,7 @@ namespace {
 /// Part of the file in the pipeline: its records are read first, then its rays are measured as a band.
 struct Piece {
     Records records;
-    std::exception_ptr fault = {};  ///< error while reading, rethrown in the order of the file
+    std::exception_ptr read_error = {};  ///< error while reading, rethrown in the order of the file
     Chunk chunk = {};
     std::unique_ptr<culling::Culler> culler = {};  ///< for a mesh
     std::unique_ptr<Band> band = {};
@@ -63,7 +63,7 @@ std::size_t records_of_piece(const JudgeRequest& request) {
                      "; its --size is columns x rows");
 }
 
-constexpr std::size_t most_first_rays = 4096;  // limit of JudgeResult::first
+constexpr std::size_t most_first_rays = 4096;  // limit of JudgeResult::first_samples
 
 class Run {
 public:
@@ -71,9 +71,9 @@ public:
         : dump_(dump),
           request_(request),
           show_(show),
-          file_(request.file_row_index()),
+          file_row_index_(request.file_row_index()),
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
-        if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
+        if (file_row_index_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
         const bool has_own_primitives = dump.layout().primitive() || dump.layout().has_matrix();
         if (!has_own_primitives) dump.number_primitives(primitives_.size());
@@ -87,7 +87,7 @@ public:
         const auto read_filter = tbb::make_filter<void, std::shared_ptr<Piece>>(
             tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
                 intersect::process::FloatingPoint::standard().set();
-                return next(flow);
+                return read_piece(flow);
             });
         const auto prepare_filter = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
             tbb::filter_mode::parallel, [this](std::shared_ptr<Piece> piece) {
@@ -106,51 +106,52 @@ public:
     }
 
 private:
-    [[nodiscard]] const TestedForm& file_row() const { return request_.rows[*file_]; }
+    [[nodiscard]] const TestedForm& file_row() const { return request_.rows[*file_row_index_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
     [[noreturn]] void throw_wrong_size(const char* count_phrase) const {
         lostbits::measure::judge::throw_wrong_size(dump_, request_, result_, count_phrase);
     }
 
-    std::shared_ptr<Piece> next(tbb::flow_control& flow) {
+    std::shared_ptr<Piece> read_piece(tbb::flow_control& flow) {
         auto piece = std::make_shared<Piece>();
         const std::size_t record_count = records_of_piece(request_);
-        if (failed_ || (request_.pieces && (request_.pieces->size() == 0 || read_ >= request_.pieces->last))) {
+        if (has_failed_ ||
+            (request_.pieces && (request_.pieces->size() == 0 || pieces_read_ >= request_.pieces->last))) {
             flow.stop();
             return piece;
         }
         try {
             bool is_read = dump_.next(record_count, piece->records);
-            for (; is_read && request_.pieces && read_ < request_.pieces->first; ++read_)
+            for (; is_read && request_.pieces && pieces_read_ < request_.pieces->first; ++pieces_read_)
                 is_read = dump_.next(record_count, piece->records);
-            ++read_;
+            ++pieces_read_;
             if (!is_read) flow.stop();
         } catch (...) {
-            piece->fault = std::current_exception();
-            failed_ = true;
+            piece->read_error = std::current_exception();
+            has_failed_ = true;
         }
         return piece;
     }
 
     void prepare(Piece& piece) const {
-        if (piece.fault) return;
+        if (piece.read_error) return;
         try {
             piece.chunk = dump_.decode(piece.records);
         } catch (...) {
-            piece.fault = std::current_exception();
+            piece.read_error = std::current_exception();
             return;
         }
         const Chunk& chunk = piece.chunk;
-        const std::size_t n = chunk.size();
+        const std::size_t ray_count = chunk.size();
         RayGroup group;
         group.rays = chunk.rays;
         const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
         // False for a list, and for the last piece of a file that is not a picture of this size, which `measure`
         // refuses.
-        const bool has_whole_lines = width > 0 && n % width == 0 && chunk.first + n <= pixels();
-        group.rays.width = static_cast<int>(has_whole_lines ? width : n);
+        const bool has_whole_lines = width > 0 && ray_count % width == 0 && chunk.first + ray_count <= pixels();
+        group.rays.width = static_cast<int>(has_whole_lines ? width : ray_count);
         group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
-        group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? n / width : 1);
+        group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? ray_count / width : 1);
         group.paired = !chunk.primitives.empty();
         if (group.paired) {
             group.primitives = chunk.primitives;
@@ -162,7 +163,7 @@ private:
         if (group.mesh && culler_) piece.culler = std::make_unique<culling::Culler>(*culler_, group.rays);
         piece.band = std::make_unique<Band>(std::move(group), request_.limit, piece.culler.get());
         piece.shared.emplace(*piece.band, request_.rows, request_.metrics);
-        if (file_) piece.answers = answers_of(piece);
+        if (file_row_index_) piece.answers = answers_of(piece);
     }
 
     /// Primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
@@ -198,85 +199,86 @@ private:
         const auto distance = [this, &p](std::size_t s) {
             return std::fabs(intersect::table::distance(primitives_[s], p));
         };
-        const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->for_truth() : nullptr);
+        const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->index_for_truth() : nullptr);
         if (tree) return static_cast<std::int32_t>(tree->nearest(p, distance));
         const auto indices = std::views::iota(std::size_t{0}, primitives_.size());
         return static_cast<std::int32_t>(*std::ranges::min_element(indices, {}, distance));
     }
 
     void measure(Piece& piece) {
-        if (piece.fault) std::rethrow_exception(piece.fault);
+        if (piece.read_error) std::rethrow_exception(piece.read_error);
         const Chunk& chunk = piece.chunk;
         if (chunk.size() == 0) return;
         result_.rays += chunk.size();
         result_.rounded += chunk.rounded;
-        result_.digits = std::max(result_.digits, chunk.digits);
-        result_.decimals += chunk.decimals;
+        result_.most_digits = std::max(result_.most_digits, chunk.digits);
+        result_.inexact_decimals += chunk.decimals;
         for (const double t : chunk.t) {
-            const bool are_all_floats = result_.floats == result_.answers;
+            const bool are_all_floats = result_.float_answers == result_.answers;
             result_.answers += t != 0;
-            result_.floats += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
-                                         (are_all_floats && scene::dump::is_float_in_decimal(t)));
+            result_.float_answers += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
+                                                (are_all_floats && scene::dump::is_float_in_decimal(t)));
         }
         if (request_.picture && result_.rays > pixels()) throw_wrong_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
             throw_wrong_size("has");
         if (request_.stages) *request_.stages += piece.band->stages();
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
-        const auto values = group(chunk);
+        const auto rays_by_value = group_rays(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const TestedForm& form_row = request_.rows[r];
             evaluate::Show show;
             if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
             std::vector<evaluate::RaySubset> parts;
-            for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
+            for (const auto& [value, rays] : rays_by_value)
+                parts.push_back({rays, &result_.groups.at(value).summaries[r]});
             evaluate::measure_row({.row = form_row,
                                    .metrics = request_.metrics,
                                    .show = show,
                                    .first = first,
-                                   .answers = request_.is_of_file(form_row) ? &piece.answers : nullptr},
+                                   .answers = request_.is_file_row(form_row) ? &piece.answers : nullptr},
                                   piece.shared->of(form_row), result_.summaries[r], parts);
         });
-        if (file_) add_first(piece);
+        if (file_row_index_) add_first_samples(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
     /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
-    std::vector<evaluate::RaysOfValue> group(const Chunk& chunk) {
-        if (!request_.by) return {};
+    std::vector<evaluate::RaysOfValue> group_rays(const Chunk& chunk) {
+        if (!request_.group_column) return {};
         const std::size_t columns = dump_.layout().kept().size();
-        auto values = evaluate::by_value(std::span(chunk.kept).subspan(*request_.by), columns);
+        auto values = evaluate::by_value(std::span(chunk.kept).subspan(*request_.group_column), columns);
         try {
             for (const auto& rays_of_value : values)
                 result_.groups.add(rays_of_value.value, request_.rows.size(), request_.metrics);
         } catch (const InputError& e) {
-            throw InputError(dump_.name() + ": " + dump_.layout().kept()[*request_.by] + " has " + e.what());
+            throw InputError(dump_.name() + ": " + dump_.layout().kept()[*request_.group_column] + " has " + e.what());
         }
         return values;
     }
 
-    void add_first(const Piece& piece) {
+    void add_first_samples(const Piece& piece) {
         const TestedForm& form_row = file_row();
         const FormatInputs& inputs = piece.shared->of(form_row).inputs;
-        for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_first_rays; ++i) {
+        for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < most_first_rays; ++i) {
             const truth::Truth truth = piece.band->truth(i, form_row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
-            const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
-            result_.first.push_back(contract::answer_sample(inputs.rays_for(*form_row.form->info)[i],
-                                                            inputs.primitives[static_cast<std::size_t>(object)], truth,
-                                                            form_row, hit, piece.answers.t[i]));
+            const int primitive = truth.is_hit() ? truth.object : piece.answers.object[i];
+            result_.first_samples.push_back(contract::answer_sample(
+                inputs.rays_for(*form_row.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)], truth,
+                form_row, hit, piece.answers.t[i]));
         }
     }
 
     Dump& dump_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
-    std::optional<std::size_t> file_;                ///< index of the row of the file's answers
+    std::optional<std::size_t> file_row_index_;      ///< index of the row of the file's answers
     scene::rays::PrimitiveList<double> primitives_;  ///< primitives of all rays
     std::optional<culling::Culler> culler_ = {};     ///< index over the primitives of all rays, if they have a mesh
-    std::uint64_t read_ = 0;                         ///< number of pieces read
-    bool failed_ = false;
+    std::uint64_t pieces_read_ = 0;                  ///< number of pieces read
+    bool has_failed_ = false;
     JudgeResult result_;
 };
 
@@ -289,28 +291,28 @@ void JudgeResult::append(JudgeResult&& next) {
     rays += next.rays;
     rounded += next.rounded;
     answers += next.answers;
-    floats += next.floats;
-    digits = std::max(digits, next.digits);
-    decimals += next.decimals;
-    for (contract::AnswerSample& sample : next.first) {
-        if (first.size() < most_first_rays) first.push_back(std::move(sample));
+    float_answers += next.float_answers;
+    most_digits = std::max(most_digits, next.most_digits);
+    inexact_decimals += next.inexact_decimals;
+    for (contract::AnswerSample& sample : next.first_samples) {
+        if (first_samples.size() < most_first_rays) first_samples.push_back(std::move(sample));
     }
     groups.append(std::move(next.groups));
 }
 
 std::optional<std::size_t> JudgeRequest::file_row_index() const {
-    const auto found = std::ranges::find_if(rows, [this](const TestedForm& form_row) { return is_of_file(form_row); });
+    const auto found = std::ranges::find_if(rows, [this](const TestedForm& form_row) { return is_file_row(form_row); });
     return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
 }
 
-std::uint64_t JudgeResult::misses_beside_first(const evaluate::FormSummary& file) const {
+std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file) const {
     const std::uint64_t misses = file.count(answer::Outcome::agree_miss);
-    return rays > misses ? misses * first.size() / (rays - misses) : misses;
+    return rays > misses ? misses * first_samples.size() / (rays - misses) : misses;
 }
 
-bool JudgeResult::first_are_all(const evaluate::FormSummary& file) const {
+bool JudgeResult::has_all_samples(const evaluate::FormSummary& file) const {
     const std::uint64_t right_misses = file.count(answer::Outcome::agree_miss);
-    return first.size() + right_misses + file.count(answer::Outcome::unresolved) >= rays;
+    return first_samples.size() + right_misses + file.count(answer::Outcome::unresolved) >= rays;
 }
 
 std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {

@@ -42,11 +42,12 @@ struct JudgeRequest {
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};
-    const intersect::table::Intersector* file_form = nullptr;  ///< form of the file's answers; null: the file has none
+    /// Form of the file's answers (`FileForm`); null if the file has none.
+    const intersect::table::Intersector* file_answers_form = nullptr;
     std::vector<const metric::Metric*> metrics = {};
     std::optional<std::pair<int, int>> picture = {};  ///< numbers of columns and lines; absent: the rays are a list
     /// Index of the column by whose values rays are grouped, among the columns that the dump keeps.
-    std::optional<std::size_t> by = {};
+    std::optional<std::size_t> group_column = {};
     truth::TruthLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< receives the counts of stages; may be null
     /// The pieces of the file to measure, see `count_pieces`; absent: all pieces.
@@ -54,7 +55,9 @@ struct JudgeRequest {
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
-    [[nodiscard]] bool is_of_file(const evaluate::TestedForm& form_row) const { return form_row.form == file_form; }
+    [[nodiscard]] bool is_file_row(const evaluate::TestedForm& form_row) const {
+        return form_row.form == file_answers_form;
+    }
     /// Index of the row of the file's answers, if there is one.
     [[nodiscard]] std::optional<std::size_t> file_row_index() const;
 };
@@ -68,23 +71,23 @@ struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row
     std::uint64_t rays = 0;
     std::uint64_t rounded = 0;  ///< number of values in the file that its format cannot represent
-    /// `answers`: number of answers of the file whose t is not 0. `floats`: number of these whose t is a binary32
-    /// number, or, as long as every t was either, the decimal of one. If there are many answers and all are floats,
-    /// they were computed in binary32.
-    std::uint64_t answers = 0, floats = 0;
-    int digits = 0;              ///< largest number of digits of a decimal that the format cannot represent exactly
-    std::uint64_t decimals = 0;  ///< number of such decimals
+    std::uint64_t answers = 0;  ///< number of answers of the file whose t is not 0
+    /// Number of these answers whose t is a binary32 number or, as long as all earlier ones count here, the decimal of
+    /// one. If there are many answers and all count here, they were computed in binary32.
+    std::uint64_t float_answers = 0;
+    int most_digits = 0;                 ///< most digits of a decimal that the format cannot represent exactly
+    std::uint64_t inexact_decimals = 0;  ///< number of such decimals
     /// The file's answers and the truth for the first rays that the file or the truth hits, for `contract::suspicion`.
-    std::vector<contract::AnswerSample> first = {};
+    std::vector<contract::AnswerSample> first_samples = {};
     evaluate::Groups groups = {};  ///< used if the request has a column for grouping
 
     /// Adds the results of the next pieces.
     void append(JudgeResult&& next);
     /// Number of rays that the file correctly misses, according to its summary, scaled to the number of rays in
-    /// `first`.
-    [[nodiscard]] std::uint64_t misses_beside_first(const evaluate::FormSummary& file) const;
-    /// True if `first` has every ray that the file (with this summary) or the truth hits.
-    [[nodiscard]] bool first_are_all(const evaluate::FormSummary& file) const;
+    /// `first_samples`.
+    [[nodiscard]] std::uint64_t scaled_right_misses(const evaluate::FormSummary& file) const;
+    /// True if `first_samples` has every ray that the file (with this summary) or the truth hits.
+    [[nodiscard]] bool has_all_samples(const evaluate::FormSummary& file) const;
 };
 
 /// Counts the pieces in which the file is measured, which depend only on the request's picture and the file. Reads the

@@ -18,8 +18,8 @@ using scene::rays::PrimitiveList;
 
 namespace {
 
-/// Number of pieces that are decoded at a time, and their size in records.
-constexpr std::size_t pieces_at_once = 16, records_at_once = 4096;
+/// Number of pieces that are decoded together, and the number of records in each.
+constexpr std::size_t most_pieces = 16, records_per_piece = 4096;
 
 PrimitiveList<double> primitive_list(const MeshAnswersRequest& request) {
     scene::rays::RayGroup group;
@@ -49,10 +49,10 @@ private:
     /// Reads some pieces and appends their answers. Returns false at the end of the file.
     bool read_pieces() {
         std::vector<Records> pieces;
-        while (pieces.size() < pieces_at_once) {
+        while (pieces.size() < most_pieces) {
             request_.limit.stop.check();
             Records records;
-            if (!dump_.next(records_at_once, records)) break;
+            if (!dump_.next(records_per_piece, records)) break;
             pieces.push_back(std::move(records));
         }
         std::vector<Chunk> chunks(pieces.size());
@@ -108,7 +108,7 @@ private:
     }
 
     void judge(JudgedAnswer& answer) const {
-        const crossing::Triangles triangles{primitives_, culler_.for_truth()};
+        const crossing::Triangles triangles{primitives_, culler_.index_for_truth()};
         if (result_.kind == AnswerKind::inside) return judge_point(answer, triangles);
         const MeshCrossings crossings = crossings_of(answer.ray, triangles, answer.range, request_.limit);
         if (is_list()) {
@@ -135,12 +135,12 @@ private:
         const FloatFormat& format = dump_.format().parameters;
         answer.ulps.assign(answer.hits.size(), truth::missing);
         for (std::size_t k = 0; k < answer.hits.size(); ++k) {
-            const crossing::MeshCrossing* const owner = answer.judgement.met[k];
+            const crossing::MeshCrossing* const owner = answer.judgement.crossings_of_hits[k];
             const double t = answer.hits[k].t;
             if (owner != nullptr && request_.contract.has_t && !std::isnan(t))
                 answer.ulps[k] = truth::ulp_error(t, request_.contract.unit ? owner->distance : owner->t, format);
         }
-        answer.judgement.met.clear();  // the crossings do not outlive `judge`
+        answer.judgement.crossings_of_hits.clear();  // the crossings do not outlive `judge`
     }
 
     void add(const JudgedAnswer& answer) {
@@ -149,11 +149,11 @@ private:
         ++result_.outcomes[outcome];
         if (is_fault(answer.judgement.outcome) && !result_.first[outcome]) result_.first[outcome] = answer;
         result_.crossings += answer.judgement.crossings;
-        result_.listed += answer.hits.size();
-        result_.missing += answer.judgement.missing;
-        result_.doubled += answer.judgement.doubled;
-        result_.wrong += answer.judgement.wrong;
-        result_.neighbours += answer.judgement.neighbours;
+        result_.listed_hits += answer.hits.size();
+        result_.missing_crossings += answer.judgement.missing_crossings;
+        result_.double_hits += answer.judgement.double_hits;
+        result_.false_hits += answer.judgement.false_hits;
+        result_.neighbour_hits += answer.judgement.neighbour_hits;
         for (const double ulps : answer.ulps) {
             if (std::isnan(ulps)) continue;
             result_.ulps.add(ulps);

@@ -44,18 +44,18 @@ struct MeshAnswersResult {
     std::array<std::uint64_t, mesh_outcome_rows.size()> outcomes{};
     /// The first ray or point of each outcome that is a fault.
     std::array<std::optional<JudgedAnswer>, mesh_outcome_rows.size()> first{};
-    /// For lists: numbers of true crossings, of listed hits, of crossings without a hit, of hits beyond the first of a
-    /// crossing, of hits that are not a crossing, and of hits beside the right triangle. For numbers of crossings,
-    /// `crossings` is also set.
-    std::uint64_t crossings = 0, listed = 0, missing = 0, doubled = 0, wrong = 0, neighbours = 0;
+    std::uint64_t crossings = 0;  ///< true crossings; not set for points
+    /// Number of hits in all lists, and the sums of the counts of `ListJudgement`. Set for lists only.
+    std::uint64_t listed_hits = 0, missing_crossings = 0, double_hits = 0, false_hits = 0, neighbour_hits = 0;
     metric::Distribution ulps, lost_bits;  ///< of the hits whose triangle the ray meets
     std::uint64_t rounded = 0;             ///< number of values in the file that its format cannot represent
 
-    [[nodiscard]] std::uint64_t of(MeshOutcome outcome) const { return outcomes[static_cast<std::size_t>(outcome)]; }
+    [[nodiscard]] std::uint64_t count(MeshOutcome outcome) const { return outcomes[static_cast<std::size_t>(outcome)]; }
     [[nodiscard]] std::uint64_t faults() const;
 };
 
-/// Throws InputError if an edge of the mesh has an odd number of faces, so that no point is inside or outside.
+/// Throws InputError if an edge of the mesh has an odd number of faces: no point is inside or outside then. The message
+/// begins with `file`.
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file);
 
 /// Reads the dump to its end. Memory grows with the number of hits of a ray, not with the file. The results do not

@@ -32,7 +32,7 @@ bool can_be(MeshOutcome outcome, AnswerKind kind) {
 SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Facing facing) {
     for (const MeshCrossing& owner : crossings.in_order) {
         const auto is_same_surface = [&owner](const Surface& s) {
-            return s.rank == owner.rank && s.front == owner.front;
+            return s.rank == owner.rank && s.is_front == owner.front;
         };
         auto found = std::ranges::find_if(surfaces_, is_same_surface);
         if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.front, {}});
@@ -40,12 +40,12 @@ SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Fa
     }
     for (Surface& s : surfaces_)
         s.touches = std::ranges::any_of(
-            surfaces_, [&s](const Surface& other) { return other.rank == s.rank && other.front != s.front; });
+            surfaces_, [&s](const Surface& other) { return other.rank == s.rank && other.is_front != s.is_front; });
     if (facing != intersect::Facing::both)
-        std::erase_if(surfaces_, [&](const Surface& s) { return s.front != (facing == intersect::Facing::front); });
+        std::erase_if(surfaces_, [&](const Surface& s) { return s.is_front != (facing == intersect::Facing::front); });
 }
 
-std::size_t SurfaceCrossings::certain() const {
+std::size_t SurfaceCrossings::certain_count() const {
     return static_cast<std::size_t>(std::ranges::count_if(surfaces_, [](const Surface& s) { return !s.touches; }));
 }
 
@@ -68,8 +68,8 @@ public:
           mesh_(mesh),
           contract_(contract),
           surfaces_(crossings, contract.facing),
-          listed_counts_(surfaces_.all().size()) {
-        judgement_.met.resize(hits.size());
+          hit_counts_(surfaces_.all().size()) {
+        judgement_.crossings_of_hits.resize(hits.size());
         judgement_.crossings = surfaces_.all().size();
         surface_of_hit_.assign(hits.size(), no_surface);
         for (std::size_t i = 0; i < hits.size(); ++i) match_owned(i);
@@ -79,14 +79,14 @@ public:
 
     [[nodiscard]] ListJudgement judgement() {
         count_missing();
-        for (const std::size_t n : listed_counts_) judgement_.doubled += n > 1 ? n - 1 : 0;
-        judgement_.wrong = static_cast<std::size_t>(std::ranges::count(surface_of_hit_, no_surface));
-        set_outcome_if(judgement_.neighbours > 0, MeshOutcome::wrong_neighbour);
+        for (const std::size_t n : hit_counts_) judgement_.double_hits += n > 1 ? n - 1 : 0;
+        judgement_.false_hits = static_cast<std::size_t>(std::ranges::count(surface_of_hit_, no_surface));
+        set_outcome_if(judgement_.neighbour_hits > 0, MeshOutcome::wrong_neighbour);
         set_outcome_if(is_out_of_order(), MeshOutcome::out_of_order);
-        set_outcome_if(judgement_.doubled > 0, MeshOutcome::double_hit);
-        set_outcome_if(judgement_.missing > 0, MeshOutcome::missing_hit);
-        set_outcome_if(judgement_.wrong > 0, MeshOutcome::false_hit);
-        set_outcome_if(leaks_ && judgement_.wrong % 2 != judgement_.missing % 2, MeshOutcome::crack);
+        set_outcome_if(judgement_.double_hits > 0, MeshOutcome::double_hit);
+        set_outcome_if(judgement_.missing_crossings > 0, MeshOutcome::missing_hit);
+        set_outcome_if(judgement_.false_hits > 0, MeshOutcome::false_hit);
+        set_outcome_if(leaks_ && judgement_.false_hits % 2 != judgement_.missing_crossings % 2, MeshOutcome::crack);
         set_outcome_if(
             contract_.has_t && std::ranges::any_of(hits_, [](const ListedHit& h) { return std::isnan(h.t); }),
             MeshOutcome::not_a_number);
@@ -104,8 +104,8 @@ private:
         for (std::size_t s = 0; s < surfaces.size(); ++s)
             for (const MeshCrossing* const owner : surfaces[s].owners)
                 if (static_cast<std::int64_t>(owner->triangle) == hits_[i].triangle) {
-                    surface_of_hit_[i] = s, judgement_.met[i] = owner;
-                    ++listed_counts_[s];
+                    surface_of_hit_[i] = s, judgement_.crossings_of_hits[i] = owner;
+                    ++hit_counts_[s];
                     return;
                 }
     }
@@ -123,27 +123,27 @@ private:
                        : 0;
         };
         for (std::size_t s = 0; s < surfaces.size(); ++s) {
-            if (facing != 0 && (facing > 0) != surfaces[s].front) continue;
+            if (facing != 0 && (facing > 0) != surfaces[s].is_front) continue;
             const bool shares_vertex = std::ranges::any_of(surfaces[s].owners, [&](const MeshCrossing* owner) {
                 return mesh_.mesh().share_a_vertex(owner->triangle, triangle);
             });
             if (!shares_vertex) continue;
-            const auto rank = [&](std::size_t k) { return std::pair(listed_counts_[k] > 0, distance(k)); };
+            const auto rank = [&](std::size_t k) { return std::pair(hit_counts_[k] > 0, distance(k)); };
             if (surface_of_hit_[i] == no_surface || rank(s) < rank(surface_of_hit_[i])) surface_of_hit_[i] = s;
         }
         if (surface_of_hit_[i] == no_surface) return;
-        if (listed_counts_[surface_of_hit_[i]] == 0) ++judgement_.neighbours;
-        ++listed_counts_[surface_of_hit_[i]];
+        if (hit_counts_[surface_of_hit_[i]] == 0) ++judgement_.neighbour_hits;
+        ++hit_counts_[surface_of_hit_[i]];
     }
     /// Counts the missing crossings, and finds out whether light leaks through one of them.
     void count_missing() {
         const auto& surfaces = surfaces_.all();
         for (std::size_t s = 0; s < surfaces.size(); ++s) {
-            if (listed_counts_[s] > 0) continue;
+            if (hit_counts_[s] > 0) continue;
             const bool is_border = is_at_border(ray_, surfaces[s], mesh_);
             const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::at_rim);
             if (contract_.touching_may_miss && (is_touched_only(s) || (is_border && is_at_rim))) continue;
-            ++judgement_.missing;
+            ++judgement_.missing_crossings;
             leaks_ = leaks_ || !is_border;
         }
     }
@@ -152,7 +152,7 @@ private:
         const auto& surfaces = surfaces_.all();
         bool is_listed = false;
         for (std::size_t k = 0; k < surfaces.size(); ++k)
-            is_listed = is_listed || (surfaces[k].rank == surfaces[s].rank && listed_counts_[k] > 0);
+            is_listed = is_listed || (surfaces[k].rank == surfaces[s].rank && hit_counts_[k] > 0);
         return surfaces[s].touches && !is_listed;
     }
     [[nodiscard]] bool is_out_of_order() const {
@@ -170,7 +170,7 @@ private:
     const MeshColumns& mesh_;
     const MeshContract& contract_;
     SurfaceCrossings surfaces_;
-    std::vector<std::size_t> listed_counts_;   ///< number of hits of each crossing in the list
+    std::vector<std::size_t> hit_counts_;      ///< number of hits of each crossing in the list
     std::vector<std::size_t> surface_of_hit_;  ///< index of the crossing that each hit is
     bool leaks_ = false;
     ListJudgement judgement_;
@@ -180,7 +180,8 @@ private:
 
 ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits, const MeshCrossings& crossings,
                          const MeshColumns& mesh, const MeshContract& contract) {
-    if (!crossings.is_resolved) return {.outcome = MeshOutcome::unresolved, .met = {hits.size(), nullptr}};
+    if (!crossings.is_resolved)
+        return {.outcome = MeshOutcome::unresolved, .crossings_of_hits = {hits.size(), nullptr}};
     return ListedHits(ray, hits, crossings, mesh, contract).judgement();
 }
 
@@ -188,7 +189,8 @@ MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
                         const MeshColumns& mesh, const MeshContract& contract) {
     if (!crossings.is_resolved) return MeshOutcome::unresolved;
     const SurfaceCrossings surfaces(crossings, contract.facing);
-    const auto answer = static_cast<std::size_t>(count), total = surfaces.all().size(), least = surfaces.certain();
+    const auto answer = static_cast<std::size_t>(count), total = surfaces.all().size(),
+               least = surfaces.certain_count();
     if (answer % 2 == total % 2 && (parity || (answer >= least && answer <= total))) return MeshOutcome::agree;
     if (total == 0) return MeshOutcome::false_hit;
     const bool is_border =

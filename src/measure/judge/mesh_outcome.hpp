@@ -85,13 +85,13 @@ public:
     struct Surface {
         /// Rank in the order of t; crossings at the same t have the same rank.
         int rank;
-        bool front;
+        bool is_front;  ///< the ray meets the front of the triangles
         std::vector<const crossing::MeshCrossing*> owners;
         bool touches = false;  ///< the ray meets a surface of the other side at the same t
     };
     [[nodiscard]] const std::vector<Surface>& all() const { return surfaces_; }
-    /// The number of crossings, except those where the ray only touches the surface.
-    [[nodiscard]] std::size_t certain() const;
+    /// Number of crossings, except those where the ray only touches the surface.
+    [[nodiscard]] std::size_t certain_count() const;
 
 private:
     std::vector<Surface> surfaces_;
@@ -100,9 +100,13 @@ private:
 /// Result of comparing the hits that are listed for a ray with the true ones.
 struct ListJudgement {
     MeshOutcome outcome = MeshOutcome::agree;
-    std::size_t crossings = 0, missing = 0, doubled = 0, wrong = 0, neighbours = 0;
-    /// For each listed hit, the crossing of its triangle; null if the ray does not meet it.
-    std::vector<const crossing::MeshCrossing*> met = {};
+    std::size_t crossings = 0;          ///< true crossings of the surface
+    std::size_t missing_crossings = 0;  ///< crossings without a hit
+    std::size_t double_hits = 0;        ///< hits beyond the first of a crossing
+    std::size_t false_hits = 0;         ///< hits that are not a crossing
+    std::size_t neighbour_hits = 0;     ///< hits of a triangle beside the right one, if no other hit is this crossing
+    /// For each listed hit, the crossing of its triangle; null if the ray does not meet the triangle.
+    std::vector<const crossing::MeshCrossing*> crossings_of_hits = {};
 };
 
 /// Compares a list of hits, in its order, with all crossings of a ray. The triangles that the ray meets at a crossing

@@ -15,10 +15,10 @@ ReportedRay WorstRays::reported_ray(std::uint64_t first, std::size_t i, const ev
         if (result.answers->hit[i] != 0) deciding.insert(result.answers->object[i]);
         if (result.truth(i).is_hit()) deciding.insert(result.truth(i).object);
     }
-    return {.place = first + i,
+    return {.ray_index = first + i,
             .outcome = result.outcomes[i],
             .ulps = result.metrics[ulp_error_][i],
-            .given = result.band->given(i, deciding)};
+            .ray_group = result.band->given(i, deciding)};
 }
 
 bool WorstRays::is_among_worst(double error) const {
@@ -36,7 +36,7 @@ void WorstRays::add_fault(ReportedRay&& ray) {
     if (faults.size() < most_rays_) faults.push_back(std::move(ray));
 }
 
-void WorstRays::look_at(std::uint64_t first, const evaluate::BandResult& result) {
+void WorstRays::add_rays(std::uint64_t first, const evaluate::BandResult& result) {
     if (most_rays_ == 0) return;
     const std::vector<double>& ulps = result.metrics[ulp_error_];
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {

@@ -11,10 +11,10 @@
 namespace lostbits::measure::judge {
 
 struct ReportedRay {
-    std::uint64_t place = 0;  ///< index in the file, from 0
+    std::uint64_t ray_index = 0;  ///< index in the file, from 0
     answer::Outcome outcome = answer::Outcome::agree_hit;
-    double ulps = 0;  ///< (t − t*)/ulp(t*), for a correct hit
-    std::shared_ptr<const scene::rays::RayGroup> given = {};
+    double ulps = 0;                                              ///< (t − t*)/ulp(t*), for a correct hit
+    std::shared_ptr<const scene::rays::RayGroup> ray_group = {};  ///< the ray, and the primitives that decide its hit
 };
 
 /// Keeps up to `most` rays of each kind: correct hits with the largest |ulp_error|, the first among equal errors, and
@@ -25,7 +25,7 @@ public:
     explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : most_rays_(most), ulp_error_(ulp_error) {}
 
     /// Adds rays of the file, from index `first` on.
-    void look_at(std::uint64_t first, const evaluate::BandResult& result);
+    void add_rays(std::uint64_t first, const evaluate::BandResult& result);
     /// Adds the next rays of the file.
     void append(WorstRays&& next);
     /// The largest errors, followed by the wrong decisions in the file's order.

@@ -22,7 +22,7 @@ std::vector<double> factors_along(SceneAxis axis) {
     return factors;
 }
 
-Scene moved_along(const Scene& scene, SceneAxis axis, double factor) {
+Scene move_along(const Scene& scene, SceneAxis axis, double factor) {
     if (scene.flake || scene.camera.kind == Camera::Kind::pixel_plane)
         throw InputError("--along: scene " + scene.id +
                          (scene.flake ? " has a [sphereflake], whose numbers are fixed"

@@ -28,6 +28,6 @@ std::vector<double> factors_along(SceneAxis axis);
 
 /// Returns the scene at factor k. Its picture is reduced to 48 columns, because a sweep has many scenes. Throws
 /// InputError if the scene cannot be changed along the axis.
-scene::file::Scene moved_along(const scene::file::Scene& scene, SceneAxis axis, double factor);
+scene::file::Scene move_along(const scene::file::Scene& scene, SceneAxis axis, double factor);
 
 }  // namespace lostbits::measure::offset

@@ -77,7 +77,7 @@ public:
         : work_(work), form_hit_(form_hit), departed_primitive_(work.primitives_[form_hit.primitive]) {
         const Ray<T> ray = lift_ray<T>(form_hit.ray);
         const T t = static_cast<T>(form_hit.t);
-        const Vec<T> point = moved<T>(ray.origin, t, ray.direction);
+        const Vec<T> point = add_scaled<T>(ray.origin, t, ray.direction);
         StrategyInput<T> strategy_input{ray,  t,   lift_primitive<T>(departed_primitive()), {}, point, point, point,
                                         T(1), T(1)};
         if (strategy_input.primitive.placed) compute_object_point(strategy_input);
@@ -112,7 +112,7 @@ public:
             StrategyInput<T> strategy_input = *strategy_input_;
             strategy_input.w = departure.w;
             strategy_input.side = departure.side;
-            strategy_input.reach = departure.reach;
+            strategy_input.target_distance = departure.target_distance;
             const StrategyOutput<T> r = strategy.respawn<T>(strategy_input);
             new_rays.push_back({.ray = {as_doubles(r.origin), as_doubles(departure.w)},
                                 .tmin = as_double(r.tmin),
@@ -127,7 +127,7 @@ public:
 
     [[nodiscard]] OffsetVerdict verdict_on_offset(Side side, double e, bool by_form) const {
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
-        const Vec<double> origin = as_doubles(moved<T>(strategy_input_->p, signed_e, strategy_input_->n));
+        const Vec<double> origin = as_doubles(add_scaled<T>(strategy_input_->p, signed_e, strategy_input_->n));
         const FarSide& far = far_sides_of(side).along_normal;
         if (!is_finite(origin) || e > (enters(side) ? far.t_wall : far.t_begin)) return OffsetVerdict::too_much;
         std::vector<NewRay> new_rays;
@@ -136,7 +136,7 @@ public:
             const Ray<double> ray{origin, as_doubles(departure.w)};
             if (!is_safe_ray(ray, side, far_sides_of(side).along_rays[k]))
                 return e > far.t_begin ? OffsetVerdict::too_much : OffsetVerdict::too_little;
-            if (by_form) new_rays.push_back({.ray = ray, .tmin = 0, .tmax = as_double(departure.reach)});
+            if (by_form) new_rays.push_back({.ray = ray, .tmin = 0, .tmax = as_double(departure.target_distance)});
         }
         if (!by_form) return OffsetVerdict::enough;
         find_faults_by_form(new_rays, side);
@@ -157,7 +157,7 @@ public:
 private:
     /// Projects p onto the surface if the kind of the points is `HitPoint::projected`, and computes the normal there.
     void compute_point(const Ray<T>& ray, const Primitive<T>& primitive, Vec<T>& p, Vec<T>& n) const {
-        if (work_.point_kind_ == HitPoint::projected) p = projected<T>(ray, primitive, p);
+        if (work_.point_kind_ == HitPoint::projected) p = project_onto_surface<T>(ray, primitive, p);
         n = outward_normal<T>(ray, primitive, p);
     }
     /// Computes the point and its normal in object space, by the transform method of the form, and in world space. With
@@ -176,13 +176,13 @@ private:
         const T t = strategy_input.t * object_ray.length;
         const Ray<T> ray{object_ray.ray.origin / object_ray.scale, object_ray.ray.direction / object_ray.scale};
         ObjectPoint<T> object_point{
-            ray, t, moved<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world, maps.to_object};
+            ray, t, add_scaled<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world, maps.to_object};
         compute_point(ray, strategy_input.primitive, object_point.p, object_point.n);
         if (work_.point_kind_ == HitPoint::projected) strategy_input.p = maps.to_world.point(object_point.p);
         const auto& rows = maps.to_object.rows;
         const T sign = as_double(object_ray.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
         strategy_input.n = unit_of<T>(sign * times(rows, object_point.n));
-        strategy_input.object = object_point;
+        strategy_input.object_point = object_point;
     }
     [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {
         return departures_[static_cast<std::size_t>(side)];
@@ -255,7 +255,7 @@ private:
             return;
         }
         std::vector<std::uint32_t> nearby;
-        work_.tree_->within(p_, radius, nearby);
+        work_.tree_->find_within(p_, radius, nearby);
         for (const std::uint32_t k : nearby) test_primitive(k);
     }
 
@@ -339,13 +339,13 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
                 StrategyAtPoint& strategy_result = by_strategy[s * strategies_.size() + k];
                 for (const NewRay& r : point.rays(*strategies_[k], side)) {
                     for (std::size_t f = 0; f < fault_names.size(); ++f)
-                        strategy_result.count[f] =
-                            static_cast<std::uint8_t>(strategy_result.count[f] + ((r.faults >> f) & 1U));
+                        strategy_result.fault_counts[f] =
+                            static_cast<std::uint8_t>(strategy_result.fault_counts[f] + ((r.faults >> f) & 1U));
                     strategy_result.bad_rays =
                         static_cast<std::uint8_t>(strategy_result.bad_rays + (r.is_bad() ? 1 : 0));
                     if (!r.has(Fault::not_finite))
-                        strategy_result.size =
-                            std::max(strategy_result.size, distance(r.ray.origin, point.p()) + r.tmin);
+                        strategy_result.offset_size =
+                            std::max(strategy_result.offset_size, distance(r.ray.origin, point.p()) + r.tmin);
                 }
             }
         }

@@ -55,7 +55,7 @@ inline constexpr std::array<std::string_view, 8> fault_names{
     "lost_exit", "lost_exit_by_form", "wrong_side",    "not_finite"};
 inline constexpr unsigned bit_of(Fault f) { return 1U << static_cast<unsigned>(f); }
 
-/// New ray that a strategy makes, in numbers of the format, with its faults.
+/// New ray that a strategy makes, with its faults. Its numbers are numbers of the format.
 struct NewRay {
     Ray<double> ray{};
     double tmin = 0, tmax = 0;
@@ -71,11 +71,12 @@ LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_departed_primitive, faults)
 
 /// Results of a strategy at a point, over the rays to one side.
 struct StrategyAtPoint {
-    std::array<std::uint8_t, fault_names.size()> count{};  ///< number of rays with each fault
-    std::uint8_t bad_rays = 0;                             ///< number of rays with a fault other than `wrong_side`
-    double size = 0;  ///< the largest |new origin − p|, world units; for the strategy `tmin`, the t that is skipped
+    std::array<std::uint8_t, fault_names.size()> fault_counts{};  ///< number of rays with each fault
+    std::uint8_t bad_rays = 0;  ///< number of rays with a fault other than `wrong_side`
+    /// The largest |new origin − p|, in world units; for the strategy `tmin`, the t that is skipped.
+    double offset_size = 0;
 
-    [[nodiscard]] std::uint8_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
+    [[nodiscard]] std::uint8_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
 };
 
 /// Results on one side of a point that do not depend on a strategy.

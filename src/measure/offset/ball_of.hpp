@@ -7,8 +7,9 @@
 
 namespace lostbits::measure::offset {
 
-/// Returns what `ball_around` does, and also takes a primitive under a stored inverse A, whose matrix is adj(A)/det(A).
-inline auto ball_of(const Primitive<double>& primitive) {
+/// Returns the same as `ball_around`, but also accepts a primitive under a stored inverse A; its matrix is
+/// adj(A)/det(A).
+inline auto bounding_ball_of(const Primitive<double>& primitive) {
     if (!primitive.placed || !primitive.placed->is_inverse) return ball_around(primitive);
     Primitive<double> object_primitive = primitive;
     object_primitive.placed.reset();

@@ -25,18 +25,18 @@ struct ObjectPoint {
 };
 
 /// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point in direction w. Everything but
-/// `object` is in world space. The numbers of a primitive under a matrix are in its object space.
+/// `object_point` is in world space. The numbers of a primitive under a matrix are in its object space.
 template <class T>
 struct StrategyInput {
     Ray<T> ray;
     T t;
     Primitive<T> primitive;
-    std::optional<ObjectPoint<T>> object = {};  ///< for a primitive under a matrix
-    Vec<T> p;                                   ///< the point as computed
-    Vec<T> n;                                   ///< the outward unit normal as computed
-    Vec<T> w;                                   ///< new direction, of unit length up to rounding
-    T side;                                     ///< sign(n·w): +1 away from the primitive, −1 into it
-    T reach;                                    ///< distance to the target; infinite without one
+    std::optional<ObjectPoint<T>> object_point = {};  ///< for a primitive under a matrix
+    Vec<T> p;                                         ///< the point as computed
+    Vec<T> n;                                         ///< the outward unit normal as computed
+    Vec<T> w;                                         ///< new direction, of unit length up to rounding
+    T side;                                           ///< sign(n·w): +1 away from the primitive, −1 into it
+    T target_distance;                                ///< distance to the target; infinite without one
 };
 
 /// Result of a strategy: the start of the new ray. Only hits at tmin < t < tmax count.
@@ -52,7 +52,7 @@ enum class HitPoint : std::uint8_t { computed, projected };
 
 /// Returns p + k·v, component by component.
 template <Number T>
-Vec<T> moved(const Vec<T>& p, const T& k, const Vec<T>& v) {
+Vec<T> add_scaled(const Vec<T>& p, const T& k, const Vec<T>& v) {
     return Vec<T>(p.x + k * v.x, p.y + k * v.y, p.z + k * v.z);
 }
 
@@ -68,7 +68,7 @@ Vec<T> outward_normal(const Ray<T>& ray, const Primitive<T>& primitive, const Ve
 }
 
 template <Number T>
-Vec<T> projected(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>& p) {
+Vec<T> project_onto_surface(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>& p) {
     return visit(primitive, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
@@ -82,21 +82,21 @@ inline constexpr std::array both_sides{Side::outside, Side::inside};
 template <class T>
 struct Departure {
     Vec<T> w;
-    T side, reach;  ///< as in `StrategyInput`
+    T side, target_distance;  ///< as in `StrategyInput`
 };
 
 /// Denominators of the cosines 1/n of the angles between ray and normal. At the first angle there is one direction, at
 /// each other four, a right angle apart.
 inline constexpr std::array cosine_denominators{1, 2, 8, 64, 1024};
 /// Ratio 1/η of a refracted ray that enters from outside: 2/3 for glass of index 3/2.
-inline constexpr std::array glass{2, 3};
+inline constexpr std::array glass_ratio{2, 3};
 
 /// Adds a ray in the unit direction w, unless w lies in the surface or is NaN.
 template <Number T>
-void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& departures) {
+void add_departure(const Vec<T>& w, const Vec<T>& n, const T& target_distance, std::vector<Departure<T>>& departures) {
     const T cosine = dot(n, w);
-    if (cosine > T(0)) departures.push_back({w, T(1), reach});
-    else if (cosine < T(0)) departures.push_back({w, T(-1), reach});
+    if (cosine > T(0)) departures.push_back({w, T(1), target_distance});
+    else if (cosine < T(0)) departures.push_back({w, T(-1), target_distance});
 }
 
 /// Returns the directions of all rays that leave a point, in order: to the light, if there is one and it lies outside;
@@ -113,13 +113,14 @@ std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, co
     }
     const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
-    add_departure<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, departures);
+    add_departure<T>(add_scaled<T>(d, -(T(2) * facing), n), n, infinite, departures);
     const bool enters = facing < T(0);
-    const T eta = enters ? T(glass[0]) / T(glass[1]) : T(glass[1]) / T(glass[0]);
+    const T eta = enters ? T(glass_ratio[0]) / T(glass_ratio[1]) : T(glass_ratio[1]) / T(glass_ratio[0]);
     const T cosine = abs(facing), radicand = T(1) - eta * eta * (T(1) - cosine * cosine);
     if (radicand > T(0)) {
         const T normal_part = enters ? eta * cosine - sqrt(radicand) : sqrt(radicand) - eta * cosine;
-        add_departure<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), normal_part, n), n, infinite, departures);
+        add_departure<T>(add_scaled<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), normal_part, n), n, infinite,
+                         departures);
     }
 
     const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
@@ -129,10 +130,10 @@ std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, co
             const T up_cosine = T(1) / T(denominator), sine = sqrt(T(1) - up_cosine * up_cosine);
             T x = T(3) / T(5), y = T(4) / T(5);
             for (int quarter = 0; quarter < (denominator == 1 ? 1 : 4); ++quarter) {
-                const Vec<T> tangent = moved<T>(Vec<T>(x * across.x, x * across.y, x * across.z), y, up);
+                const Vec<T> tangent = add_scaled<T>(Vec<T>(x * across.x, x * across.y, x * across.z), y, up);
                 const T height = side * up_cosine;
-                add_departure<T>(moved<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n, infinite,
-                                 departures);
+                add_departure<T>(add_scaled<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n,
+                                 infinite, departures);
                 const T next_x = -y;
                 y = x;
                 x = next_x;

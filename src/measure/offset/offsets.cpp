@@ -30,28 +30,29 @@ public:
           tree_(tree_of(band, offset_row.form_row.format.parameters, inputs_.primitives)),
           work_(row_.form_row, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
-        const std::size_t n = band.pixels(), m = study.strategies.size();
+        const std::size_t pixel_count = band.pixels(), strategy_count = study.strategies.size();
         result_.y0 = band.y0();
         result_.rows = band.rows();
         result_.width = study.scene.width;
-        result_.strategies = m;
-        result_.is_point.assign(n, 0);
-        result_.object.assign(n, -1);
-        result_.ulp.assign(n, truth::missing);
-        result_.sides.resize(n);
-        result_.by_strategy.resize(2 * n * m);
+        result_.strategy_count = strategy_count;
+        result_.is_point.assign(pixel_count, 0);
+        result_.primitive.assign(pixel_count, -1);
+        result_.ulp.assign(pixel_count, truth::missing);
+        result_.sides.resize(pixel_count);
+        result_.by_strategy.resize(2 * pixel_count * strategy_count);
     }
 
     void measure() {
-        const std::size_t m = result_.strategies;
+        const std::size_t strategy_count = result_.strategy_count;
         intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, band_.pixels(), 16), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 study_.limit.stop.check();
                 if (!hits_true_primitive(i)) continue;
-                const auto by_strategy = std::span(result_.by_strategy).subspan(2 * i * m, 2 * m);
+                const auto by_strategy =
+                    std::span(result_.by_strategy).subspan(2 * i * strategy_count, 2 * strategy_count);
                 if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.finds_quiet_offset)) continue;
                 result_.is_point[i] = 1;
-                result_.object[i] = answers_.object[i];
+                result_.primitive[i] = answers_.object[i];
                 result_.ulp[i] = ulp_of(work_.start(form_hit(i))->p);
             }
         });
@@ -74,7 +75,7 @@ private:
     /// Returns the tree over the primitives in the format; null if there are few primitives, or only spheres.
     static std::shared_ptr<const culling::BoxTree> tree_of(const Band& band, const FloatFormat& format,
                                                            const scene::rays::PrimitiveList<double>& primitives) {
-        const auto index = band.culler() ? band.culler()->for_stored_truth(format, primitives) : nullptr;
+        const auto index = band.culler() ? band.culler()->index_for_stored_truth(format, primitives) : nullptr;
         return std::dynamic_pointer_cast<const culling::BoxTree>(index);
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
@@ -98,41 +99,42 @@ private:
     void add_side(std::size_t i, Side side, SideSummary& summary) const {
         const SideOfPoint& side_result = result_.sides[i][static_cast<std::size_t>(side)];
         summary.rays += side_result.rays;
-        summary.already_safe += static_cast<std::uint64_t>(side_result.safe_offset == 0);
-        summary.never_safe += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
-        summary.never_quiet += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
+        summary.already_safe_points += static_cast<std::uint64_t>(side_result.safe_offset == 0);
+        summary.never_safe_points += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
+        summary.never_quiet_points += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
         if (std::isfinite(side_result.safe_offset)) {
             summary.safe_offset.add(side_result.safe_offset);
             summary.safe_ulps.add(side_result.safe_offset / result_.ulp[i]);
         }
         if (std::isfinite(side_result.quiet_offset)) summary.quiet_offset.add(side_result.quiet_offset);
-        for (std::size_t k = 0; k < result_.strategies; ++k) add_strategy(i, side, k, summary);
+        for (std::size_t k = 0; k < result_.strategy_count; ++k) add_strategy(i, side, k, summary);
     }
 
     void add_strategy(std::size_t i, Side side, std::size_t k, SideSummary& summary) const {
         const double safe_offset = result_.sides[i][static_cast<std::size_t>(side)].safe_offset;
         const StrategyAtPoint& strategy_result = result_.at(i, side, k);
         StrategySummary& s = summary.strategies[k];
-        s.size.add(strategy_result.size);
+        s.offset_size.add(strategy_result.offset_size);
         if (std::isfinite(safe_offset) && safe_offset > 0) {
-            s.size_ratio.add(strategy_result.size / safe_offset);
-            s.too_small += static_cast<std::uint64_t>(strategy_result.size < safe_offset);
+            s.size_ratio.add(strategy_result.offset_size / safe_offset);
+            s.too_small_points += static_cast<std::uint64_t>(strategy_result.offset_size < safe_offset);
         }
         bool has_new_fault = false, has_fault = false;
         for (std::size_t f = 0; f < fault_names.size(); ++f) {
-            s.count[f] += strategy_result.count[f];
-            has_fault = has_fault || strategy_result.count[f] > 0;
-            has_new_fault = has_new_fault || (strategy_result.count[f] > 0 && !s.first[f]);
+            s.fault_counts[f] += strategy_result.fault_counts[f];
+            has_fault = has_fault || strategy_result.fault_counts[f] > 0;
+            has_new_fault = has_new_fault || (strategy_result.fault_counts[f] > 0 && !s.first_bad_rays[f]);
         }
         if (!has_fault) return;
         s.bad_rays += strategy_result.bad_rays;
         if (!has_new_fault) return;
         for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
-                if (s.first[f] || !ray.has(static_cast<Fault>(f))) continue;
+                if (s.first_bad_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
                 const auto pixel = static_cast<int>(i);
-                s.first[f] = BadRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
-                                    inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
+                s.first_bad_rays[f] =
+                    BadRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
+                           inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
             }
         }
     }
@@ -150,12 +152,12 @@ private:
 }  // namespace
 
 void require_few_primitives(const Scene& scene) {
-    const std::size_t outside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
-    if (outside_meshes <= most_primitives) return;
+    const std::size_t primitives_outside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
+    if (primitives_outside_meshes <= most_primitives) return;
     throw InputError(
         fmt::format("scene {} has {} primitives besides its meshes, and every ray is tested against all of them; {} is "
                     "the most: try a part of the scene",
-                    scene.id, outside_meshes, most_primitives));
+                    scene.id, primitives_outside_meshes, most_primitives));
 }
 
 bool can_measure_offsets(const intersect::table::Intersector& form) {
@@ -163,7 +165,7 @@ bool can_measure_offsets(const intersect::table::Intersector& form) {
 }
 
 const std::vector<std::string_view>& usual_forms() {
-    // Forms that renderers use. For a shape that is not listed, the first form of the catalogue that reports t.
+    // Forms that renderers use. For a shape that is not listed, the first form of the catalogue that reports t is used.
     constexpr std::array<std::string_view, 11> preferred{
         "sphere.half_b",    "box.ieee_minmax",       "triangle.moller_trumbore",
         "ellipsoid.half_b", "cylinder.framed",       "capsule.half_b",

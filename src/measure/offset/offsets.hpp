@@ -24,42 +24,45 @@ inline constexpr std::string_view name_of(HitPoint p) { return point_names[stati
 /// New ray with a fault, and everything needed to reproduce it.
 struct BadRay {
     int x = -1, y = -1;
-    int object = -1;
+    int primitive_index = -1;
     NewRay ray{};
     Primitive<double> primitive{};
 };
 
-LOSTBITS_FIELDS(BadRay, x, y, object, ray, primitive)
+LOSTBITS_FIELDS(BadRay, x, y, primitive_index, ray, primitive)
 
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
-    std::array<std::uint64_t, fault_names.size()> count{};             ///< rays with each fault
-    std::array<std::optional<BadRay>, fault_names.size()> first = {};  ///< first ray with each fault, by pixel
-    std::uint64_t bad_rays = 0;       ///< rays with a fault other than `wrong_side`, which alone harms nothing
-    metric::Distribution size;        ///< largest |new origin − p| of each point
-    metric::Distribution size_ratio;  ///< `size` over the smallest safe offset, where this is finite and not 0
-    std::uint64_t too_small = 0;      ///< points of `size_ratio` whose `size` is less than the smallest safe offset
+    std::array<std::uint64_t, fault_names.size()> fault_counts{};               ///< rays with each fault
+    std::array<std::optional<BadRay>, fault_names.size()> first_bad_rays = {};  ///< first ray with each fault, by pixel
+    std::uint64_t bad_rays = 0;        ///< rays with a fault other than `wrong_side`, which alone harms nothing
+    metric::Distribution offset_size;  ///< largest |new origin − p| of each point
+    metric::Distribution size_ratio;   ///< `offset_size` over the smallest safe offset, where this is finite and not 0
+    /// Points of `size_ratio` whose `offset_size` is less than the smallest safe offset.
+    std::uint64_t too_small_points = 0;
 
-    [[nodiscard]] std::uint64_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
-    [[nodiscard]] const std::optional<BadRay>& first_with(Fault f) const { return first[static_cast<std::size_t>(f)]; }
+    [[nodiscard]] std::uint64_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
+    [[nodiscard]] const std::optional<BadRay>& first_with(Fault f) const {
+        return first_bad_rays[static_cast<std::size_t>(f)];
+    }
 };
 
-LOSTBITS_FIELDS(StrategySummary, count, first, bad_rays, size, size_ratio, too_small)
+LOSTBITS_FIELDS(StrategySummary, fault_counts, first_bad_rays, bad_rays, offset_size, size_ratio, too_small_points)
 
 /// Results on one side of all points of a row. A quiet offset is safe and has no fault by the form's own arithmetic.
 struct SideSummary {
     std::uint64_t rays = 0;
-    std::uint64_t already_safe = 0;     ///< points that need no offset
-    std::uint64_t never_safe = 0;       ///< points that no offset along the normal makes safe
-    std::uint64_t never_quiet = 0;      ///< points without a quiet offset
+    std::uint64_t already_safe_points = 0;  ///< points that need no offset
+    std::uint64_t never_safe_points = 0;    ///< points that no offset along the normal makes safe
+    std::uint64_t never_quiet_points = 0;   ///< points without a quiet offset
     metric::Distribution safe_offset;   ///< smallest safe offset of the points that have one, 0 among them; world units
     metric::Distribution safe_ulps;     ///< the same in ulps of max |p|
     metric::Distribution quiet_offset;  ///< smallest offset at which the form's arithmetic finds no fault either
     std::vector<StrategySummary> strategies;
 };
 
-LOSTBITS_FIELDS(SideSummary, rays, already_safe, never_safe, never_quiet, safe_offset, safe_ulps, quiet_offset,
-                strategies)
+LOSTBITS_FIELDS(SideSummary, rays, already_safe_points, never_safe_points, never_quiet_points, safe_offset, safe_ulps,
+                quiet_offset, strategies)
 
 /// A form in a format, and the kind of its hit points.
 struct OffsetRow {
@@ -86,14 +89,14 @@ LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)
 struct OffsetBand {
     int y0 = 0, rows = 0, width = 0;
     std::vector<std::uint8_t> is_point;
-    std::vector<std::int32_t> object;  ///< −1 where there is no point
-    std::vector<double> ulp;           ///< ulp of max |p|
+    std::vector<std::int32_t> primitive;  ///< index of the primitive; −1 where there is no point
+    std::vector<double> ulp;              ///< ulp of max |p|
     std::vector<std::array<SideOfPoint, 2>> sides;
     std::vector<StrategyAtPoint> by_strategy;
-    std::size_t strategies = 0;
+    std::size_t strategy_count = 0;
 
     [[nodiscard]] const StrategyAtPoint& at(std::size_t pixel, Side side, std::size_t strategy) const {
-        return by_strategy[(2 * pixel + static_cast<std::size_t>(side)) * strategies + strategy];
+        return by_strategy[(2 * pixel + static_cast<std::size_t>(side)) * strategy_count + strategy];
     }
 };
 
@@ -119,7 +122,8 @@ struct OffsetStudy {
     OffsetBand measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const;
 };
 
-/// Forms and format that are measured if the user names none: one form for each shape, in the order of the shapes.
+/// Returns the forms that are measured if the user names none: one for each shape, in the order of the shapes.
+/// `usual_format` is the format that is measured then.
 const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
@@ -135,7 +139,7 @@ bool can_measure_offsets(const intersect::table::Intersector& form);
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
 
-/// Strategy that makes no bad ray (`StrategySummary::bad_rays` is 0).
+/// A strategy that makes no bad ray (`StrategySummary::bad_rays` is 0).
 struct SafeStrategy {
     const Strategy* strategy;
     /// Number of operations for one new ray as the rule is written (`Strategy::operations`); not a time.

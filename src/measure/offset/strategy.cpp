@@ -7,45 +7,44 @@
 namespace lostbits::measure::offset {
 namespace {
 
-/// x with its bits moved as an integer by k floats toward +∞ (k < 0: toward −∞). The result must have the sign of x.
-float moved_by_floats(float x, int k) {
-    return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x < 0 ? -k : k));
-}
-double moved_by_floats(double x, int k) {
+/// Returns x moved by k floats toward +∞ (k < 0: toward −∞), by adding to its bits as an integer. The result must have
+/// the sign of x.
+float step_by_floats(float x, int k) { return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x < 0 ? -k : k)); }
+double step_by_floats(double x, int k) {
     return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x < 0 ? -k : k));
 }
 template <class F>
-BasicRounded<F> moved_by_floats(BasicRounded<F> x, int k) {
+BasicRounded<F> step_by_floats(BasicRounded<F> x, int k) {
     for (; k > 0; --k) x = next_up(x);
     for (; k < 0; ++k) x = next_down(x);
     return x;
 }
-/// Counted as one integer addition.
-Counted<float> moved_by_floats(const Counted<float>& x, int k) {
+/// The step counts as one integer addition.
+Counted<float> step_by_floats(const Counted<float>& x, int k) {
     ++operation_counts()[Operation::neighbour];
-    return Counted<float>(moved_by_floats(x.value(), k));
+    return Counted<float>(step_by_floats(x.value(), k));
 }
 
-/// x rounded toward zero, as an integer.
+/// Returns x as an integer, rounded toward zero.
 template <class T>
-int whole_of(const T& x) {
+int truncate_to_int(const T& x) {
     return static_cast<int>(as_double(x));
 }
-int whole_of(const Counted<float>& x) {
+int truncate_to_int(const Counted<float>& x) {
     ++operation_counts()[Operation::convert];
     return static_cast<int>(x.value());
 }
 
-/// Normal n, turned to the side of w.
+/// Returns the normal on the side to which the new ray w goes.
 template <Number T>
-Vec<T> facing(const StrategyInput<T>& input) {
+Vec<T> normal_towards_ray(const StrategyInput<T>& input) {
     return Vec<T>(input.side * input.n.x, input.side * input.n.y, input.side * input.n.z);
 }
 
 /// Returns a new ray from an origin, tested from t = 0 on against every primitive.
 template <Number T>
 StrategyOutput<T> ray_from(const Vec<T>& origin, const StrategyInput<T>& input) {
-    return {origin, T(0), input.reach, true};
+    return {origin, T(0), input.target_distance, true};
 }
 
 /// Returns 10^-k: the quotient of 1 and 10^k, rounded to the format. For float and k = 3 it is the literal 1e-3f.
@@ -56,7 +55,7 @@ T tenth_power() {
     return T(1) / x;
 }
 
-struct None {
+struct NoOffset {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         return ray_from<T>(input.p, input);
@@ -67,15 +66,15 @@ template <int k>
 struct Tmin {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return {input.p, tenth_power<T, k>(), input.reach, true};
+        return {input.p, tenth_power<T, k>(), input.target_distance, true};
     }
 };
 
 template <int k>
-struct Epsilon {
+struct AlongNormal {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return ray_from<T>(moved<T>(input.p, input.side * tenth_power<T, k>(), input.n), input);
+        return ray_from<T>(add_scaled<T>(input.p, input.side * tenth_power<T, k>(), input.n), input);
     }
 };
 
@@ -83,7 +82,7 @@ template <int k>
 struct AlongNewRay {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return ray_from<T>(moved<T>(input.p, tenth_power<T, k>(), input.w), input);
+        return ray_from<T>(add_scaled<T>(input.p, tenth_power<T, k>(), input.w), input);
     }
 };
 
@@ -93,7 +92,7 @@ struct Ulps {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         const T size = largest_of<T>(input.p);
-        return ray_from<T>(moved<T>(input.p, input.side * (T(k) * (next_up(size) - size)), input.n), input);
+        return ray_from<T>(add_scaled<T>(input.p, input.side * (T(k) * (next_up(size) - size)), input.n), input);
     }
 };
 
@@ -102,12 +101,12 @@ struct Ulps {
 struct Integer {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        const Vec<T> n = facing<T>(input);
+        const Vec<T> n = normal_towards_ray<T>(input);
         const T step = T(256) * unit_roundoff<T>(), near_zero = T(1) / T(32);
         Vec<T> o = input.p;
         for (int i = 0; i < 3; ++i) {
-            const T moved_bits = moved_by_floats(input.p[i], whole_of(T(256) * n[i]));
-            o[i] = select(abs(input.p[i]) < near_zero, input.p[i] + step * n[i], moved_bits);
+            const T stepped = step_by_floats(input.p[i], truncate_to_int(T(256) * n[i]));
+            o[i] = select(abs(input.p[i]) < near_zero, input.p[i] + step * n[i], stepped);
         }
         return ray_from<T>(o, input);
     }
@@ -118,12 +117,12 @@ struct Integer {
 struct Cycles {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        const Vec<T> n = facing<T>(input);
+        const Vec<T> n = normal_towards_ray<T>(input);
         const T step = T(4096) * unit_roundoff<T>() * T(4096) / T(1000) / T(100);
         Vec<T> o = input.p;
         for (int i = 0; i < 3; ++i) {
-            const T moved_bits = moved_by_floats(input.p[i], n[i] < T(0) ? -32 : 32);
-            o[i] = select(abs(input.p[i]) < T(1), input.p[i] + step * n[i], moved_bits);
+            const T stepped = step_by_floats(input.p[i], n[i] < T(0) ? -32 : 32);
+            o[i] = select(abs(input.p[i]) < T(1), input.p[i] + step * n[i], stepped);
         }
         return ray_from<T>(o, input);
     }
@@ -134,9 +133,10 @@ struct Relative {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         const T e = (T(1) + largest_of<T>(input.p)) * (T(1500) * unit_roundoff<T>());
-        const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * input.reach;
-        const bool ends = input.reach + input.reach > input.reach;  // false for an infinite reach
-        return {moved<T>(input.p, input.side * e, input.n), T(0), select(ends, shorter, input.reach), true};
+        const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * input.target_distance;
+        const T& distance = input.target_distance;
+        const bool has_target = distance + distance > distance;  // false for an infinite distance
+        return {add_scaled<T>(input.p, input.side * e, input.n), T(0), select(has_target, shorter, distance), true};
     }
 };
 
@@ -144,7 +144,7 @@ struct Relative {
 template <Number T>
 Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
     const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
-    Vec<T> o = moved<T>(b.p, d, n);
+    Vec<T> o = add_scaled<T>(b.p, d, n);
     for (int i = 0; i < 3; ++i) o[i] = n[i] > T(0) ? next_up(o[i]) : n[i] < T(0) ? next_down(o[i]) : o[i];
     return o;
 }
@@ -153,15 +153,16 @@ Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
 template <Number T>
 BoundedPoint<T> bounded_point_of(const StrategyInput<T>& input) {
     return visit(input.primitive, [&input](const auto& shape) {
-        return input.object ? shape.bounded_point(input.object->ray, input.object->t, input.object->p)
-                            : shape.bounded_point(input.ray, input.t, input.p);
+        return input.object_point
+                   ? shape.bounded_point(input.object_point->ray, input.object_point->t, input.object_point->p)
+                   : shape.bounded_point(input.ray, input.t, input.p);
     });
 }
 
 /// Returns M p with M = [A τ], and its error bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|), as in pbrt-v4's
 /// Transform::operator()(Point3fi).
 template <Number T>
-BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
+BoundedPoint<T> transform_point(const Affine<T>& m, const BoundedPoint<T>& b) {
     const T g = gamma_bound<T>(3);
     BoundedPoint<T> world_point{Vec<T>(T(0), T(0), T(0)), Vec<T>(T(0), T(0), T(0))};
     for (int i = 0; i < 3; ++i) {
@@ -182,7 +183,8 @@ struct Bound {
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         const BoundedPoint<T> bounded = bounded_point_of(input);
         return ray_from<T>(
-            beyond_bound<T>(input.object ? mapped<T>(input.object->to_world, bounded) : bounded, facing<T>(input)),
+            beyond_bound<T>(input.object_point ? transform_point<T>(input.object_point->to_world, bounded) : bounded,
+                            normal_towards_ray<T>(input)),
             input);
     }
 };
@@ -192,18 +194,18 @@ struct Bound {
 struct BoundInObject {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        if (!input.object) return Bound::respawn(input);
-        const Vec<T>& n = input.object->n;
+        if (!input.object_point) return Bound::respawn(input);
+        const Vec<T>& n = input.object_point->n;
         const Vec<T> o =
             beyond_bound<T>(bounded_point_of(input), Vec<T>(input.side * n.x, input.side * n.y, input.side * n.z));
-        return ray_from<T>(input.object->to_world.point(o), input);
+        return ray_from<T>(input.object_point->to_world.point(o), input);
     }
 };
 
-struct Exclude {
+struct ExcludeDeparted {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return {input.p, T(0), input.reach, false};
+        return {input.p, T(0), input.target_distance, false};
     }
 };
 
@@ -221,12 +223,12 @@ constexpr Strategy strategy_row(std::string_view name, std::string_view title, s
 }
 
 constexpr Strategy strategy_rows[] = {
-    strategy_row<None>("offset.none", "p, and t > 0", "-", true),
+    strategy_row<NoOffset>("offset.none", "p, and t > 0", "-", true),
     strategy_row<Tmin<3>>("offset.tmin", "p, and t > 1e-3", "Shirley, Ray Tracing in One Weekend, section 9.3", true),
     strategy_row<Tmin<4>>("offset.tmin_1e-4", "p, and t > 1e-4",
                           "Beason, smallpt: Global Illumination in 99 lines of C++", true),
-    strategy_row<Epsilon<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
-    strategy_row<Epsilon<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
+    strategy_row<AlongNormal<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
+    strategy_row<AlongNormal<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
     strategy_row<AlongNewRay<3>>("offset.direction", "p + 1e-3 w", "common practice"),
     strategy_row<Ulps<4>>("offset.ulp", "p + 4 ulp(max |p|) n", "common practice"),
     strategy_row<Ulps<16>>("offset.ulp_16", "p + 16 ulp(max |p|) n", "common practice"),
@@ -243,8 +245,8 @@ constexpr Strategy strategy_rows[] = {
         "offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
         "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
         "of the shape"),
-    strategy_row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",
-                          "common practice for convex solids", true),
+    strategy_row<ExcludeDeparted>("offset.exclude", "p, and the primitive that is left is not tested",
+                                  "common practice for convex solids", true),
 };
 
 }  // namespace
@@ -268,9 +270,9 @@ std::uint64_t Strategy::operations(Shape shape) const {
                                           .n = vec(0.25F, 0.5F, 0.75F),
                                           .w = vec(0.5F, 0.25F, 0.5F),
                                           .side = T(1.0F),
-                                          .reach = T(9.0F)};
+                                          .target_distance = T(9.0F)};
     operation_counts() = {};
-    static_cast<void>(counted(strategy_input));
+    static_cast<void>(respawn_counted(strategy_input));
     const auto& counts = operation_counts().counts;
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }

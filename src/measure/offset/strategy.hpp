@@ -19,16 +19,16 @@ struct Strategy {
     std::string_view source;  ///< publication of the rule
     bool keeps_point;  ///< true if the new origin is p itself, so that the rule only limits what the ray is tested
                        ///< against
-    StrategyOutput<float> (*in_float)(const StrategyInput<float>&);
-    StrategyOutput<double> (*in_double)(const StrategyInput<double>&);
-    StrategyOutput<RoundedAny> (*in_any)(const StrategyInput<RoundedAny>&);
-    StrategyOutput<Counted<float>> (*counted)(const StrategyInput<Counted<float>>&);
+    StrategyOutput<float> (*respawn_in_float)(const StrategyInput<float>&);
+    StrategyOutput<double> (*respawn_in_double)(const StrategyInput<double>&);
+    StrategyOutput<RoundedAny> (*respawn_in_any)(const StrategyInput<RoundedAny>&);
+    StrategyOutput<Counted<float>> (*respawn_counted)(const StrategyInput<Counted<float>>&);
 
     template <class T>
     [[nodiscard]] StrategyOutput<T> respawn(const StrategyInput<T>& input) const {
-        if constexpr (std::is_same_v<T, float>) return in_float(input);
-        else if constexpr (std::is_same_v<T, double>) return in_double(input);
-        else return in_any(input);
+        if constexpr (std::is_same_v<T, float>) return respawn_in_float(input);
+        else if constexpr (std::is_same_v<T, double>) return respawn_in_double(input);
+        else return respawn_in_any(input);
     }
     /// Returns the number of operations for one new ray, as the rule is written. Additions, products, quotients, roots,
     /// comparisons, selections, conversions and moves of bits count one each.

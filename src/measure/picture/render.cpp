@@ -37,12 +37,12 @@ void for_each_pixel_in(const Format& format, std::size_t count, intersect::proce
 
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t object) {
+SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t primitive) {
     if (truth.decision == Truth::Decision::unresolved) return SeenContent::unresolved;
     if (hit && std::isnan(t)) return SeenContent::not_a_number;
     if (!truth.is_hit()) return hit ? SeenContent::extra_sphere : SeenContent::background;
     if (!hit) return SeenContent::lost_sphere;
-    return object == truth.object ? SeenContent::same_sphere : SeenContent::other_sphere;
+    return primitive == truth.object ? SeenContent::same_sphere : SeenContent::other_sphere;
 }
 
 /// Returns the angle between n as computed (of any length) and the true unit normal N: atan2(|n × N|, n·N). The
@@ -57,16 +57,16 @@ double angle_between(const Vec<double>& n, const std::array<Tight, 3>& truth) {
     return std::atan2(across, dot<Ball>(a, b).hi());
 }
 
-Shadow compare(TrueShadow truth, std::uint8_t blocked) {
-    const bool dark = blocked != blocked_by_nothing;
+Shadow compare_shadows(TrueShadow truth, std::uint8_t blocked) {
+    const bool is_dark = blocked != blocked_by_nothing;
     switch (truth) {
         case TrueShadow::untested: return Shadow::not_compared;
         case TrueShadow::unresolved: return Shadow::unresolved;
         case TrueShadow::lit:
-            return !dark                               ? Shadow::both_lit
-                   : blocked == blocked_by_left_sphere ? Shadow::own_shadow
-                                                       : Shadow::false_shadow;
-        case TrueShadow::shadowed: return dark ? Shadow::both_shadowed : Shadow::false_light;
+            return !is_dark                                ? Shadow::both_lit
+                   : blocked == blocked_by_departed_sphere ? Shadow::own_shadow
+                                                           : Shadow::false_shadow;
+        case TrueShadow::shadowed: return is_dark ? Shadow::both_shadowed : Shadow::false_light;
     }
     return Shadow::not_compared;
 }
@@ -81,34 +81,34 @@ public:
           inputs_(shared.inputs.at(form_row.format.name)),
           truth_(shared.truth),
           appearance_(study.scene.appearance),
-          n_(shared.band.pixels()),
+          pixel_count_(shared.band.pixels()),
           rays_(inputs_.geometry.rays_for(*form_row.form->info)),
           result_{shared.band.y0(),
                   shared.band.rows(),
                   inputs_.geometry.rays.width,
                   answer::evaluate(*form_row.form, inputs_.geometry),
                   shared.truth,
-                  std::vector<SeenContent>(n_),
+                  std::vector<SeenContent>(pixel_count_),
                   {},
-                  std::vector<double>(n_, missing),
-                  std::vector<double>(n_, missing),
+                  std::vector<double>(pixel_count_, missing),
+                  std::vector<double>(pixel_count_, missing),
                   {},
-                  std::vector<std::int32_t>(n_, -1)} {}
+                  std::vector<std::int32_t>(pixel_count_, -1)} {}
 
     RenderBand render() {
-        point_.assign(n_, Vec<double>(missing, missing, missing));
-        normal_ = point_;
+        points_.assign(pixel_count_, Vec<double>(missing, missing, missing));
+        normals_ = points_;
         compute_points();
         for (const Stage stage : study_.stages) casts_shadows_ |= shade_rule(appearance_, stage).shadows;
-        blocked_.assign(n_, blocked_by_nothing);
+        blocker_bits_.assign(pixel_count_, blocked_by_nothing);
         if (casts_shadows_) find_shadows();
         for (const Stage stage : study_.stages) paint_stage(stage);
         return std::move(result_);
     }
 
 private:
-    [[nodiscard]] bool hit(std::size_t i) const { return answers_.hit[i] != 0; }
-    [[nodiscard]] Primitive<double> primitive(std::size_t i) const {
+    [[nodiscard]] bool has_hit(std::size_t i) const { return answers_.hit[i] != 0; }
+    [[nodiscard]] Primitive<double> hit_primitive(std::size_t i) const {
         return inputs_.geometry.primitives[static_cast<std::size_t>(answers_.object[i])];
     }
     [[nodiscard]] bool takes_unit() const { return row_.form->info->direction == intersect::Direction::unit; }
@@ -116,22 +116,23 @@ private:
     /// Computes the point and the normal in the format, and their errors.
     void compute_points() {
         const metric::Metric& residual = *metric::find_metric("residual");
-        for_each_pixel_in(row_.format, n_, study_.limit.stop, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             const Truth& truth = band_.truth(i, intersect::Touching::hit);
-            result_.truth_object[i] = truth.is_hit() ? truth.object : -1;
-            result_.seen[i] = content_of(truth, hit(i), answers_.t[i], answers_.object[i]);
-            if (!hit(i)) return;
+            result_.true_primitive[i] = truth.is_hit() ? truth.object : -1;
+            result_.seen[i] = content_of(truth, has_hit(i), answers_.t[i], answers_.object[i]);
+            if (!has_hit(i)) return;
             const Ray<double> ray = rays_[i];
             const Vec<T> point = point_at<T>(lift_ray<T>(ray), static_cast<T>(answers_.t[i]));
-            const Primitive<double> primitive_seen = primitive(i);
+            const Primitive<double> primitive_seen = hit_primitive(i);
             const auto lifted_primitive = lift_primitive<T>(primitive_seen);
-            point_[i] = as_doubles(point);
-            normal_[i] = as_doubles(primitive_seen.placed ? normal_under_matrix<T>(lifted_primitive, ray, answers_.t[i])
-                                                          : normal_at<T>(point, lifted_primitive));
+            points_[i] = as_doubles(point);
+            normals_[i] =
+                as_doubles(primitive_seen.placed ? normal_under_matrix<T>(lifted_primitive, ray, answers_.t[i])
+                                                 : normal_at<T>(point, lifted_primitive));
             if (result_.seen[i] != SeenContent::same_sphere) return;
             result_.residual[i] = std::fabs(residual.value(
                 {.t = answers_.t[i], .format = &row_.format, .ray = &ray, .primitive = &primitive_seen}));
-            if (truth_[i].has_normal) result_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
+            if (truth_[i].has_normal) result_.normal_angle[i] = angle_between(normals_[i], truth_[i].normal);
         });
     }
 
@@ -163,11 +164,11 @@ private:
     template <class T>
     [[nodiscard]] LightRay towards_light(std::size_t i) const {
         const auto& rule = *appearance_.shadows;
-        const Vec<T> light = lift_vec<T>(inputs_.look.light);
-        Vec<T> start = hit(i) ? lift_vec<T>(point_[i]) : lift_vec<T>(inputs_.points[i]);
-        if (hit(i) && rule.tests_own_sphere)
-            start = shadow_origin<T>(start, lift_vec<T>(normal_[i]), rule.offset, static_cast<T>(inputs_.look.epsilon),
-                                     rule.ulps);
+        const Vec<T> light = lift_vec<T>(inputs_.appearance.light);
+        Vec<T> start = has_hit(i) ? lift_vec<T>(points_[i]) : lift_vec<T>(inputs_.points[i]);
+        if (has_hit(i) && rule.tests_departed_sphere)
+            start = shadow_origin<T>(start, lift_vec<T>(normals_[i]), rule.offset,
+                                     static_cast<T>(inputs_.appearance.epsilon), rule.ulps);
         const Vec<T> to_light = light - start;
         LightRay light_ray{as_doubles(start), as_doubles(to_light), 1};
         if (takes_unit() && is_finite(light_ray.direction)) {
@@ -178,43 +179,43 @@ private:
     }
 
     void find_shadows() {
-        std::vector<LightRay> light_rays(n_);
+        std::vector<LightRay> light_rays(pixel_count_);
         const auto has_light_ray = [&](std::size_t i) {
-            return hit(i) ? !std::isnan(answers_.t[i]) : !inputs_.points.empty();
+            return has_hit(i) ? !std::isnan(answers_.t[i]) : !inputs_.points.empty();
         };
-        for_each_pixel_in(row_.format, n_, study_.limit.stop, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             if (has_light_ray(i)) light_rays[i] = towards_light<T>(i);
         });
         ShadowRays shadow_rays;
         std::vector<std::size_t> ray_pixels;
-        for (std::size_t i = 0; i < n_; ++i) {
+        for (std::size_t i = 0; i < pixel_count_; ++i) {
             if (!has_light_ray(i)) continue;
             shadow_rays.add(light_rays[i].origin, light_rays[i].direction, light_rays[i].reach,
-                            hit(i) ? answers_.object[i] : -1);
+                            has_hit(i) ? answers_.object[i] : -1);
             ray_pixels.push_back(i);
         }
         const auto blocked = find_blockers(*row_.form, row_.format, shadow_rays, inputs_.geometry,
-                                           appearance_.shadows->tests_own_sphere);
-        for (std::size_t k = 0; k < ray_pixels.size(); ++k) blocked_[ray_pixels[k]] = blocked[k];
+                                           appearance_.shadows->tests_departed_sphere);
+        for (std::size_t k = 0; k < ray_pixels.size(); ++k) blocker_bits_[ray_pixels[k]] = blocked[k];
 
-        result_.shadow.assign(n_, Shadow::not_compared);
-        for (std::size_t i = 0; i < n_; ++i) {
-            const bool compared = result_.seen[i] == SeenContent::background ||
-                                  (result_.seen[i] == SeenContent::same_sphere &&
-                                   (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
-            if (compared) result_.shadow[i] = compare(truth_[i].shadow, blocked_[i]);
+        result_.shadow.assign(pixel_count_, Shadow::not_compared);
+        for (std::size_t i = 0; i < pixel_count_; ++i) {
+            const bool is_compared = result_.seen[i] == SeenContent::background ||
+                                     (result_.seen[i] == SeenContent::same_sphere &&
+                                      (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
+            if (is_compared) result_.shadow[i] = compare_shadows(truth_[i].shadow, blocker_bits_[i]);
         }
     }
 
     void paint_stage(Stage stage) {
         const ShadeRule rule = shade_rule(appearance_, stage);
-        auto& picture = result_.painted.emplace_back(n_);
-        for_each_pixel_in(row_.format, n_, study_.limit.stop, [&]<class T>(std::size_t i) {
+        auto& picture = result_.painted.emplace_back(pixel_count_);
+        for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             Painted& painted = picture[i];
-            if (hit(i) && std::isnan(answers_.t[i])) painted.colour = Vec<double>(missing, missing, missing);
-            else painted.colour = as_doubles(hit(i) ? surface<T>(rule, i) : background<T>(rule, i));
+            if (has_hit(i) && std::isnan(answers_.t[i])) painted.colour = Vec<double>(missing, missing, missing);
+            else painted.colour = as_doubles(has_hit(i) ? surface_colour<T>(rule, i) : background_colour<T>(rule, i));
             const TrueColour& truth = truth_[i].colours[static_cast<std::size_t>(stage)];
-            painted.error = truth.certain ? 0 : missing;
+            painted.error = truth.is_certain ? 0 : missing;
             for (int k = 0; k < 3; ++k) {
                 const Tight& true_channel = truth.channel[static_cast<std::size_t>(k)];
                 const double channel_error = 255 * std::fabs((painted.colour[k] - true_channel.hi) - true_channel.lo);
@@ -227,21 +228,21 @@ private:
     }
 
     template <class T>
-    [[nodiscard]] Vec<T> surface(const ShadeRule& rule, std::size_t i) const {
+    [[nodiscard]] Vec<T> surface_colour(const ShadeRule& rule, std::size_t i) const {
         const Paint<T> sphere_paint =
-            lifted(inputs_.look.paints[static_cast<std::size_t>(answers_.object[i])], lift<T, double>);
-        const Vec<T> p = lift_vec<T>(point_[i]);
-        return shade<T>(sphere_paint, rule, blocked_[i] != blocked_by_nothing,
-                        {lift_vec<T>(normal_[i]), unit_of<T>(lift_vec<T>(inputs_.look.light) - p),
+            lifted(inputs_.appearance.paints[static_cast<std::size_t>(answers_.object[i])], lift<T, double>);
+        const Vec<T> p = lift_vec<T>(points_[i]);
+        return shade<T>(sphere_paint, rule, blocker_bits_[i] != blocked_by_nothing,
+                        {lift_vec<T>(normals_[i]), unit_of<T>(lift_vec<T>(inputs_.appearance.light) - p),
                          unit_of<T>(lift_vec<T>(rays_[i].origin) - p)});
     }
 
     template <class T>
-    [[nodiscard]] Vec<T> background(const ShadeRule& rule, std::size_t i) const {
-        const Vec<T> full = lift_vec<T>(inputs_.look.background);
-        if (!rule.shadows || blocked_[i] == blocked_by_nothing) return full;
-        const T factor = static_cast<T>(inputs_.look.shadow_on_background);
-        return Vec<T>(factor * full.x, factor * full.y, factor * full.z);
+    [[nodiscard]] Vec<T> background_colour(const ShadeRule& rule, std::size_t i) const {
+        const Vec<T> unshadowed = lift_vec<T>(inputs_.appearance.background);
+        if (!rule.shadows || blocker_bits_[i] == blocked_by_nothing) return unshadowed;
+        const T factor = static_cast<T>(inputs_.appearance.shadow_on_background);
+        return Vec<T>(factor * unshadowed.x, factor * unshadowed.y, factor * unshadowed.z);
     }
 
     const RenderStudy& study_;
@@ -250,13 +251,13 @@ private:
     const FormatRenderInputs& inputs_;
     std::span<const TruePixel> truth_;
     const scene::file::Appearance& appearance_;
-    std::size_t n_;
+    std::size_t pixel_count_;
     const scene::rays::RayBlock& rays_;
     RenderBand result_;
     const answer::Answers& answers_ = result_.answers;
     bool casts_shadows_ = false;
-    std::vector<Vec<double>> point_, normal_;
-    std::vector<std::uint8_t> blocked_;
+    std::vector<Vec<double>> points_, normals_;
+    std::vector<std::uint8_t> blocker_bits_;
 };
 
 }  // namespace
@@ -292,7 +293,7 @@ SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
 
 RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t row_index, Summary& summary) const {
     RenderBand result = RowRenderer(*this, rows[row_index], shared).render();
-    for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(result, s, shared.look, summary[s]);
+    for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(result, s, shared.appearance, summary[s]);
     return result;
 }
 

@@ -64,11 +64,11 @@ struct RenderBand {
     std::span<const TruePixel> truth;
     std::vector<SeenContent> seen;
     std::vector<Shadow> shadow;  ///< empty where no stage casts shadows
-    std::vector<double>
-        normal_angle;              ///< between the computed and the true normal, radians; NaN except on `same_sphere`
-    std::vector<double> residual;  ///< the metric of that name; NaN except on `same_sphere`
+    /// Angle between the computed and the true normal, in radians; NaN except on `same_sphere`.
+    std::vector<double> normal_angle;
+    std::vector<double> residual;               ///< the metric of that name; NaN except on `same_sphere`
     std::vector<std::vector<Painted>> painted;  ///< one picture for each stage, in the order of the study
-    std::vector<std::int32_t> truth_object;     ///< −1: background
+    std::vector<std::int32_t> true_primitive;   ///< index of the sphere that the ray truly hits; −1: background
 };
 
 /// Totals of one stage of one row over the whole picture.
@@ -79,11 +79,11 @@ struct RenderSummary {
     std::array<std::uint64_t, seen_names.size()> seen{};
     /// Counts of shadow decisions: index 0 for points on spheres, 1 for the background.
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
-    std::uint64_t faces_away = 0;   ///< same sphere, truly seen from the unlit side
+    std::uint64_t faces_away = 0;   ///< points on the same sphere that truly face away from the light
     std::uint64_t true_shadow = 0;  ///< points on spheres that face the light and are truly in shadow
-    std::uint64_t light_in_true_shadow =
-        0;                      ///< those of `true_shadow` that have diffuse light in the true picture anyway
-    std::uint64_t changed = 0;  ///< pixels with a byte that differs from the true one
+    /// Points of `true_shadow` that have diffuse light in the true picture anyway.
+    std::uint64_t light_in_true_shadow = 0;
+    std::uint64_t changed_pixels = 0;  ///< pixels with a byte that differs from the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
@@ -93,9 +93,9 @@ struct RenderSummary {
     }
     /// Returns the number of pixels that show the wrong sphere, no sphere where there is one, a sphere where there is
     /// none, or NaN.
-    [[nodiscard]] std::uint64_t seen_wrong() const;
+    [[nodiscard]] std::uint64_t wrong_pixels() const;
     /// Returns the number of shadow decisions that differ from the truth, without shadows by the point's own sphere.
-    [[nodiscard]] std::uint64_t flips() const;
+    [[nodiscard]] std::uint64_t flipped_shadows() const;
     /// Returns the number of pixels whose content, shadow or colour is not proved.
     [[nodiscard]] std::uint64_t unresolved() const;
 };
@@ -103,9 +103,9 @@ struct RenderSummary {
 /// Lists the fields for shards. The stage and its rule are those of the study, and are left out.
 template <class Bits>
 void fields(Bits& bits, RenderSummary& whole) {
-    auto& [stage, rule, pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed, colour_unresolved,
-           colour_not_a_number, colour_error, normal_angle, residual] = whole;
-    bits(pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed, colour_unresolved,
+    auto& [stage, rule, pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed_pixels,
+           colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual] = whole;
+    bits(pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed_pixels, colour_unresolved,
          colour_not_a_number, colour_error, normal_angle, residual);
 }
 
@@ -121,8 +121,8 @@ std::span<const RenderColumn> render_columns();
 /// Inputs of one format on a band.
 struct FormatRenderInputs {
     truth::FormatInputs geometry;
-    StoredAppearance<double> look;
-    std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
+    StoredAppearance<double> appearance;
+    std::vector<Vec<double>> points;  ///< points of the pixels in the plane z = 0; empty under other cameras
 };
 
 /// Inputs that all rows share on a band.
@@ -130,7 +130,7 @@ struct SharedRenderInputs {
     const truth::Band& band;
     std::vector<TruePixel> truth;
     std::map<std::string, FormatRenderInputs> inputs;  ///< by the name of the format
-    StoredAppearance<double> look;                     ///< in binary64
+    StoredAppearance<double> appearance;               ///< in binary64
 };
 
 /// A study, see measure/study/study.hpp. The summary of a row has one element for each stage.

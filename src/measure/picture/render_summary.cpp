@@ -65,9 +65,9 @@ constexpr RenderColumn table[] = {
     {"unresolved", "", "pixels whose content, shadow or colour could not be proved", true,
      [](const R& r) { return to_double(r.unresolved()); }},
     {"changed", "", "pixels with a byte that differs from the certified picture", true,
-     [](const R& r) { return to_double(r.changed); }},
+     [](const R& r) { return to_double(r.changed_pixels); }},
     {"changed_fraction", "1", "changed, as a share of all pixels", false,
-     [](const R& r) { return fraction(r.changed, r.pixels); }},
+     [](const R& r) { return fraction(r.changed_pixels, r.pixels); }},
     {"colour_error_mean", "8-bit steps",
      "mean of the largest |channel - true channel| * 255, where form and truth see the same", false,
      [](const R& r) { return r.colour_error.mean(); }},
@@ -135,10 +135,10 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         const bool is_same_sphere = band.seen[i] == SeenContent::same_sphere;
         ++s.pixels;
         ++s.seen[static_cast<std::size_t>(band.seen[i])];
-        s.colour_unresolved += !colour.certain && band.seen[i] != SeenContent::unresolved;
+        s.colour_unresolved += !colour.is_certain && band.seen[i] != SeenContent::unresolved;
         s.colour_not_a_number +=
             std::isnan(painted.colour.x) || std::isnan(painted.colour.y) || std::isnan(painted.colour.z);
-        s.changed += colour.certain && (painted.byte != colour.byte || std::isnan(painted.error));
+        s.changed_pixels += colour.is_certain && (painted.byte != colour.byte || std::isnan(painted.error));
         if (!std::isnan(painted.error) && (is_same_sphere || band.seen[i] == SeenContent::background))
             s.colour_error.add(painted.error);
         if (is_same_sphere) {
@@ -148,21 +148,22 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         }
         if (!s.rule.shadows) continue;
         ++s.shadow[band.seen[i] == SeenContent::background ? 1 : 0][static_cast<std::size_t>(band.shadow[i])];
-        if (band.truth_object[i] < 0 || !truth.faces_light || truth.shadow != TrueShadow::shadowed || !colour.certain)
+        if (band.true_primitive[i] < 0 || !truth.faces_light || truth.shadow != TrueShadow::shadowed ||
+            !colour.is_certain)
             continue;
         ++s.true_shadow;
         s.light_in_true_shadow +=
-            has_light_in_shadow(truth, colour, appearance.paints[static_cast<std::size_t>(band.truth_object[i])]);
+            has_light_in_shadow(truth, colour, appearance.paints[static_cast<std::size_t>(band.true_primitive[i])]);
     }
 }
 
 std::span<const RenderColumn> render_columns() { return table; }
 
-std::uint64_t RenderSummary::seen_wrong() const {
+std::uint64_t RenderSummary::wrong_pixels() const {
     return pixels - count(SeenContent::same_sphere) - count(SeenContent::background) - count(SeenContent::unresolved);
 }
 
-std::uint64_t RenderSummary::flips() const {
+std::uint64_t RenderSummary::flipped_shadows() const {
     std::uint64_t sum = 0;
     for (const bool background : {false, true})
         sum += count(background, Shadow::false_shadow) + count(background, Shadow::false_light);

@@ -1,4 +1,4 @@
-// The shading of the course notes Ray-Casting Formulas, written once for any number type: for rendered pictures and for
+// Shading as in the course notes Ray-Casting Formulas, written once for any number type: for rendered pictures and for
 // the certified one.
 #pragma once
 
@@ -15,10 +15,10 @@ struct Paint {
     bool shiny = false;            ///< ks > 0: the sphere gets a highlight
 };
 
-/// Terms that are added to the bare colour.
+/// Terms of the shading that are added to the plain colour of a sphere.
 struct ShadeRule {
     bool diffuse = false, shadows = false, phong = false;
-    bool half_diffuse = false;  ///< in shadow half of the diffuse light stays
+    bool half_diffuse = false;  ///< in shadow, half of the diffuse light stays
 };
 
 /// Returns the rule that a scene asks for, up to a stage.

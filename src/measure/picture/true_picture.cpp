@@ -54,14 +54,14 @@ bool find_byte(const E& c, double middle, std::uint8_t& byte) {
 
 template <class E>
 bool find_colour(const Vec<E>& colour, TrueColour& colour_out) {
-    colour_out.certain = true;
+    colour_out.is_certain = true;
     for (int i = 0; i < 3; ++i) {
         const auto k = static_cast<std::size_t>(i);
         if (!find_tight(colour[i], colour_out.channel[k]) ||
             !find_byte(colour[i], colour_out.channel[k].hi, colour_out.byte[k]))
-            colour_out.certain = false;
+            colour_out.is_certain = false;
     }
-    return colour_out.certain;
+    return colour_out.is_certain;
 }
 
 /// Ray and primitive in object space. The primitive is the stored one, scaled as the transform method requires. The ray
@@ -143,8 +143,8 @@ public:
         }
         const auto try_precision = [&]<class E>(int bits) {
             pixel.bits = bits;
-            return truth.is_hit() ? surface<E>(i, static_cast<std::size_t>(truth.object), pixel)
-                                  : background<E>(i, pixel);
+            return truth.is_hit() ? find_surface_pixel<E>(i, static_cast<std::size_t>(truth.object), pixel)
+                                  : find_background_pixel<E>(i, pixel);
         };
         if (try_precision.template operator()<Ball>(106)) return pixel;
         for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit_.bits; bits *= 2) {
@@ -156,9 +156,9 @@ public:
 
 private:
     template <class E>
-    bool surface(std::size_t i, std::size_t object, TruePixel& pixel) const {
+    bool find_surface_pixel(std::size_t i, std::size_t primitive_index, TruePixel& pixel) const {
         const Ray<E> ray = lift_ray<E>(rays_[i]);
-        const Primitive<E> primitive = lift_primitive<E>(primitives_[object]);
+        const Primitive<E> primitive = lift_primitive<E>(primitives_[primitive_index]);
         const ObjectQuery<E> query(ray, primitive);
         const truth::Enclosed<E> enclosed = query.enclosed();
         if (!enclosed.hit.is_yes()) return false;
@@ -178,39 +178,40 @@ private:
             const Tri faces_light = dot(n, l) > E(0);
             pixel.faces_light = faces_light.is_yes();
             if (casts_shadows_) {
-                shadowed = in_shadow<E>(p, light, object);
+                shadowed = in_shadow<E>(p, light, primitive_index);
                 is_proved &= find_shadow(faces_light.is_unknown() ? Tri(Tri::unknown) : shadowed, pixel.shadow);
             }
         }
-        const Paint<E> paint = lifted(appearance_.paints[object], lift<E, S>);
+        const Paint<E> paint = lifted(appearance_.paints[primitive_index], lift<E, S>);
         for (const auto& [stage, rule] : rules_)
             is_proved &= find_colour(shade<E>(paint, rule, shadowed, {n, l, v}), pixel.colours[stage]);
         return is_proved;
     }
 
     template <class E>
-    bool background(std::size_t i, TruePixel& pixel) const {
+    bool find_background_pixel(std::size_t i, TruePixel& pixel) const {
         bool is_proved = true;
         Tri shadowed = Tri::no;
         if (casts_shadows_ && !points_.empty()) {
             shadowed = in_shadow<E>(lift_vec<E>(points_[i]), lift_vec<E>(appearance_.light), primitives_.size());
             is_proved &= find_shadow(shadowed, pixel.shadow);
         }
-        const Vec<E> full = lift_vec<E>(appearance_.background);
+        const Vec<E> unshadowed = lift_vec<E>(appearance_.background);
         const E factor = lift<E>(appearance_.shadow_on_background);
         for (const auto& [stage, rule] : rules_) {
-            Vec<E> colour = full;
-            for (int k = 0; rule.shadows && k < 3; ++k) colour[k] = select(shadowed, factor * full[k], full[k]);
+            Vec<E> colour = unshadowed;
+            for (int k = 0; rule.shadows && k < 3; ++k)
+                colour[k] = select(shadowed, factor * unshadowed[k], unshadowed[k]);
             is_proved &= find_colour(colour, pixel.colours[stage]);
         }
         return is_proved;
     }
 
     template <class E>
-    Tri in_shadow(const Vec<E>& p, const Vec<E>& light, std::size_t left_sphere) const {
+    Tri in_shadow(const Vec<E>& p, const Vec<E>& light, std::size_t departed_sphere) const {
         Tri shadowed = Tri::no;
         for (std::size_t k = 0; k < primitives_.size() && !shadowed.is_yes(); ++k) {
-            if (k != left_sphere) shadowed = shadowed || blocks<E>(lift_primitive<E>(primitives_[k]), p, light);
+            if (k != departed_sphere) shadowed = shadowed || blocks<E>(lift_primitive<E>(primitives_[k]), p, light);
         }
         return shadowed;
     }

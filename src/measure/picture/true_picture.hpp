@@ -31,7 +31,7 @@ struct Tight {
 struct TrueColour {
     std::array<Tight, 3> channel;        ///< as computed, not clamped
     std::array<std::uint8_t, 3> byte{};  ///< 255 times the channel, rounded half up and clamped
-    bool certain = false;                ///< the channels are tight and their bytes proved
+    bool is_certain = false;             ///< the channels are tight and their bytes proved
 };
 
 /// True shadow of the point at a pixel: whether a sphere other than its own blocks the light.
@@ -41,7 +41,7 @@ struct TruePixel {
     std::array<Tight, 3> normal;
     bool has_normal = false;  ///< a sphere is seen and its normal is tight
     TrueShadow shadow = TrueShadow::untested;
-    bool faces_light = false;  ///< N·L > 0, certainly
+    bool faces_light = false;  ///< N·L > 0 is proved
     std::array<TrueColour, scene::file::stage_names.size()>
         colours;   ///< indexed by stage; set for the requested stages
     int bits = 0;  ///< precision of the last attempt

@@ -56,7 +56,7 @@ template <class S>
 void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
     constexpr std::size_t rays_at_once = 512;
     const scene::rays::RayBlock& rays = in.rays_for(*form.row().info);
-    answers.claimed.resize(in.candidates->pairs());
+    answers.claimed.resize(in.candidates->pair_count());
     for (std::size_t begin = 0; begin < rays.size(); begin += rays_at_once) {
         answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_at_once, rays.size()));
         pairs.evaluate_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {

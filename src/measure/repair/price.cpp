@@ -226,8 +226,8 @@ std::vector<Price> prices_of(const RepairRequest& request, const std::vector<eva
     for (const evaluate::TestedForm& form_row : rows) {
         const bool uses_packs = form_row.form->is_placed || is_packed(*form_row.form, isa);
         prices.push_back({.isa = name_of(uses_packs ? isa : simd::Isa::scalar)});
-        work.push_back(work_on_rays.on(form_row, packed_kernels(*form_row.form, isa)));
-        work.push_back(work_on_rays.on(form_row, packed_kernels(*form_row.form, simd::Isa::scalar)));
+        work.push_back(work_on_rays.work_for(form_row, packed_kernels(*form_row.form, isa)));
+        work.push_back(work_on_rays.work_for(form_row, packed_kernels(*form_row.form, simd::Isa::scalar)));
         if (form_row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
     }
     const auto times = time_interleaved(work, plan);

@@ -117,7 +117,7 @@ std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int 
         auto moved_rays = mapped_rays(given->ideal, isometry);
         if (!moved_rays) continue;
         if (given->format)
-            probes.push_back(std::make_unique<Probe>(isometry, request, stored(*moved_rays, *given->format)));
+            probes.push_back(std::make_unique<Probe>(isometry, request, store_in_format(*moved_rays, *given->format)));
         else probes.push_back(std::make_unique<Probe>(isometry, request, *std::move(moved_rays)));
     }
     return probes;
@@ -175,7 +175,8 @@ public:
                 key.insert(key.end(), terms.begin(), terms.end());
             } else {
                 for (const NodeId operand : tape_.operands_of(i)) key.push_back(ids[static_cast<std::size_t>(operand)]);
-                if (n.op == TapeOp::mul || n.op == TapeOp::fma || n.op == TapeOp::both || n.op == TapeOp::either)
+                if (n.op == TapeOp::mul || n.op == TapeOp::fma || n.op == TapeOp::logical_and ||
+                    n.op == TapeOp::logical_or)
                     if (key[2] > key[3]) std::swap(key[2], key[3]);
                 if (n.op == TapeOp::min || n.op == TapeOp::max) flatten(key);
             }

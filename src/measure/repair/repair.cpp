@@ -61,7 +61,7 @@ public:
 private:
     std::vector<RowQuality> quality_of(const std::vector<std::vector<NodeId>>& sets) {
         std::vector<Tape> tapes;
-        for (const auto& set : sets) tapes.push_back(tape::widened(tape_, set, wider_));
+        for (const auto& set : sets) tapes.push_back(tape::widen_operations(tape_, set, wider_));
         return judge_.quality_of(tapes);
     }
     std::vector<RowQuality> quality_without(const std::vector<NodeId>& set) {
@@ -146,11 +146,11 @@ void widen_where_needed(Rewritten& rewritten, const RepairResult& result, const 
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape written = rewritten.tape;
     const RowQuality quality_with_all =
-        judge.quality_of({tape::widened(written, tape::rounded_operations(written), result.wider)}).front();
+        judge.quality_of({tape::widen_operations(written, tape::rounded_operations(written), result.wider)}).front();
     if (!quality_with_all.meets(request.requirement)) return;
     auto set = smallest_set(written, result.wider, quality_with_all, request, judge, affordable);
     if (result.set && set.operations.size() >= result.set->operations.size()) return;
-    rewritten.tape = tape::widened(written, set.operations, result.wider);
+    rewritten.tape = tape::widen_operations(written, set.operations, result.wider);
     rewritten.quality = set.quality;
     rewritten.set = std::move(set);
 }
@@ -307,12 +307,12 @@ Tape recorded(const RepairRequest& request) {
 }
 
 Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations) {
-    return tape::widened(repair.tape, operations, repair.wider);
+    return tape::widen_operations(repair.tape, operations, repair.wider);
 }
 
 RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable) {
     RepairResult result{.tape = recorded(request),
-                        .wider = tape::wider_than(request.row.format.parameters, request.two_words)};
+                        .wider = tape::wider_format(request.row.format.parameters, request.two_words)};
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
     result.operations = all_operations.size();
     Judge judge(request);

@@ -49,9 +49,9 @@ SourcePattern pattern_in(FileLanguage language, TapeOp op, bool is_double) {
         case TapeOp::less_equal: return {"$1:1 <= $2:1", 0};
         case TapeOp::greater: return {"$1:1 > $2:1", 0};
         case TapeOp::greater_equal: return {"$1:1 >= $2:1", 0};
-        case TapeOp::both: return {"$1:0 && $2:0", -1};
-        case TapeOp::either: return {"$1:0 || $2:0", -1};
-        case TapeOp::opposite: return {"!$1:4", 3};
+        case TapeOp::logical_and: return {"$1:0 && $2:0", -1};
+        case TapeOp::logical_or: return {"$1:0 || $2:0", -1};
+        case TapeOp::logical_not: return {"!$1:4", 3};
         case TapeOp::select: return {rust ? "if $1 { $2 } else { $3 }" : "$1:0 ? $2:0 : $3:0", -2};
         case TapeOp::min: return {rust ? "if $1:1 < $2:1 { $1 } else { $2 }" : "$1:1 < $2:1 ? $1:0 : $2:0", -2};
         case TapeOp::max: return {rust ? "if $1:1 > $2:1 { $1 } else { $2 }" : "$1:1 > $2:1 ? $1:0 : $2:0", -2};

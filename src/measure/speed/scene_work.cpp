@@ -20,18 +20,19 @@ constexpr std::size_t max_timed_primitives = 4;
 constexpr std::size_t numbers_a_ray = 9;  // numbers of one ray: origin, direction; t, near, far
 
 /// Counts, for each primitive, the rays of the band that truly hit it first. Equal primitives count as one: a hit of
-/// primitive k counts for primitive `same_as[k]`, or for k itself if `same_as` is empty.
-std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<int>& same_as) {
+/// primitive k counts for primitive `first_equal[k]`, or for k itself if `first_equal` is empty.
+std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector<int>& first_equal) {
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const truth::Truth truth = band.truth(i, {});
-        if (truth.is_hit()) ++hits[same_as.empty() ? truth.object : same_as[static_cast<std::size_t>(truth.object)]];
+        if (truth.is_hit())
+            ++hits[first_equal.empty() ? truth.object : first_equal[static_cast<std::size_t>(truth.object)]];
     }
     return hits;
 }
 
-/// For each primitive, the index of the first primitive with the same numbers.
-std::vector<int> first_same(const std::vector<Primitive<double>>& primitives) {
+/// Returns, for each primitive, the index of the first primitive with the same numbers.
+std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primitives) {
     using Matrix = std::optional<std::pair<bool, decltype(Placement<double>::matrix)>>;
     std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> first_by_key;
     std::vector<int> first_indices;
@@ -92,11 +93,11 @@ SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
 
 SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit)
     : band_(sample, limit), rays_(band_.pixels()) {
-    choose_primitives(first_same(sample.primitives), sample.primitives.size());
+    choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
 }
 
-void SceneWork::choose_primitives(const std::vector<int>& same_as, std::size_t primitives) {
-    const auto hits = hits_of(band_, same_as);
+void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size_t primitives) {
+    const auto hits = count_hits(band_, first_equal);
     std::size_t hit_count = 0;
     for (const auto& [primitive, count] : hits) hit_count += count;
     hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(rays_);
@@ -127,7 +128,7 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
     return row_store;
 }
 
-TimedWork SceneWork::on(const evaluate::TestedForm& form_row, const intersect::simd::PackedRow& kernels) {
+TimedWork SceneWork::work_for(const evaluate::TestedForm& form_row, const intersect::simd::PackedRow& kernels) {
     const std::size_t items = rays() * primitives();
     if (form_row.format.engine == Format::Engine::native32)
         return {[row_store = store<float>(form_row), kernel = kernels.f32] { row_store->run(kernel); }, items, true};

@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::speed {
 
-/// Scene with at most `pixels` pixels and the same proportions.
+/// Returns the scene with a picture of at most `pixels` pixels and the same proportions.
 scene::file::Scene with_smaller_picture(const scene::file::Scene& scene, int pixels);
 
 /// About two thousand rays of a scene, taken evenly over its picture, against the primitives that most of them truly
@@ -31,13 +31,13 @@ public:
     /// Share of the rays that truly hit anything.
     [[nodiscard]] double hit_rate() const { return hit_rate_; }
 
-    /// Times every ray against every primitive, by the row's kernel: an item is one ray and one primitive. The format
-    /// is f32 or f64. Work of one format shares its arrays and runs one at a time; the arrays live as long as any work
-    /// on them.
-    TimedWork on(const evaluate::TestedForm& form_row, const intersect::simd::PackedRow& kernels);
+    /// Returns the work that tests every ray against every primitive by the row's kernel; an item is one ray and one
+    /// primitive. The format is f32 or f64. All work of one format shares its arrays, so only one piece of it may run
+    /// at a time. The arrays live as long as any work on them.
+    TimedWork work_for(const evaluate::TestedForm& form_row, const intersect::simd::PackedRow& kernels);
 
 private:
-    void choose_primitives(const std::vector<int>& same_as, std::size_t primitives);
+    void choose_primitives(const std::vector<int>& first_equal, std::size_t primitives);
 
     template <class S>
     struct Store;
@@ -50,7 +50,7 @@ private:
     std::size_t rays_;
     double hit_rate_ = 0;
     std::vector<std::size_t> primitives_;
-    std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< [0]: directions as they are; [1]: directions of unit length
+    std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< [0]: directions as stored; [1]: of unit length
     std::array<std::shared_ptr<Store<double>>, 2> f64_;
 };
 

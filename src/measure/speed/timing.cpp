@@ -31,7 +31,7 @@ double seconds_of(const TimedWork& work, std::uint64_t passes) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Number of passes that last `least_seconds` seconds, found by doubling.
+/// Returns the number of passes that last `least_seconds` seconds, found by doubling.
 std::uint64_t passes_for(const TimedWork& work, double least_seconds) {
     work.pass();
     for (std::uint64_t passes = 1;; passes *= 2) {
@@ -81,8 +81,8 @@ int own_processor() {
 #endif
 }
 
-/// Passes a second, measured for `seconds`. The clock is read after each batch of passes; batches double until a
-/// sixteenth of the time has passed.
+/// Returns the passes per second, measured for `seconds`. The clock is read after each batch of passes; batches double
+/// until a sixteenth of the time has passed.
 double rate_of(const std::function<void()>& pass, double seconds) {
     const auto seconds_since = [](Clock::time_point start) {
         return std::chrono::duration<double>(Clock::now() - start).count();
@@ -100,7 +100,7 @@ double rate_of(const std::function<void()>& pass, double seconds) {
     return passes / elapsed;
 }
 
-/// Sum of the rates of all threads, which start together, one on each of these processors.
+/// Returns the sum of the rates of all threads, which start together, thread i on `processors[i]`.
 double total_rate(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
                   double seconds) {
     std::vector<double> rates(passes.size());
@@ -179,7 +179,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
         for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
         for (const std::size_t i : order) {
             plan.stop.check();
-            if (work[i].warm) work[i].pass();
+            if (work[i].warms_up) work[i].pass();
             samples[i].push_back(seconds_of(work[i], passes[i]) / static_cast<double>(passes[i] * work[i].items));
             plan.progress(1);
         }

@@ -43,7 +43,7 @@ std::string processor_name();
 struct TimedWork {
     std::function<void()> pass;
     std::size_t items;  ///< items in one pass
-    bool warm;          ///< run an untimed pass first, so that the data are in the same cache as the last time
+    bool warms_up;      ///< an untimed pass runs first, so that the data are in the same cache as the last time
 };
 
 struct TimingPlan {
@@ -55,21 +55,23 @@ struct TimingPlan {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< units done
 };
 
-/// Seconds an item: median and quartiles of the repetitions.
+/// Seconds per item: median and quartiles of the repetitions.
 struct Timing {
     double median = 0, low_quartile = 0, high_quartile = 0;
 };
 
-/// Seconds an item of every piece of work, one value per repetition. Measured by steady_clock, on one processor.
+/// Measures the seconds per item of every piece of work, one value per repetition, by steady_clock on one processor.
 /// Progress counts one unit for each piece of work and repetition.
 std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
 /// Times the work the same way and summarises the repetitions.
 std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
 
-/// Median and quartiles, interpolated between two samples if the rank falls between them. Needs at least one sample.
+/// Returns median and quartiles, interpolated between two samples if the rank falls between them. Needs at least one
+/// sample.
 Timing timing_of(std::vector<double> samples);
 
-/// Timing of the quotients a[i]/b[i] within a round: a disturbance of a round slows both. Equal sizes, at least one.
+/// Returns the timing of the quotients a[i]/b[i] within a round: a disturbance of a round slows both. Both spans have
+/// the same size, at least one.
 Timing ratio_of(std::span<const double> a, std::span<const double> b);
 
 /// Processors that the calling thread may use; {0} if the system does not report them.
@@ -85,9 +87,9 @@ struct ThreadPlan {
 /// Makes the work of a thread: the returned function is called repeatedly on that thread, on memory of its own.
 using WorkOfThread = std::function<std::function<void()>(std::size_t thread)>;
 
-/// Passes a second of all threads together, each on a processor of its own, divided by the passes a second of a single
-/// thread: one quotient per repetition. The single thread runs on each processor in turn. Perfect scaling is the number
-/// of threads. Uses steady_clock.
+/// Measures the speedup by threads: the passes per second of all threads together, each on a processor of its own,
+/// divided by the passes per second of a single thread. Returns one quotient per repetition. The single thread runs on
+/// each processor in turn. Perfect scaling is the number of threads. Uses steady_clock.
 std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
 
 }  // namespace lostbits::measure::speed

@@ -37,13 +37,13 @@ const Row* row_of(std::span<const Row> rows, std::string_view form) {
 }
 
 template <class S>
-TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warm) {
-    return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warm};
+TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warms_up) {
+    return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warms_up};
 }
 
 template <class S, class Kernel>
-TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warm) {
-    return {[store, kernel] { store->run(kernel); }, store->slice(), warm};
+TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warms_up) {
+    return {[store, kernel] { store->run(kernel); }, store->slice(), warms_up};
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void RayStore<S>::fill(const RayPool& pool, double hit_rate, std::uint64_t seed)
 }
 
 template <class S>
-double RayStore<S>::found() const {
+double RayStore<S>::hit_share() const {
     return static_cast<double>(std::count(hit_, hit_ + rays_, std::uint8_t{1})) / static_cast<double>(rays_);
 }
 
@@ -146,44 +146,44 @@ std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
 
 bool stay_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
 
-const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::structs() {
+const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_structs() {
     const BoxField<float>& field = *f32();
-    auto& boxes = structs_(field.t.size());
+    auto& boxes = box_structs_(field.t.size());
     for (std::size_t i = 0; i < field.t.size(); ++i)
         for (std::size_t c = 0; c < 6; ++c) (*boxes)[i].numbers[c] = field.columns[c][i];
     return boxes;
 }
 
-std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
-    const bool warm = stay_in_cache(bytes_);
+std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
+    const bool warms_up = stay_in_cache(bytes_);
     const intersect::simd::PlainRow* const plain =
         k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
     if (plain && k.kernel == "plain-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
                              loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
                          },
-                         f32()->t.size(), warm};
+                         f32()->t.size(), warms_up};
     if (plain && k.kernel == "plain-structs-256")
-        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = structs(), loop = plain->structs] {
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = box_structs(), loop = plain->structs] {
                              loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
                          },
-                         f32()->t.size(), warm};
+                         f32()->t.size(), warms_up};
     const auto isa = intersect::simd::find_isa(k.kernel);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
-    if (row && row->takes_tmax && row->f32 && k.format == "f32") return packed_work(f32(), row->f32, warm);
-    if (row && row->takes_tmax && row->f64 && k.format == "f64") return packed_work(f64(), row->f64, warm);
+    if (row && row->takes_tmax && row->f32 && k.format == "f32") return packed_work(f32(), row->f32, warms_up);
+    if (row && row->takes_tmax && row->f64 && k.format == "f64") return packed_work(f64(), row->f64, warms_up);
     return std::nullopt;
 }
 
-std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
+std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
     const auto isa = intersect::simd::find_isa(k.kernel);
     const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
     if (!row) return std::nullopt;
-    const bool warm = stay_in_cache(bytes_);
+    const bool warms_up = stay_in_cache(bytes_);
     const Shape shape =
         intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
-    if (row->f32 && k.format == "f32") return packed_work(f32(shape), row->f32, warm);
-    if (row->f64 && k.format == "f64") return packed_work(f64(shape), row->f64, warm);
+    if (row->f32 && k.format == "f32") return packed_work(f32(shape), row->f32, warms_up);
+    if (row->f64 && k.format == "f64") return packed_work(f64(shape), row->f64, warms_up);
     return std::nullopt;
 }
 

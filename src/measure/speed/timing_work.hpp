@@ -56,8 +56,8 @@ public:
         next_ray_ += slice_;
         if (next_ray_ + slice_ > rays_) next_ray_ = 0;
     }
-    /// Share of the rays that the last pass over all of them found to hit.
-    [[nodiscard]] double found() const;
+    /// Share of the rays that hit in the last pass over all of them.
+    [[nodiscard]] double hit_share() const;
 
 private:
     static constexpr std::size_t numbers = 9;  ///< numbers of one ray: origin, direction; t, near, far
@@ -104,8 +104,8 @@ private:
 extern template class BoxField<float>;
 extern template class BoxField<double>;
 
-/// Size of a working set in bytes. `l1` is half of the first cache, `l2` half of the second, `memory` twice the last
-/// (between 64 MiB and 1 GiB). Zero for another name.
+/// Returns the size of a working set in bytes. `l1` is half of the first cache, `l2` half of the second, `memory` twice
+/// the last (between 64 MiB and 1 GiB). Zero for another name.
 std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
 
 /// A form in a kernel. `scalar`, `128`, `256`, `512` are those of `Isa`. `plain-256` and `plain-structs-256` are the
@@ -134,18 +134,18 @@ class BoxWork {
 public:
     explicit BoxWork(std::size_t bytes) : bytes_(bytes) {}
 
-    /// Work of a kernel; nothing if this build or this processor does not have it.
-    std::optional<TimedWork> on(const TimedKernel& kernel);
+    /// Returns the work of a kernel; nothing if this build or this processor does not have it.
+    std::optional<TimedWork> work_for(const TimedKernel& kernel);
     const std::shared_ptr<BoxField<float>>& f32() { return f32_(bytes_); }
     const std::shared_ptr<BoxField<double>>& f64() { return f64_(bytes_); }
 
 private:
-    const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& structs();
+    const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& box_structs();
 
     std::size_t bytes_;
     Lazy<BoxField<float>> f32_;
     Lazy<BoxField<double>> f64_;
-    Lazy<std::vector<intersect::simd::PlainBox>> structs_;
+    Lazy<std::vector<intersect::simd::PlainBox>> box_structs_;
 };
 
 /// Many rays against the primitive of `ray_pool`, half of which hit it; otherwise like `BoxWork`.
@@ -153,7 +153,7 @@ class RayWork {
 public:
     explicit RayWork(std::size_t bytes) : bytes_(bytes) {}
 
-    std::optional<TimedWork> on(const TimedKernel& kernel);
+    std::optional<TimedWork> work_for(const TimedKernel& kernel);
     const std::shared_ptr<RayStore<float>>& f32(Shape shape) { return store(f32_, shape); }
     const std::shared_ptr<RayStore<double>>& f64(Shape shape) { return store(f64_, shape); }
 

@@ -26,8 +26,8 @@ struct Stores {
 };
 
 template <class S, class Kernel>
-TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warm) {
-    return {[&store, kernel] { store.run(kernel); }, store.slice(), warm};
+TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warms_up) {
+    return {[&store, kernel] { store.run(kernel); }, store.slice(), warms_up};
 }
 
 /// Fills `times`: every kernel on rays of the scene, interleaved.
@@ -35,7 +35,7 @@ void time_on_scene(const TradeRequest& request, TradeResult& result) {
     SceneWork scene_work(*request.scene, request.limit);
     std::vector<TimedWork> work;
     for (const TradeKernel& k : request.kernels)
-        work.push_back(scene_work.on(k.measured, {k.measured.form->info, k.f32, k.f64}));
+        work.push_back(scene_work.work_for(k.measured, {k.measured.form->info, k.f32, k.f64}));
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t k = 0; k < timings.size(); ++k)
         result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format), scene_work.rays(),
@@ -62,9 +62,9 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         for (std::size_t l = 0; l < stores.size(); ++l) {
-            const bool warm = request.loads[l].working_set != "memory";
-            work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warm)
-                                      : work_on(*stores[l].f64, kernel.f64, warm));
+            const bool warms_up = request.loads[l].working_set != "memory";
+            work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warms_up)
+                                      : work_on(*stores[l].f64, kernel.f64, warms_up));
             const auto [bytes, rays] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->rays())
                                                   : std::pair(stores[l].f64->bytes(), stores[l].f64->rays());
             result.times[k].push_back({{}, bytes, rays, request.loads[l].hit_rate});
@@ -81,7 +81,7 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
     for (const TradeKernel& k : request.kernels) {
         const auto found = std::ranges::find_if(
             rows, [&k](const TestedForm& r) { return r.form == k.measured.form && r.format == k.measured.format; });
-        result.row_of.push_back(static_cast<std::size_t>(found - rows.begin()));
+        result.row_indices.push_back(static_cast<std::size_t>(found - rows.begin()));
         if (found == rows.end()) rows.push_back(k.measured);
     }
     if (request.scene) {
@@ -189,7 +189,7 @@ ParetoPoint pareto_point(const Timing& timing, const TestedForm& form_row, const
             form_row.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }
 
-std::vector<bool> dominated(const std::vector<ParetoPoint>& points) {
+std::vector<bool> find_dominated(const std::vector<ParetoPoint>& points) {
     const auto dominates = [](const ParetoPoint& a, const ParetoPoint& b) {
         if (a.time_ns > b.time_ns || !is_at_least_as_accurate(a, b)) return false;
         return a.time_ns < b.time_ns || !is_at_least_as_accurate(b, a);

@@ -35,7 +35,8 @@ struct TradeLoad {
 std::vector<TradeLoad> trade_loads(const CacheSizes& caches);
 /// The only load of a trade-off on a scene.
 std::vector<TradeLoad> scene_load();
-/// Index of the load whose times stand for a kernel: l1, every other ray a hit; otherwise the first one.
+/// Returns the index of the load whose times represent a kernel: l1 with a hit rate of one half, if there is one;
+/// otherwise the first load.
 std::size_t reference_load(const std::vector<TradeLoad>& loads);
 
 struct TradeRequest {
@@ -56,7 +57,7 @@ struct TradeSet {
 };
 std::vector<TradeSet> trade_sets(const TradeRequest& request);
 
-/// Units of progress that `run_trade` reports through the plan.
+/// Returns the number of units of progress that `run_trade` reports through the plan.
 std::uint64_t trade_units(const TradeRequest& request);
 
 /// Results of each kernel, in the request's order.
@@ -69,11 +70,11 @@ struct TradeResult {
     };
     std::vector<std::vector<Timed>> times;                 ///< [kernel][load]
     std::vector<OperationCounts> operations;               ///< [kernel]
-    std::vector<std::size_t> row_of;                       ///< [kernel]: index of the row with its accuracy
+    std::vector<std::size_t> row_indices;                  ///< [kernel]: index of the row with its accuracy
     std::vector<std::vector<evaluate::FormSummary>> rows;  ///< [ray set][row]
 
-    [[nodiscard]] const evaluate::FormSummary& accuracy(std::size_t set, std::size_t kernel) const {
-        return rows[set][row_of[kernel]];
+    [[nodiscard]] const evaluate::FormSummary& accuracy(std::size_t ray_set, std::size_t kernel) const {
+        return rows[ray_set][row_indices[kernel]];
     }
 };
 TradeResult run_trade(const TradeRequest& request);
@@ -83,7 +84,7 @@ TradeResult run_trade(const TradeRequest& request);
 struct ParetoPoint {
     double time_ns;         ///< nanoseconds a ray
     double wrong_fraction;  ///< false hits, false misses and NaNs among the rays whose truth is known
-    double kept_bits;       ///< p − p99 of lost_bits; NaN, which is less than any number, without agreed hits
+    double kept_bits;       ///< p − p99 of lost_bits; NaN without agreed hits, which ranks below every number
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
@@ -91,12 +92,12 @@ ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& form_
                          const evaluate::FormSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
 
 /// Marks each point for which another one is at least as fast and as accurate, and better in one of the two.
-std::vector<bool> dominated(const std::vector<ParetoPoint>& points);
+std::vector<bool> find_dominated(const std::vector<ParetoPoint>& points);
 
 /// Fastest point that is never wrong and keeps at least `kept_bits` bits; nothing if there is none.
 std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& points, double kept_bits);
 
-/// Numbers of bits for which the summary names the fastest kernel.
-inline constexpr std::array<int, 6> asked_bits{8, 12, 16, 20, 22, 40};
+/// Numbers of kept bits for which the summary names the fastest kernel.
+inline constexpr std::array<int, 6> summary_bits{8, 12, 16, 20, 22, 40};
 
 }  // namespace lostbits::measure::speed

@@ -23,17 +23,18 @@ public:
     /// True if `run()` returns (known, expected) with both true in every case. After `most_runs` runs, no case is
     /// split.
     template <class Run>
-    bool all(const Run& run, int most_runs) {
+    bool holds_in_all(const Run& run, int most_runs) {
         most_runs_ = most_runs;
         answers_.clear(), contradiction_.clear();
         runs_ = 0;
         Near::OpenComparisons* const outer_open = Near::open_comparisons;
         Near::open_comparisons = this;
-        const bool is_same = all_from_here(run);
+        const bool is_same = holds_in_remaining_cases(run);
         Near::open_comparisons = outer_open;
         return is_same;
     }
-    /// Numbers whose signs lead to another result, after `all` has returned false: those of the last case that ran.
+    /// Numbers whose signs lead to another result, after `holds_in_all` has returned false: those of the last case that
+    /// ran.
     [[nodiscard]] const std::vector<Sign>& contradiction() const { return contradiction_; }
     /// Adds a number that would change the result if it were 0, for a formula that decides without a comparison.
     void watch(const Near& x) { watched_.push_back({x, 0}); }
@@ -43,22 +44,22 @@ public:
         unsigned possible = below | zero | above;
         for (const KnownSign& known : known_)
             if (const int k = known.x.is_multiple_of(x); k != 0)
-                possible &= k > 0 ? known.signs : mirrored(known.signs);
+                possible &= k > 0 ? known.signs : mirror_signs(known.signs);
         if ((possible & ~yes_signs) == 0) return Tri::yes;
         if ((possible & yes_signs) == 0) return Tri::no;
-        if (used_ == answers_.size()) {
+        if (used_answers_ == answers_.size()) {
             if (!is_open_) open_number_ = x;
             is_open_ = true;
             return Tri::unknown;
         }
-        const bool answer = answers_[used_++];
+        const bool answer = answers_[used_answers_++];
         known_.push_back({x, possible & (answer ? yes_signs : ~yes_signs)});
         return answer ? Tri::yes : Tri::no;
     }
 
 private:
     enum : unsigned { below = 1, zero = 2, above = 4 };
-    static unsigned mirrored(unsigned signs) {
+    static unsigned mirror_signs(unsigned signs) {
         return (signs & zero) | ((signs & below) != 0 ? above : 0U) | ((signs & above) != 0 ? below : 0U);
     }
     struct KnownSign {
@@ -67,8 +68,8 @@ private:
     };
 
     template <class Run>
-    bool all_from_here(const Run& run) {
-        used_ = 0, is_open_ = false;
+    bool holds_in_remaining_cases(const Run& run) {
+        used_answers_ = 0, is_open_ = false;
         known_.clear(), watched_.clear();
         const bool is_last_run = ++runs_ > most_runs_;
         const auto [known, expected] = run();
@@ -79,7 +80,7 @@ private:
         }
         for (const bool answer : {true, false}) {
             answers_.push_back(answer);
-            const bool is_same = all_from_here(run);
+            const bool is_same = holds_in_remaining_cases(run);
             answers_.pop_back();
             if (!is_same) return false;
         }
@@ -93,7 +94,7 @@ private:
     }
 
     std::vector<bool> answers_;  ///< answers to the first open comparisons
-    std::size_t used_ = 0;
+    std::size_t used_answers_ = 0;
     int runs_ = 0, most_runs_ = 0;
     bool is_open_ = false;  ///< a later comparison is open: that of `open_number_` with 0
     Near open_number_;

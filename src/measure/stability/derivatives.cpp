@@ -21,31 +21,33 @@ public:
 
 private:
     [[nodiscard]] double derivative_of(NodeId i) const {
-        const TapeNode& n = tape_[i];
-        const FloatFormat& f = tape_.format_of(i);
-        const auto x = [&](std::size_t k) { return tape_[n.operands[k]].value; };
-        const auto dx = [&](std::size_t k) { return at(n.operands[k]); };
+        const TapeNode& node = tape_[i];
+        const FloatFormat& format = tape_.format_of(i);
+        const auto x = [&](std::size_t k) { return tape_[node.operands[k]].value; };
+        const auto dx = [&](std::size_t k) { return at(node.operands[k]); };
         const auto product = [&] {
-            return rounding::add(rounding::mul(dx(0), x(1), f), rounding::mul(x(0), dx(1), f), f);
+            return rounding::add(rounding::mul(dx(0), x(1), format), rounding::mul(x(0), dx(1), format), format);
         };
-        switch (n.op) {
+        switch (node.op) {
             case TapeOp::input:
             case TapeOp::constant: return 0;
-            case TapeOp::add: return rounding::add(dx(0), dx(1), f);
-            case TapeOp::sub: return rounding::add(dx(0), -dx(1), f);
+            case TapeOp::add: return rounding::add(dx(0), dx(1), format);
+            case TapeOp::sub: return rounding::add(dx(0), -dx(1), format);
             case TapeOp::mul: return product();
-            case TapeOp::div: return rounding::div(rounding::add(dx(0), -rounding::mul(n.value, dx(1), f), f), x(1), f);
-            case TapeOp::sqrt: return rounding::div(dx(0), rounding::add(n.value, n.value, f), f);
-            case TapeOp::fma: return rounding::add(product(), dx(2), f);
+            case TapeOp::div:
+                return rounding::div(rounding::add(dx(0), -rounding::mul(node.value, dx(1), format), format), x(1),
+                                     format);
+            case TapeOp::sqrt: return rounding::div(dx(0), rounding::add(node.value, node.value, format), format);
+            case TapeOp::fma: return rounding::add(product(), dx(2), format);
             case TapeOp::neg: return -dx(0);
             case TapeOp::abs:
-            case TapeOp::copysign: return std::signbit(n.value) == std::signbit(x(0)) ? dx(0) : -dx(0);
+            case TapeOp::copysign: return std::signbit(node.value) == std::signbit(x(0)) ? dx(0) : -dx(0);
             case TapeOp::min:
             case TapeOp::max:
             case TapeOp::select: return at(attribution::side_taken(tape_, i));
             case TapeOp::next_up:
             case TapeOp::next_down: return dx(0);
-            case TapeOp::convert: return rounding::to_format(dx(0), 0, f);
+            case TapeOp::convert: return rounding::to_format(dx(0), 0, format);
             case TapeOp::call: return std::numeric_limits<double>::quiet_NaN();
             default: return 0;  // decisions have no derivative
         }
@@ -63,9 +65,9 @@ bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Ra
     intersect::Convention convention;
     convention.inside = intersect::Inside::exit;
     for (int k = 0; k < 3 && range.holds_any(); ++k) {
-        const truth::Truth found = truth::find_truth(ray, primitive, {}, convention, range);
-        if (!found.is_hit()) return false;
-        const double t = truth::round_certified(found.t, binary64).value_or(found.t.hi);
+        const truth::Truth crossing = truth::find_truth(ray, primitive, {}, convention, range);
+        if (!crossing.is_hit()) return false;
+        const double t = truth::round_certified(crossing.t, binary64).value_or(crossing.t.hi);
         if (is_match(t)) return true;
         range = {.tmin = std::nextafter(t, HUGE_VAL)};
     }

@@ -53,8 +53,7 @@ double largest_epsilon(const Holds& holds) {
     return std::exp2(low);
 }
 
-/// Side of m on which the answers of all rays lie that hit. −1 and +1 prove that no answer is m, even if some rays
-/// miss.
+/// Side of m on which the answers of all rays that hit lie; rays may miss. −1 and +1 prove that no answer is m.
 template <class S>
 std::optional<int> side_if_any(const S& span, const Near& m, const SpanRange<Near>* range,
                                intersect::Convention convention) {
@@ -92,7 +91,7 @@ std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const Spa
     if (found_root.hit.is_no() || found_root.root < 0 || !maximum) return SpanDecision{found_root.hit, found_root.at};
     const auto order = found_root.roots.order(found_root.root, E(*maximum));
     return SpanDecision{found_root.hit, found_root.at,
-                        !order       ? TorusPass::either
+                        !order       ? TorusPass::unspecified
                         : *order < 0 ? TorusPass::first
                                      : TorusPass::second};
 }
@@ -150,13 +149,14 @@ public:
 
     /// True if all problems within ε have the same decision, with a proof.
     bool holds(double epsilon, const Change& start = {}) {
-        const bool is_same = decision_ && question_.holds_for_all_within(
-                                              epsilon,
-                                              [&](const auto&... problem) {
-                                                  return cases_.all([&] { return outcome_of(problem...); },
-                                                                    epsilon < most_tight && start.scale == 0 ? 24 : 8);
-                                              },
-                                              start);
+        const bool is_same =
+            decision_ && question_.holds_for_all_within(
+                             epsilon,
+                             [&](const auto&... problem) {
+                                 return cases_.holds_in_all([&] { return outcome_of(problem...); },
+                                                            epsilon < most_tight && start.scale == 0 ? 24 : 8);
+                             },
+                             start);
         if (!is_same) open_signs_ = cases_.contradiction(), tried_epsilon_ = epsilon;
         return is_same;
     }
@@ -217,7 +217,7 @@ private:
         const SpanDecision decision = with_span(ray, primitive, [&]<class Span>(const Span& span) {
             const intersect::Convention span_convention = asked_of_span<Span>(convention);
             if constexpr (std::is_same_v<Span, QuarticSpan<Near>>) {
-                return QuarticCases(span, range, span_convention, counted_, cases_).find();
+                return QuarticCases(span, range, span_convention, counted_, cases_).decide();
             } else {
                 if (decision_->hit.is_no() && misses(span)) return SpanDecision{Tri::no};
                 Near::computes_signs_only = true;
@@ -230,7 +230,7 @@ private:
     }
     /// Deviations that change the signs of `open_signs_`: one for each sign, then one for all of them together.
     [[nodiscard]] std::vector<Near::Deviations> deviations_to_open_signs() const {
-        std::vector<Near::Deviations> found;
+        std::vector<Near::Deviations> candidates;
         Near::Deviations mean_deviations{};
         for (const auto& [x, sign] : open_signs_) {
             const double middle = x.hi(), threshold = x.deviation() / 4;
@@ -239,21 +239,21 @@ private:
                 Near::Deviations deviations = x.steepest_deviations();
                 for (std::size_t i = 0; i < deviations.size(); ++i)
                     deviations[i] *= wanted_sign, mean_deviations[i] += deviations[i];
-                found.push_back(deviations);
+                candidates.push_back(deviations);
             }
         }
-        if (found.size() > 1) {
-            for (double& x : mean_deviations) x /= static_cast<double>(found.size());
-            found.push_back(mean_deviations);
+        if (candidates.size() > 1) {
+            for (double& x : mean_deviations) x /= static_cast<double>(candidates.size());
+            candidates.push_back(mean_deviations);
         }
-        return found;
+        return candidates;
     }
     [[nodiscard]] Near::Deviations random_deviations(std::uint64_t seed) const {
         Near::Deviations deviations{};
-        std::uint64_t bits = seed * 0x9e3779b97f4a7c15U;
-        for (std::size_t i = 0; i < question_.count(); ++i) {
-            bits ^= bits >> 29, bits *= 0xbf58476d1ce4e5b9U;
-            deviations[i] = ((bits >> 40 & 1) != 0 ? 1 : -1) * question_.largest_deviation();
+        std::uint64_t state = seed * 0x9e3779b97f4a7c15U;
+        for (std::size_t i = 0; i < question_.number_count(); ++i) {
+            state ^= state >> 29, state *= 0xbf58476d1ce4e5b9U;
+            deviations[i] = ((state >> 40 & 1) != 0 ? 1 : -1) * question_.largest_deviation();
         }
         return deviations;
     }
@@ -298,7 +298,7 @@ namespace {
 /// Distance of a ray's line from a ball around a primitive, relative to all lengths: (distance − R)/(|o| + |c| + R). A
 /// change by ε moves that distance by at most 8 ε of their sum: the origin by |o|, the line by twice the way to the
 /// ball, the centre of the primitive by |c| + R, and its points by 3 R, because it turns.
-double gap(const Ray<double>& ray, const Primitive<double>& primitive) {
+double relative_gap(const Ray<double>& ray, const Primitive<double>& primitive) {
     if (primitive.placed || !has_bounding_box(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
     const Vec<double> from_centre = ray.origin - ball.centre;
@@ -311,7 +311,7 @@ double gap(const Ray<double>& ray, const Primitive<double>& primitive) {
 std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
                              intersect::Convention convention, Range<double> range) {
     std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < primitives.size(); ++i) order.emplace_back(gap(ray, primitives[i]), i);
+    for (std::size_t i = 0; i < primitives.size(); ++i) order.emplace_back(relative_gap(ray, primitives[i]), i);
     std::ranges::sort(order);
     double least = HUGE_VAL;
     std::size_t nearest = 0;

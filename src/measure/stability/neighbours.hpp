@@ -37,29 +37,31 @@ public:
         }
         add_vector(Unit::length, 3), add_vector(Unit::direction, 3);
         for (const Key& key : row_of(primitive.shape).keys) {
-            for (std::size_t k = 0; k < key.count(); ++k) numbers_[end_ + k] = primitive.numbers[end_ - 6 + k];
+            for (std::size_t k = 0; k < key.count(); ++k)
+                numbers_[number_count_ + k] = primitive.numbers[number_count_ - 6 + k];
             add_vector(key.kind == Key::Kind::direction ? Unit::unitless : Unit::length, key.count());
         }
-        matrix_ = end_;
+        matrix_begin_ = number_count_;
         if (primitive.placed) {
             // The linear part of a matrix needs no unit: world space and object space have the same one.
-            for (std::size_t k = 0; k < 12; ++k) numbers_[matrix_ + k] = primitive.placed->matrix[place_in_matrix(k)];
+            for (std::size_t k = 0; k < 12; ++k)
+                numbers_[matrix_begin_ + k] = primitive.placed->matrix[place_in_matrix(k)];
             add_vector(Unit::unitless, 9), add_vector(Unit::length, 3);
         }
-        for (std::size_t i = 0; i < end_; ++i)
+        for (std::size_t i = 0; i < number_count_; ++i)
             if (units_[i] != Unit::unitless && numbers_[i] != 0) {
                 int& exponent = units_[i] == Unit::length ? length_exponent_ : direction_exponent_;
                 exponent = std::max(exponent, std::ilogb(numbers_[i]));
             }
         for (int* const exponent : {&length_exponent_, &direction_exponent_})
             if (*exponent == unset_exponent) *exponent = 0;
-        for (std::size_t i = 0; i < end_; ++i) {
+        for (std::size_t i = 0; i < number_count_; ++i) {
             const bool is_zero = numbers_[i] == 0;
             if (units_[i] != Unit::unitless)
                 numbers_[i] =
                     std::ldexp(numbers_[i], units_[i] == Unit::length ? -length_exponent_ : -direction_exponent_);
-            // A number so small beside the largest one may underflow, and so may its step. Neither loses more than
-            // this.
+            // A number that is so small relative to the largest one may underflow, and so may its step. Neither loses
+            // more than 2^-900.
             if (!is_zero && std::fabs(numbers_[i]) < 0x1p-900) underflow_[i] = 0x1p-900;
         }
         for (std::size_t v = 0, i = 0; v < vector_count_; ++v) {
@@ -81,20 +83,20 @@ public:
         Ray<Near> ray;
         Primitive<Near> primitive;
     };
-    /// Encloses the problems around the problem after the change `from`.
-    [[nodiscard]] Enclosures within(double epsilon, const Change& from = {}) const {
+    /// Encloses all problems within ε of the problem after the change `start`.
+    [[nodiscard]] Enclosures enclose_problems(double epsilon, const Change& start = {}) const {
         std::array<double, most_inputs> steps{}, middle = numbers_;
-        for (std::size_t i = 0; i < end_; ++i)
-            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += from.scale * sizes_[i] * from.deviations[i];
+        for (std::size_t i = 0; i < number_count_; ++i)
+            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += start.scale * sizes_[i] * start.deviations[i];
         const Near::Vectors vectors = is_normwise_ ? Near::Vectors(vector_ends_).first(vector_count_) : Near::Vectors();
         const auto number = [&](std::size_t k) { return Near(middle[k], k, steps[k], underflow_[k], vectors); };
         Enclosures enclosures{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
                               Primitive<Near>(primitive_.shape)};
-        for (std::size_t k = 6; k < matrix_; ++k) enclosures.primitive.numbers[k - 6] = number(k);
+        for (std::size_t k = 6; k < matrix_begin_; ++k) enclosures.primitive.numbers[k - 6] = number(k);
         if (primitive_.placed) {
             enclosures.primitive.placed = transformed(*primitive_.placed, [](double) { return Near(0); });
-            for (std::size_t k = matrix_; k < end_; ++k)
-                enclosures.primitive.placed->matrix[place_in_matrix(k - matrix_)] = number(k);
+            for (std::size_t k = matrix_begin_; k < number_count_; ++k)
+                enclosures.primitive.placed->matrix[place_in_matrix(k - matrix_begin_)] = number(k);
         }
         return enclosures;
     }
@@ -102,7 +104,7 @@ public:
     /// The amount that a change adds to each number, rounded towards 0.
     [[nodiscard]] Amounts amounts(const Change& change) const {
         Amounts added{};
-        for (std::size_t i = 0; i < end_; ++i) {
+        for (std::size_t i = 0; i < number_count_; ++i) {
             const int exponent = units_[i] == Unit::length      ? length_exponent_
                                  : units_[i] == Unit::direction ? direction_exponent_
                                                                 : 0;
@@ -123,9 +125,9 @@ public:
                 shift(to_ray.origin[static_cast<int>(i)], i);
                 shift(to_ray.direction[static_cast<int>(i)], i + 3);
             }
-            for (std::size_t i = 6; i < matrix_; ++i) shift(to_primitive.numbers[i - 6], i);
-            for (std::size_t i = matrix_; i < end_; ++i)
-                shift(to_primitive.placed->matrix[place_in_matrix(i - matrix_)], i);
+            for (std::size_t i = 6; i < matrix_begin_; ++i) shift(to_primitive.numbers[i - 6], i);
+            for (std::size_t i = matrix_begin_; i < number_count_; ++i)
+                shift(to_primitive.placed->matrix[place_in_matrix(i - matrix_begin_)], i);
         };
         Ray<double> double_ray;
         Primitive<double> double_primitive;
@@ -136,16 +138,16 @@ public:
         apply_change(ray_, primitive_, to_ray, to_primitive);
         return act(to_ray, to_primitive);
     }
-    [[nodiscard]] std::size_t count() const { return end_; }
+    [[nodiscard]] std::size_t number_count() const { return number_count_; }
     [[nodiscard]] bool is_normwise() const { return is_normwise_; }
 
 private:
     enum class Unit : unsigned char { unitless, length, direction };
     static constexpr int unset_exponent = -5000;
     void add_vector(Unit unit, std::size_t count) {
-        std::fill_n(&units_[end_], count, unit);
-        end_ += count;
-        vector_ends_[vector_count_++] = end_;
+        std::fill_n(&units_[number_count_], count, unit);
+        number_count_ += count;
+        vector_ends_[vector_count_++] = number_count_;
     }
 
     Ray<double> ray_;
@@ -154,7 +156,7 @@ private:
     std::array<double, most_inputs> numbers_{}, underflow_{}, sizes_{};
     std::array<Unit, most_inputs> units_{};
     std::array<std::size_t, most_inputs> vector_ends_{};
-    std::size_t vector_count_ = 0, end_ = 0, matrix_ = 0;
+    std::size_t vector_count_ = 0, number_count_ = 0, matrix_begin_ = 0;
     int length_exponent_ = unset_exponent, direction_exponent_ = unset_exponent;
 };
 
@@ -179,7 +181,7 @@ public:
     }
 
     [[nodiscard]] double to_problem_units(double t) const { return neighbours_.to_problem_units(t); }
-    [[nodiscard]] std::size_t count() const { return neighbours_.count(); }
+    [[nodiscard]] std::size_t number_count() const { return neighbours_.number_count(); }
     [[nodiscard]] Amounts amounts(const Change& change) const { return neighbours_.amounts(change); }
     /// Largest deviation that every number may take: 1, or 1/3 if vectors change, so that a vector of nine numbers has
     /// at most length 1.
@@ -187,8 +189,8 @@ public:
     /// Result of `act(ray, primitive, range, convention)` on all problems within `epsilon`; false if a matrix may be
     /// singular.
     template <class Act>
-    bool holds_for_all_within(double epsilon, const Act& act, const Change& from = {}) const {
-        const auto enclosures = neighbours_.within(epsilon, from);
+    bool holds_for_all_within(double epsilon, const Act& act, const Change& start = {}) const {
+        const auto enclosures = neighbours_.enclose_problems(epsilon, start);
         return is_always_proper(enclosures.primitive) &&
                act(enclosures.ray, enclosures.primitive, range_ ? &*range_ : nullptr, convention_);
     }

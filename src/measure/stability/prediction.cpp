@@ -16,18 +16,18 @@ using namespace attribution;
 
 namespace {
 
-/// SplitMix64: a sequence for each seed, the same on every machine.
+/// The SplitMix64 generator: its sequence depends only on the seed, not on the machine.
 class SplitMix64 {
 public:
     explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
-    std::uint64_t bits() {
+    std::uint64_t next_bits() {
         state_ += 0x9e3779b97f4a7c15U;
         std::uint64_t z = state_;
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
         return z ^ (z >> 31);
     }
-    bool coin() { return (bits() & 1U) != 0; }
+    bool toss() { return (next_bits() & 1U) != 0; }
 
 private:
     std::uint64_t state_;
@@ -36,7 +36,7 @@ private:
 std::uint64_t seed_of(const Tape& tape) {
     std::uint64_t seed = 0;
     for (const TapeNode& n : tape.nodes)
-        if (n.op == TapeOp::input) seed = SplitMix64(seed ^ std::bit_cast<std::uint64_t>(n.value)).bits();
+        if (n.op == TapeOp::input) seed = SplitMix64(seed ^ std::bit_cast<std::uint64_t>(n.value)).next_bits();
     return seed;
 }
 
@@ -66,7 +66,7 @@ double value_of(const Tape& tape, NodeId i) {
     return result_of(n.op, x, tape.format_of(i));
 }
 
-/// True for operations that round. `next_up` and `next_down` do not count: their step is part of the formula.
+/// True for an operation that rounds. `next_up` and `next_down` do not count: their step is part of the formula.
 bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::call || op == TapeOp::convert; }
 
 void run_at_random(Tape& tape, SplitMix64& coins) {
@@ -75,7 +75,7 @@ void run_at_random(Tape& tape, SplitMix64& coins) {
         value = value_of(tape, i);
         if (!rounds(tape[i].op)) continue;
         const double error = rounding_of(tape, i);
-        if (error == 0 || !std::isfinite(error) || !coins.coin()) continue;
+        if (error == 0 || !std::isfinite(error) || !coins.toss()) continue;
         value = result_of(error > 0 ? TapeOp::next_down : TapeOp::next_up, {value}, tape.format_of(i));
     }
 }
@@ -103,9 +103,9 @@ double RandomRuns::correct_bits(int precision) const {
 double statistical_bound(const Tape& tape, const Attribution& attribution) {
     double squares = 0;
     for (NodeId i = 0; i < tape.size(); ++i) {
-        const OperationError& e = attribution.errors[static_cast<std::size_t>(i)];
-        if (!e.live || !rounds(tape[i].op)) continue;
-        const double largest_error = e.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
+        const OperationError& error = attribution.errors[static_cast<std::size_t>(i)];
+        if (!error.is_live || !rounds(tape[i].op)) continue;
+        const double largest_error = error.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
         squares += largest_error * largest_error;
     }
     return std::sqrt(squares);

@@ -9,18 +9,19 @@
 namespace lostbits::measure::stability {
 
 /// Part of a torus that a ray hits if its quartic f has two minima and a maximum between them: before the maximum or
-/// behind it. `either` if f has one minimum.
-enum class TorusPass : std::uint8_t { either, first, second };
+/// behind it. `unspecified` if f has one minimum, or if the part is not known.
+enum class TorusPass : std::uint8_t { unspecified, first, second };
 
-/// Decision about a ray and a primitive, and the place of the hit.
+/// Decision about a ray and a primitive, and the crossing at which the ray hits.
 struct SpanDecision {
     Tri hit = Tri::unknown;
     Crossing at = Crossing::begin;
-    TorusPass pass = TorusPass::either;
+    TorusPass pass = TorusPass::unspecified;
 
     [[nodiscard]] bool is_same(const SpanDecision& other, CountedChange counted) const {
         if (!(hit == other.hit)) return false;
-        const bool has_other_pass = pass != TorusPass::either && other.pass != TorusPass::either && pass != other.pass;
+        const bool has_other_pass =
+            pass != TorusPass::unspecified && other.pass != TorusPass::unspecified && pass != other.pass;
         return counted == CountedChange::decision || (at == other.at && !has_other_pass);
     }
 };
@@ -63,21 +64,21 @@ public:
         if (range && (range->end.m > Near(0)).is_yes()) end_ = s.x_at(range->end.n);
     }
 
-    [[nodiscard]] SpanDecision find() {
+    [[nodiscard]] SpanDecision decide() {
         const Near at_begin = span_.f.at(begin_), zero(0);
         const Tri outside = at_begin > zero, inside = at_begin < zero;
-        Near::OpenComparisons* const outer = Near::open_comparisons;
+        Near::OpenComparisons* const outer_open = Near::open_comparisons;
         Near::open_comparisons = nullptr;
-        const SpanDecision decision = outside.is_yes()                    ? from_outside()
-                                      : inside.is_yes()                   ? from_inside()
-                                      : outside.is_no() && inside.is_no() ? from_surface()
+        const SpanDecision decision = outside.is_yes()                    ? decide_from_outside()
+                                      : inside.is_yes()                   ? decide_from_inside()
+                                      : outside.is_no() && inside.is_no() ? decide_from_surface()
                                                                           : SpanDecision{};
-        Near::open_comparisons = outer;
+        Near::open_comparisons = outer_open;
         return decision;
     }
 
 private:
-    [[nodiscard]] SpanDecision from_surface() const {
+    [[nodiscard]] SpanDecision decide_from_surface() const {
         const bool counts_as_hit =
             convention_.at_origin == intersect::AtOrigin::hit && convention_.touching == intersect::Touching::hit;
         return counts_as_hit ? SpanDecision{Tri::yes} : SpanDecision{};
@@ -88,7 +89,7 @@ private:
         return std::min(end_ ? end_->highest() : HUGE_VAL, span_.bound.highest() * (1 + 0x1p-40));
     }
 
-    [[nodiscard]] SpanDecision from_outside() {
+    [[nodiscard]] SpanDecision decide_from_outside() {
         const auto maximum = critical_points_.maximum();
         for (int i = 0; i < critical_points_.points.count; i += 2) {
             const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
@@ -108,7 +109,7 @@ private:
             const Near at_end = span_.f.at(*end_);
             if (at_end.highest() < 0)
                 return counted_ == CountedChange::decision || !maximum || end_->highest() < *maximum
-                           ? SpanDecision{Tri::yes, Crossing::near, maximum ? TorusPass::first : TorusPass::either}
+                           ? SpanDecision{Tri::yes, Crossing::near, maximum ? TorusPass::first : TorusPass::unspecified}
                        : is_positive_from(begin_.lowest(), *maximum, 1)
                            ? SpanDecision{Tri::yes, Crossing::near, TorusPass::second}
                            : SpanDecision{};
@@ -117,16 +118,17 @@ private:
         return is_positive_from(begin_.lowest(), last_position(), 1) ? SpanDecision{Tri::no} : SpanDecision{};
     }
 
-    [[nodiscard]] SpanDecision from_inside() {
+    [[nodiscard]] SpanDecision decide_from_inside() {
         using intersect::Inside;
         if (convention_.inside == Inside::miss) return {Tri::no};
         if (convention_.inside == Inside::zero) return {Tri::yes};
         const auto maximum = critical_points_.maximum();
         if (end_) {
             const Near at_end = span_.f.at(*end_);
-            const bool does_leave = at_end.lowest() > 0 || (maximum && is_ahead(*maximum) && is_before_end(*maximum) &&
-                                                            span_.f.at(Near(*maximum)).lowest() > 0);
-            if (!does_leave) {
+            const bool leaves_before_end =
+                at_end.lowest() > 0 ||
+                (maximum && is_ahead(*maximum) && is_before_end(*maximum) && span_.f.at(Near(*maximum)).lowest() > 0);
+            if (!leaves_before_end) {
                 cases_.watch(at_end);
                 return is_positive_from(begin_.lowest(), end_->highest(), -1) ? SpanDecision{Tri::no} : SpanDecision{};
             }

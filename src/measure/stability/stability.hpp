@@ -1,5 +1,5 @@
-// Distance of an answer from that of a problem nearby, the root that an answer is, its derivatives, and predictions of
-// its error that do not need the exact answer.
+// Distance of an answer from the answer of a nearby problem, the root that an answer belongs to, its derivatives, and
+// predictions of its error that do not need the exact answer.
 #pragma once
 
 #include <array>
@@ -27,9 +27,9 @@ using Amounts = std::array<double, 6 + most_stored>;
 
 /// Bounds of the least relative change that changes the answer.
 struct Margin {
-    double proved;            ///< no smaller change changes the answer
-    double reached;           ///< a change of this size changes the answer; infinite if none was found
-    Amounts changes_by = {};  ///< amounts of that change
+    double proved;                ///< no smaller change changes the answer
+    double reached;               ///< a change of this size changes the answer; infinite if none was found
+    Amounts reached_change = {};  ///< the amounts of the change of that size
 
     [[nodiscard]] bool is_tight() const { return reached <= 2 * proved || proved >= most_tight || is_zero(); }
     /// True if changes of 2^-89 change the answer.

@@ -14,8 +14,8 @@ namespace lostbits::measure::study {
 /// Approximate number of pixels of a band of a map.
 inline constexpr int pixels_of_band = 32768;
 
-/// Number of scanlines of a band: enough blocks of 16 lines, as EXR files have, for about this number of pixels; at
-/// least one block.
+/// Returns the number of scanlines of a band with about this number of pixels: a multiple of 16, the number of lines in
+/// a block of an EXR file, and at least 16.
 inline int lines_of_band(int width, int pixels = pixels_of_band) {
     constexpr int block = 16;
     return std::max(block, (pixels / width + block - 1) / block * block);
@@ -29,11 +29,11 @@ public:
     explicit Bands(const scene::file::Scene& scene, shard::Share share = {}, int pixels = pixels_of_band)
         : scene_(scene),
           lines_(lines_of_band(scene.width, pixels)),
-          units_(share.of_units(static_cast<std::uint64_t>((scene.height + lines_ - 1) / lines_))) {}
+          units_(share.unit_range(static_cast<std::uint64_t>((scene.height + lines_ - 1) / lines_))) {}
 
     [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(units_.last - units_.first); }
 
-    /// Band k of the share with its truth. `culler` must outlive it.
+    /// Returns band k of the share with its truth. `culler` must outlive it.
     [[nodiscard]] truth::Band at(std::size_t k, truth::TruthLimit limit, culling::Culler& culler) const {
         const int y0 = static_cast<int>(units_.first + k) * lines_;
         return {scene_, y0, std::min(scene_.height, y0 + lines_), limit, &culler};

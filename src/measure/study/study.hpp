@@ -7,15 +7,16 @@
 // - `Band`, `Summary`: the results of a row on a band, and over the picture;
 // - `pixels_together`: about how many pixels a band has;
 // - `require()`: throws InputError for a scene that cannot be measured;
-// - `begin(row_index)`: the summary of no pixels;
-// - `prepare(band)`: everything that the rows of a band share, their truth above all;
-// - `measure(shared, row_index, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
+// - `begin(row_index)`: returns an empty summary of the row;
+// - `prepare(band)`: returns everything that the rows of a band share, their truth above all;
+// - `measure(shared, row_index, summary)`: measures a row on a band, adds to its summary, and returns the results to
+//   show (`ShowBand`).
 //
 // A study may also have
 //
 // - `scenes()`: the scenes of its rows, if rows differ in the rays that a scene makes;
-// - `prepare(band, rows)`, in place of `prepare(band)`: the rows are those whose rays are of this band;
-// - `measure(shared, row_index, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
+// - `prepare(band, rows)`, in place of `prepare(band)`: `rows` are the rows whose rays are in this band;
+// - `measure(shared, row_index, summary, show)`: calls `show` with the results to show, in memory that it reuses;
 // - `stages`: receives the number of truths that each stage settled; may be null.
 //
 // The driver owns the loop over bands and rows, their threads, the share of a shard, and how summaries add up.
@@ -35,7 +36,8 @@
 
 namespace lostbits::measure::study {
 
-/// Receives the bands of each row from top to bottom, different rows at the same time; may be empty.
+/// Receives the results of each row, band by band from top to bottom. It is called for several rows at the same time.
+/// May be empty.
 template <class Study>
 using ShowBand = std::function<void(std::size_t row_index, const typename Study::Band& band)>;
 
@@ -45,26 +47,26 @@ struct RowsOfScene {
     std::vector<std::size_t> rows;  ///< indices in the study
 };
 
-/// Pointer to a scene that outlives the pointer.
-inline std::shared_ptr<const scene::file::Scene> not_owned(const scene::file::Scene& scene) {
+/// Returns a pointer to a scene that it does not own; the scene must outlive it.
+inline std::shared_ptr<const scene::file::Scene> non_owning_pointer(const scene::file::Scene& scene) {
     return {std::shared_ptr<void>(), &scene};
 }
 
-/// The scenes of a study's rows. Without `scenes()` there is one, which must outlive the result.
+/// Returns the scenes of a study's rows. A study without `scenes()` has one scene, which must outlive the result.
 template <class S>
 std::vector<RowsOfScene> scenes_of(const S& study) {
     if constexpr (requires { study.scenes(); }) {
         return study.scenes();
     } else {
-        RowsOfScene all_rows{not_owned(study.scene), std::vector<std::size_t>(study.rows.size())};
+        RowsOfScene all_rows{non_owning_pointer(study.scene), std::vector<std::size_t>(study.rows.size())};
         std::iota(all_rows.rows.begin(), all_rows.rows.end(), std::size_t{0});
         return {std::move(all_rows)};
     }
 }
 
-/// Everything that these rows of a band share.
+/// Prepares everything that these rows of a band share.
 template <class S>
-decltype(auto) prepared(const S& study, truth::Band& band, const std::vector<std::size_t>& rows) {
+decltype(auto) prepare_band(const S& study, truth::Band& band, const std::vector<std::size_t>& rows) {
     if constexpr (requires { study.prepare(band, rows); }) return study.prepare(band, rows);
     else return study.prepare(band);
 }
@@ -86,21 +88,21 @@ concept Study = requires(const S& study, truth::Band& band, std::size_t row_inde
                          const ShowBand<S>& show) {
     study.require();
     { study.begin(row_index) } -> std::same_as<typename S::Summary>;
-    measure_row(study, prepared(study, band, {}), row_index, summary, show);
+    measure_row(study, prepare_band(study, band, {}), row_index, summary, show);
     { S::pixels_together } -> std::convertible_to<int>;
     { study.share } -> std::convertible_to<shard::Share>;
     study.progress(band.pixels());
     study.rows.size();
 };
 
-/// Limit of the truth of a band, for a study whose own limit may have another type.
+/// Returns the limit of the truth of a band. The study's own limit may have another type.
 template <class Limit>
 truth::TruthLimit truth_limit(const Limit& limit) {
     if constexpr (std::same_as<Limit, truth::TruthLimit>) return limit;
     else return {.stop = limit.stop};
 }
 
-/// Summaries of no pixels; one for each row.
+/// Returns an empty summary for each row.
 template <Study S>
 std::vector<typename S::Summary> begin_all(const S& study) {
     std::vector<typename S::Summary> summaries;
@@ -120,7 +122,7 @@ std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& sh
         bands.each(truth_limit(study.limit), [&](truth::Band& band) {
             if constexpr (requires { *study.stages += band.stages(); })
                 if (study.stages) *study.stages += band.stages();
-            const auto& shared = prepared(study, band, scene_rows.rows);
+            const auto& shared = prepare_band(study, band, scene_rows.rows);
             intersect::process::in_parallel(std::size_t{0}, scene_rows.rows.size(), [&](std::size_t k) {
                 const std::size_t row_index = scene_rows.rows[k];
                 measure_row(study, shared, row_index, summaries[row_index], show);

@@ -11,8 +11,8 @@
 
 namespace lostbits::measure::study {
 
-/// Passes the fields of a struct on in the order of their declaration. A structured binding names all fields of a
-/// struct, so a field that is added there and forgotten here does not compile.
+/// Defines `fields(bits, whole)`, which passes the fields of a struct to `bits` in the order of their declaration. A
+/// structured binding names all fields of the struct, so a field that is missing in the list does not compile.
 #define LOSTBITS_FIELDS(Struct, ...)         \
     template <class Bits>                    \
     void fields(Bits& bits, Struct& whole) { \

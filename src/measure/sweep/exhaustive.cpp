@@ -71,7 +71,7 @@ std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Shar
                 {b,
                  {binade_floats.at(begin), binade_floats.at(std::min(begin + block_size, binade_floats.size()) - 1)}});
     }
-    const auto units = share.of_units(blocks.size());
+    const auto units = share.unit_range(blocks.size());
     const auto block_of_unit = [&blocks](std::uint64_t unit) {
         return blocks.begin() + static_cast<std::ptrdiff_t>(unit);
     };

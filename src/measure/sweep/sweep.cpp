@@ -203,7 +203,7 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
         }
         for (const double second : axes[1].values) steps.push_back({{first, second}, {}});
     }
-    const auto units = request.share.of_units(steps.size());
+    const auto units = request.share.unit_range(steps.size());
     steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(units.last), steps.end());
     steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(units.first));
     intersect::process::in_parallel(std::size_t{0}, steps.size(), [&](std::size_t i) {
@@ -253,7 +253,7 @@ SweepFindings measure_sweep(const SweepRequest& request) {
         findings.onsets = find_onsets(request, findings.steps);
         return findings;
     }
-    const auto rows = request.share.of_units(request.rows.size());
+    const auto rows = request.share.unit_range(request.rows.size());
     if (rows.size() == 0 || request.sweep.axes.size() != 1) return findings;
     SweepRequest share_request = request_for_events(request);
     share_request.share = {};
@@ -287,7 +287,7 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> by_format;
     for (std::size_t row_index = 0; row_index < request.rows.size(); ++row_index)
         by_format[request.rows[row_index].format.name].push_back(row_index);
-    const auto units = request.share.of_units(request.file.size());
+    const auto units = request.share.unit_range(request.file.size());
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());

@@ -304,7 +304,7 @@ private:
 }  // namespace
 
 std::vector<std::optional<WorstResult>> find_worst(const WorstRequest& request) {
-    const auto units = request.share.of_units(request.rows.size());
+    const auto units = request.share.unit_range(request.rows.size());
     std::vector<std::optional<WorstResult>> found(units.size());
     intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t i) {
         found[i] = Search(request, request.rows[units.first + i]).run();

@@ -45,16 +45,16 @@ public:
         new_nodes_.assign(source_.nodes.size(), no_node);
         for (NodeId i = 0; i < source_.size(); ++i) {
             const bool is_needed = source_[i].op == TapeOp::input || !at(users_, i).empty() || is_answer(i);
-            if (first_equal(i) == i && is_needed && !removed_.contains(i)) at(new_nodes_, i) = copy_node(i);
+            if (first_equal(i) == i && is_needed && !removed_nodes_.contains(i)) at(new_nodes_, i) = copy_node(i);
         }
         const auto [hit, t, near, far] = source_.outputs;
         result_.outputs = {new_node(hit), new_node(t), new_node(near), new_node(far)};
         return std::move(result_);
     }
 
-    /// The node of the given tape from which node `made` of the contracted tape was made.
-    [[nodiscard]] NodeId source_of(NodeId made) const {
-        const auto found = std::ranges::find(new_nodes_, made);
+    /// The node of the source tape from which `contracted_node` of the contracted tape was made.
+    [[nodiscard]] NodeId source_of(NodeId contracted_node) const {
+        const auto found = std::ranges::find(new_nodes_, contracted_node);
         return found == new_nodes_.end() ? no_node : static_cast<NodeId>(found - new_nodes_.begin());
     }
 
@@ -91,11 +91,13 @@ private:
         if (n.op == TapeOp::add || n.op == TapeOp::mul) {
             if (operands[1] < operands[0]) std::swap(operands[0], operands[1]);
         }
-        const double given = is_given(n.op) ? n.value : 0;
-        return first_.try_emplace({n.op, n.format, operands, std::bit_cast<std::uint64_t>(given)}, i).first->second;
+        const double given_value = is_given(n.op) ? n.value : 0;
+        return first_equal_node_.try_emplace({n.op, n.format, operands, std::bit_cast<std::uint64_t>(given_value)}, i)
+            .first->second;
     }
 
-    /// Lists for each operation the operations that use it, once for each operand, from the answers backwards.
+    /// Lists the users of each operation ( the operations that have it as an operand, once for each such operand), from
+    /// the answers backwards.
     void find_users() {
         std::vector<bool> needed(source_.nodes.size());
         const auto [hit, t, near, far] = source_.outputs;
@@ -112,8 +114,8 @@ private:
     }
 
     /// Operations that the answers need, in the order of the source text: operands from left to right, before the
-    /// operation that uses them. The tape may have another order: that in which the compiler of this program evaluates
-    /// the arguments of a call, which may be from right to left.
+    /// operation that uses them. The order on the tape may differ: the compiler that built this program may evaluate
+    /// the arguments of a call from right to left.
     [[nodiscard]] std::vector<NodeId> source_order() const {
         std::vector<NodeId> order;
         std::vector<bool> seen(source_.nodes.size());
@@ -132,11 +134,11 @@ private:
         return order;
     }
 
-    /// The sum with `product`, or its negative, as one operand. Returns nothing if both operands are the product, or if
-    /// the sum is fused already.
-    [[nodiscard]] std::optional<FusedSum> part_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
+    /// Fuses ` sum` with `product`; `part`, which is the product or its negative, is an operand of the sum. Returns
+    /// nothing if `sum` is not a sum in the product's format, if both operands are the same, or if it is fused already.
+    [[nodiscard]] std::optional<FusedSum> fused_sum_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
         const TapeNode& n = source_[sum];
-        if (!is_sum(n.op) || n.format != source_[product].format || fused_.contains(sum)) return std::nullopt;
+        if (!is_sum(n.op) || n.format != source_[product].format || fused_sums_.contains(sum)) return std::nullopt;
         const NodeId a = first_equal(n.operands[0]), b = first_equal(n.operands[1]);
         if (a == b) return std::nullopt;
         const bool subtracts = n.op == TapeOp::sub;
@@ -158,14 +160,14 @@ private:
                 sum = users_of_negative.front();
                 negatives.push_back(user);
             }
-            const auto part = part_of(sum, user == sum ? product : user, product, negates);
+            const auto part = fused_sum_of(sum, user == sum ? product : user, product, negates);
             if (!part) return;
             sums.emplace_back(sum, *part);
         }
         if (sums.empty()) return;
-        fused_.insert(sums.begin(), sums.end());
-        removed_.insert(product);
-        removed_.insert(negatives.begin(), negatives.end());
+        fused_sums_.insert(sums.begin(), sums.end());
+        removed_nodes_.insert(product);
+        removed_nodes_.insert(negatives.begin(), negatives.end());
     }
 
     [[nodiscard]] NodeId new_node(NodeId i) const {
@@ -176,7 +178,7 @@ private:
         const TapeNode& n = source_[i];
         const FloatFormat& format = source_.format_of(i);
         if (n.op == TapeOp::input) return result_.add_input(format, n.value);
-        if (const auto fused = fused_.find(i); fused != fused_.end()) return add_fused_sum(i, fused->second);
+        if (const auto fused = fused_sums_.find(i); fused != fused_sums_.end()) return add_fused_sum(i, fused->second);
         std::array<NodeId, 3> operands = n.operands;
         if (!is_given(n.op))
             for (NodeId& operand : operands) operand = new_node(operand);
@@ -184,40 +186,41 @@ private:
         result_[copy].label = n.label;
         return copy;
     }
-    NodeId add_fused_sum(NodeId i, const FusedSum& f) {
+    NodeId add_fused_sum(NodeId i, const FusedSum& fused) {
         const FloatFormat& format = source_.format_of(i);
-        const TapeNode& product = source_[f.product];
+        const TapeNode& product = source_[fused.product];
         const auto signed_part = [&](NodeId part, bool negative) {
             const NodeId node = new_node(part);
             return negative ? result_.add(TapeOp::neg, format, -source_[part].value, {node}) : node;
         };
-        const NodeId first = signed_part(product.operands[0], f.minus_product);
-        const NodeId second = new_node(product.operands[1]), addend = signed_part(f.addend, f.minus_addend);
+        const NodeId first = signed_part(product.operands[0], fused.minus_product);
+        const NodeId second = new_node(product.operands[1]), addend = signed_part(fused.addend, fused.minus_addend);
         const NodeId sum = result_.add(TapeOp::fma, format, source_[i].value, {first, second, addend});
         result_[sum].label = source_[i].label.empty() ? product.label : source_[i].label;
         return sum;
     }
 
     const Tape& source_;
-    std::map<std::tuple<TapeOp, std::uint8_t, std::array<NodeId, 3>, std::uint64_t>, NodeId> first_;
+    std::map<std::tuple<TapeOp, std::uint8_t, std::array<NodeId, 3>, std::uint64_t>, NodeId> first_equal_node_;
     std::vector<NodeId> first_equal_;
     std::vector<std::vector<NodeId>> users_;
-    std::map<NodeId, FusedSum> fused_;  ///< indexed by the node of the sum
-    std::set<NodeId> removed_;  ///< products that are fused with all their sums, and the negatives of these products
+    std::map<NodeId, FusedSum> fused_sums_;  ///< indexed by the node of the sum
+    std::set<NodeId>
+        removed_nodes_;  ///< products that are fused with all their sums, and the negatives of these products
     std::vector<NodeId> new_nodes_;
     Tape result_;
 };
 
-/// A contracted form: tapes for f32 and f64, and lists of operations for every other arithmetic.
-struct Contracted {
+/// A contracted form: tapes for f32 and f64, and lists of operations for all other formats.
+struct ContractedForm {
     std::unique_ptr<TapeForm> tape32, tape64;
     std::unique_ptr<WrittenForm> written;
 
-    Contracted(const Intersector& form, const std::string& name) {
+    ContractedForm(const Intersector& form, const std::string& name) {
         std::array<std::shared_ptr<const WrittenFormula>, 2> lists;
         const auto make = [&](const Format& format, std::unique_ptr<TapeForm>& tape_form, auto& list) {
             if (!form.exists_in(format)) return;
-            const Tape tape = contracted(tape_of(form, format));
+            const Tape tape = contract_tape(tape_of(form, format));
             tape_form = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
             list = std::make_shared<const WrittenFormula>(intersect::table::formula_from_tape(tape, form.shape, name));
         };
@@ -227,20 +230,20 @@ struct Contracted {
     }
 };
 
-using Rows = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
-Rows& rows() {
-    static Rows composed_rows;
+using ContractedRows = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
+ContractedRows& contracted_rows() {
+    static ContractedRows composed_rows;
     return composed_rows;
 }
 
-void fill(Rows::ComposedRow& composed) {
-    static std::deque<Contracted> contractions;  // rows point to its elements
+void fill_contracted_row(ContractedRows::ComposedRow& composed) {
+    static std::deque<ContractedForm> contractions;  // rows point to its elements
     const Intersector& form = *std::get<0>(composed.parts);
     composed.name = std::string(form.info->name) + std::string(contracted_suffix);
     composed.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     composed.source = form.info->source;
     composed.copy_contract(*form.info);
-    const Contracted& contraction = contractions.emplace_back(form, composed.name);
+    const ContractedForm& contraction = contractions.emplace_back(form, composed.name);
     composed.row = {.info = &composed.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
     if (contraction.written) contraction.written->fill(composed.row);
     if (!form.rounded) composed.row.rounded = nullptr;
@@ -250,7 +253,7 @@ void fill(Rows::ComposedRow& composed) {
 
 }  // namespace
 
-Tape contracted(const Tape& tape) { return Contraction(tape).contract(); }
+Tape contract_tape(const Tape& tape) { return Contraction(tape).contract(); }
 
 const Intersector& contracted_row(const Intersector& form) {
     if (form.is_placed)
@@ -264,24 +267,26 @@ const Intersector& contracted_row(const Intersector& form) {
         throw InputError(fmt::format("{}{}: its operations cannot be contracted: {}", form.info->name,
                                      contracted_suffix, reason.what()));
     }
-    return rows().row_of({&form}, fill);
+    return contracted_rows().row_of({&form}, fill_contracted_row);
 }
 
-bool is_contracted(const Intersector& catalogue_row) { return std::get<0>(rows().parts_of(catalogue_row)) != nullptr; }
+bool is_contracted(const Intersector& catalogue_row) {
+    return std::get<0>(contracted_rows().parts_of(catalogue_row)) != nullptr;
+}
 
 FormOperation operation_before_contraction(const Intersector& row, const Format& format, NodeId node) {
-    const Intersector& form = *std::get<0>(rows().parts_of(row));
-    const Format narrow = *find_format("f32"), wide = *find_format("f64");
-    const bool is_wide = !form.exists_in(narrow) || (format.engine == Format::Engine::native64 && form.exists_in(wide));
-    const Format& own_format = is_wide ? wide : narrow;
-    const Tape tape = tape_of(form, own_format);
+    const Intersector& form = *std::get<0>(contracted_rows().parts_of(row));
+    const Format f32 = *find_format("f32"), f64 = *find_format("f64");
+    const bool is_from_f64 = !form.exists_in(f32) || (format.engine == Format::Engine::native64 && form.exists_in(f64));
+    const Format& tape_format = is_from_f64 ? f64 : f32;
+    const Tape tape = tape_of(form, tape_format);
     Contraction contraction(tape);
     const auto list = std::make_shared<const WrittenFormula>(
         intersect::table::formula_from_tape(contraction.contract(), form.shape, std::string(row.info->name)));
     const std::vector<NodeId> nodes = WrittenForm(list, nullptr).nodes_on_tape(format);
     const auto found = std::ranges::find(nodes, node);
     const bool is_found = node != no_node && found != nodes.end();
-    return {&form, own_format, is_found ? contraction.source_of(static_cast<NodeId>(found - nodes.begin())) : no_node};
+    return {&form, tape_format, is_found ? contraction.source_of(static_cast<NodeId>(found - nodes.begin())) : no_node};
 }
 
 }  // namespace lostbits::measure::tape

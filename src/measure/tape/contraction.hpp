@@ -11,13 +11,13 @@ namespace lostbits::measure::tape {
 /// a b ± c and c ± a b are rounded once. If two products are added, the left one is fused and the other is its addend,
 /// unless the other is part of an expression with a name of its own, which comes first. A product that is also
 /// compared, selected, multiplied or returned is not fused. clang fuses the same products, except those that are used
-/// twice. The values on the contracted tape are those of the given tape.
-Tape contracted(const Tape& tape);
+/// twice. Each node keeps the value that its result has on the given tape, although a fused sum rounds differently.
+Tape contract_tape(const Tape& tape);
 
-/// The row `FORM+fma`: the form's operations, contracted, in every arithmetic. Without rounding it equals the form. Its
-/// kernels run the operations one by one over columns: they have the bits of compiled code, but not its speed. Each row
-/// is created once and kept. Throws InputError as `tape_of` does, and for a form with a transform method, because the
-/// transform comes last in a name.
+/// Returns the row `FORM+fma`: the contracted operations of a form, in every arithmetic. Without rounding it equals the
+/// form. Its kernels run the operations one by one over columns: they give the bits of compiled code, but not its
+/// speed. Each row is created once and kept. Throws InputError as `tape_of` does, and for a form with a transform
+/// method, because the transform comes last in a name.
 const intersect::table::Intersector& contracted_row(const intersect::table::Intersector& form);
 
 /// True for a row that `contracted_row` created.

@@ -24,9 +24,9 @@ using intersect::table::RowAnswers;
 /// The program with some rewritings, as a driver might run it.
 struct Suspect {
     DerivedTape program;
-    bool flushes = false;
-    NodeId inexact = no_node;
-    int ulps = 0;
+    bool flushes_subnormals = false;
+    NodeId inexact_operation = no_node;
+    int ulps = 0;  ///< error of the inexact operation
 };
 
 template <class S>
@@ -35,13 +35,13 @@ S flush_subnormal(S x) {
 }
 
 double compute_rounded(TapeOp op, double a, double b, double c, bool is_float) {
-    const auto f = [&](double x) { return is_float ? static_cast<double>(static_cast<float>(x)) : x; };
+    const auto round_result = [&](double x) { return is_float ? static_cast<double>(static_cast<float>(x)) : x; };
     switch (op) {
-        case TapeOp::add: return f(a + b);
-        case TapeOp::sub: return f(a - b);
-        case TapeOp::mul: return f(a * b);
-        case TapeOp::div: return f(a / b);
-        case TapeOp::sqrt: return f(std::sqrt(a));
+        case TapeOp::add: return round_result(a + b);
+        case TapeOp::sub: return round_result(a - b);
+        case TapeOp::mul: return round_result(a * b);
+        case TapeOp::div: return round_result(a / b);
+        case TapeOp::sqrt: return round_result(std::sqrt(a));
         case TapeOp::fma:
             return is_float ? std::fma(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c))
                             : std::fma(a, b, c);
@@ -51,14 +51,14 @@ double compute_rounded(TapeOp op, double a, double b, double c, bool is_float) {
         case TapeOp::min: return a < b ? a : b;
         case TapeOp::max: return a > b ? a : b;
         case TapeOp::select: return a != 0 ? b : c;
-        case TapeOp::convert: return f(a);
+        case TapeOp::convert: return round_result(a);
         case TapeOp::less: return a < b;
         case TapeOp::less_equal: return a <= b;
         case TapeOp::greater: return a > b;
         case TapeOp::greater_equal: return a >= b;
-        case TapeOp::both: return a != 0 && b != 0;
-        case TapeOp::either: return a != 0 || b != 0;
-        case TapeOp::opposite: return a == 0;
+        case TapeOp::logical_and: return a != 0 && b != 0;
+        case TapeOp::logical_or: return a != 0 || b != 0;
+        case TapeOp::logical_not: return a == 0;
         case TapeOp::any: return a;
         default: return NAN;
     }
@@ -69,22 +69,25 @@ struct Answer {
     float t;
 };
 
-Answer answer_of(const Suspect& s, const RandomRays<float>& rays, std::size_t ray, std::vector<double>& values) {
-    const Tape& tape = s.program.tape;
+Answer answer_of(const Suspect& suspect, const RandomRays<float>& rays, std::size_t ray, std::vector<double>& values) {
+    const Tape& tape = suspect.program.tape;
     values.resize(tape.nodes.size());
     for (NodeId i = 0; i < tape.size(); ++i) {
-        const TapeNode& n = tape[i];
-        const auto x = [&](std::size_t k) {
-            return n.operands[k] == no_node ? 0 : values[static_cast<std::size_t>(n.operands[k])];
+        const TapeNode& node = tape[i];
+        const auto operand_value = [&](std::size_t k) {
+            return node.operands[k] == no_node ? 0 : values[static_cast<std::size_t>(node.operands[k])];
         };
         double value = 0;
-        if (n.op == TapeOp::input) value = rays.input(ray, static_cast<std::size_t>(n.operands[0]));
-        else if (n.op == TapeOp::constant) value = n.operands[0];
-        else value = compute_rounded(n.op, x(0), x(1), x(2), tape.format_of(i) == binary32);
-        if (s.flushes && tape.format_of(i) == binary32) value = flush_subnormal(static_cast<float>(value));
-        if (i == s.inexact)
-            for (int k = 0; k < std::abs(s.ulps); ++k)
-                value = std::nextafter(static_cast<float>(value), s.ulps > 0 ? INFINITY : -INFINITY);
+        if (node.op == TapeOp::input) value = rays.input(ray, static_cast<std::size_t>(node.operands[0]));
+        else if (node.op == TapeOp::constant) value = node.operands[0];
+        else
+            value = compute_rounded(node.op, operand_value(0), operand_value(1), operand_value(2),
+                                    tape.format_of(i) == binary32);
+        if (suspect.flushes_subnormals && tape.format_of(i) == binary32)
+            value = flush_subnormal(static_cast<float>(value));
+        if (i == suspect.inexact_operation)
+            for (int k = 0; k < std::abs(suspect.ulps); ++k)
+                value = std::nextafter(static_cast<float>(value), suspect.ulps > 0 ? INFINITY : -INFINITY);
         values[static_cast<std::size_t>(i)] = value;
     }
     return {values[static_cast<std::size_t>(tape.outputs.hit)] != 0,
@@ -94,38 +97,39 @@ Answer answer_of(const Suspect& s, const RandomRays<float>& rays, std::size_t ra
 class Search {
 public:
     Search(const Tape& tape, const RandomRays<float>& rays, const RowAnswers<float>& driver)
-        : rays_(rays), driver_(driver), names_(driver_rewritings()) {
+        : rays_(rays), driver_(driver), names_(driver_rewriting_names()) {
         original_.tape = tape;
         original_.origins.resize(tape.nodes.size());
         std::iota(original_.origins.begin(), original_.origins.end(), 0);
     }
 
     void find(DriverDifference& difference) {
-        std::vector<unsigned> sets(std::size_t{1} << (names_.size() + 1));
-        std::iota(sets.begin(), sets.end(), 0U);
-        std::ranges::stable_sort(sets, {}, [](unsigned set) { return std::popcount(set); });
-        for (const unsigned set : sets) {
+        std::vector<unsigned> rewriting_sets(std::size_t{1} << (names_.size() + 1));
+        std::iota(rewriting_sets.begin(), rewriting_sets.end(), 0U);
+        std::ranges::stable_sort(rewriting_sets, {},
+                                 [](unsigned rewriting_set) { return std::popcount(rewriting_set); });
+        for (const unsigned rewriting_set : rewriting_sets) {
             SitesByRewriting sites;
-            if (const auto suspect = rewrite(set, nullptr, &sites); suspect && explains_all_rays(*suspect))
-                return report_minimal(set, sites, difference);
+            if (const auto suspect = rewrite(rewriting_set, nullptr, &sites); suspect && explains_all_rays(*suspect))
+                return report_minimal(rewriting_set, sites, difference);
         }
-        for (const unsigned set : sets)
-            if (std::popcount(set) <= 2 && find_partial_rewriting(set, difference)) return;
-        for (const unsigned set : sets)
-            if (std::popcount(set) <= 2 && find_inexact_operation(set, difference)) return;
+        for (const unsigned rewriting_set : rewriting_sets)
+            if (std::popcount(rewriting_set) <= 2 && find_partial_rewriting(rewriting_set, difference)) return;
+        for (const unsigned rewriting_set : rewriting_sets)
+            if (std::popcount(rewriting_set) <= 2 && find_inexact_operation(rewriting_set, difference)) return;
     }
 
 private:
     using SitesByRewriting = std::vector<std::vector<NodeId>>;  ///< sites of each rewriting
 
     /// The program with the rewritings of a set. Returns nothing if one of the rewritings changes nothing.
-    std::optional<Suspect> rewrite(unsigned set, const SitesByRewriting* sites, SitesByRewriting* changed) const {
-        Suspect suspect{.program = original_, .flushes = (set >> names_.size()) != 0};
+    std::optional<Suspect> rewrite(unsigned rewriting_set, const SitesByRewriting* sites,
+                                   SitesByRewriting* changed) const {
+        Suspect suspect{.program = original_, .flushes_subnormals = (rewriting_set >> names_.size()) != 0};
         for (std::size_t k = 0; k < names_.size(); ++k) {
             std::vector<NodeId> changed_sites;
-            if ((set >> k & 1U) != 0) {
-                suspect.program =
-                    rewritten_by_driver(suspect.program, k, sites ? &(*sites)[k] : nullptr, changed_sites);
+            if ((rewriting_set >> k & 1U) != 0) {
+                suspect.program = rewrite_as_driver(suspect.program, k, sites ? &(*sites)[k] : nullptr, changed_sites);
                 if (changed_sites.empty()) return {};
             }
             if (changed) changed->push_back(changed_sites);
@@ -143,9 +147,9 @@ private:
     }
     /// Tries the rewritings of a set at some of the operations only, beginning with few operations. Returns true if a
     /// subset explains all rays.
-    bool find_partial_rewriting(unsigned set, DriverDifference& difference) {
+    bool find_partial_rewriting(unsigned rewriting_set, DriverDifference& difference) {
         SitesByRewriting all_sites;
-        if (!rewrite(set, nullptr, &all_sites)) return false;
+        if (!rewrite(rewriting_set, nullptr, &all_sites)) return false;
         std::vector<std::pair<std::size_t, NodeId>> sites;
         for (std::size_t k = 0; k < all_sites.size(); ++k)
             for (const NodeId i : all_sites[k]) sites.emplace_back(k, i);
@@ -157,34 +161,35 @@ private:
             SitesByRewriting subset(all_sites.size());
             for (std::size_t j = 0; j < sites.size(); ++j)
                 if ((mask >> j & 1U) != 0) subset[sites[j].first].push_back(sites[j].second);
-            if (const auto suspect = rewrite(set, &subset, nullptr); suspect && explains_all_rays(*suspect))
-                return report_minimal(set, subset, difference), true;
+            if (const auto suspect = rewrite(rewriting_set, &subset, nullptr); suspect && explains_all_rays(*suspect))
+                return report_minimal(rewriting_set, subset, difference), true;
         }
         return false;
     }
     /// Reports the rewritings, without every operation that does not have to be rewritten.
-    void report_minimal(unsigned set, SitesByRewriting sites, DriverDifference& difference) {
+    void report_minimal(unsigned rewriting_set, SitesByRewriting sites, DriverDifference& difference) {
         for (std::size_t k = 0; k < names_.size(); ++k)
             for (std::size_t j = sites[k].size(); j-- > 0 && sites[k].size() > 1;) {
                 SitesByRewriting fewer_sites = sites;
                 fewer_sites[k].erase(fewer_sites[k].begin() + static_cast<std::ptrdiff_t>(j));
-                if (const auto suspect = rewrite(set, &fewer_sites, nullptr); suspect && explains_all_rays(*suspect))
+                if (const auto suspect = rewrite(rewriting_set, &fewer_sites, nullptr);
+                    suspect && explains_all_rays(*suspect))
                     sites = fewer_sites;
             }
         for (std::size_t k = 0; k < names_.size(); ++k)
             if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
-        if (set >> names_.size() != 0) difference.rewritings.push_back({"makes subnormal numbers 0", {}});
+        if (rewriting_set >> names_.size() != 0) difference.rewritings.push_back({"makes subnormal numbers 0", {}});
     }
     /// Tries each quotient or root as an operation whose result has an error of some units in the last place. Returns
     /// true if one of them explains all rays.
-    bool find_inexact_operation(unsigned set, DriverDifference& difference) {
+    bool find_inexact_operation(unsigned rewriting_set, DriverDifference& difference) {
         SitesByRewriting sites;
-        auto suspect = rewrite(set, nullptr, &sites);
+        auto suspect = rewrite(rewriting_set, nullptr, &sites);
         if (!suspect) return false;
         const Tape& tape = suspect->program.tape;
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].op != TapeOp::div && tape[i].op != TapeOp::sqrt) continue;
-            suspect->inexact = i;
+            suspect->inexact_operation = i;
             int largest_ulps = 0;
             const bool is_explained = [&] {
                 for (std::size_t ray = 0; ray < ray_count; ++ray) {
@@ -197,7 +202,8 @@ private:
             if (!is_explained) continue;
             for (std::size_t k = 0; k < names_.size(); ++k)
                 if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
-            difference.inexact = suspect->program.origins[static_cast<std::size_t>(i)], difference.ulps = largest_ulps;
+            difference.inexact_operation = suspect->program.origins[static_cast<std::size_t>(i)],
+            difference.ulps = largest_ulps;
             return true;
         }
         return false;
@@ -221,8 +227,8 @@ private:
 
 }  // namespace
 
-NodeId DriverDifference::first() const {
-    NodeId least = inexact;
+NodeId DriverDifference::first_changed() const {
+    NodeId least = inexact_operation;
     for (const DriverRewriting& r : rewritings)
         for (const NodeId i : r.sites)
             if (least == no_node || i < least) least = i;
@@ -233,10 +239,11 @@ DriverDifference driver_difference(const Intersector& driver, const Intersector&
     const RandomRays<float> rays(program.shape, ray_count, driver.info->direction == intersect::Direction::unit);
     const RowAnswers<float> driver_answers = rays.answers(driver.native32),
                             program_answers = rays.answers(program.native32);
-    DriverDifference difference{.rays = ray_count, .differ = 0, .rewritings = {}};
+    DriverDifference difference{.rays = ray_count, .differing_rays = 0, .rewritings = {}};
     for (std::size_t i = 0; i < ray_count; ++i)
-        difference.differ += driver_answers.are_same(program_answers, i) ? 0 : 1;
-    if (difference.differ > 0) Search(tape_of(program, *find_format("f32")), rays, driver_answers).find(difference);
+        difference.differing_rays += driver_answers.are_same(program_answers, i) ? 0 : 1;
+    if (difference.differing_rays > 0)
+        Search(tape_of(program, *find_format("f32")), rays, driver_answers).find(difference);
     return difference;
 }
 

@@ -1,5 +1,5 @@
-// The operations of a tape over columns. One translation unit for each register width includes this file; its interface
-// has only plain pointers (intersect/simd/packed_batch.hpp says why).
+// Runs the operations of a tape over columns. One translation unit for each register width includes this file; its
+// interface has only plain pointers (intersect/simd/packed_batch.hpp explains why).
 #pragma once
 
 #include <utility>
@@ -15,14 +15,14 @@ class StepRunner {
 public:
     explicit StepRunner(const StepColumns& columns) : columns_(columns) {}
 
-    void run(const TapeStep& s) const {
-        if (s.operand_arithmetic == NodeArithmetic::decision) return run_logic(s);
-        if (s.op == TapeOp::convert) return convert(s);
-        switch (s.operand_arithmetic) {
-            case NodeArithmetic::one_float: return compute<FloatPack>(s);
-            case NodeArithmetic::one_double: return compute<DoublePack>(s);
-            case NodeArithmetic::float_pair: return compute<PairOf<FloatPack>>(s);
-            case NodeArithmetic::double_pair: return compute<PairOf<DoublePack>>(s);
+    void run(const TapeStep& step) const {
+        if (step.operand_arithmetic == NodeArithmetic::decision) return run_logic(step);
+        if (step.op == TapeOp::convert) return convert(step);
+        switch (step.operand_arithmetic) {
+            case NodeArithmetic::one_float: return compute<FloatPack>(step);
+            case NodeArithmetic::one_double: return compute<DoublePack>(step);
+            case NodeArithmetic::float_pair: return compute<PairOf<FloatPack>>(step);
+            case NodeArithmetic::double_pair: return compute<PairOf<DoublePack>>(step);
             case NodeArithmetic::decision: return;
         }
     }
@@ -43,11 +43,10 @@ private:
     struct Numbers;
     template <class F>
     struct Numbers<Pack<F, Width>> {
-        using One = F;
         using Lanes = PackMask<F, Width>;
         static constexpr std::size_t lanes = Pack<F, Width>::lanes;
         F* values;
-        Numbers(const StepRunner& r, std::uint16_t index) : values(r.template column<F>(index)) {}
+        Numbers(const StepRunner& runner, std::uint16_t index) : values(runner.template column<F>(index)) {}
         [[nodiscard]] Pack<F, Width> load(std::size_t i) const { return Pack<F, Width>::load(values + i); }
         void store(std::size_t i, const Pack<F, Width>& x) const { x.store(values + i); }
     };
@@ -56,8 +55,8 @@ private:
         using Lanes = typename Numbers<P>::Lanes;
         static constexpr std::size_t lanes = Numbers<P>::lanes;
         Numbers<P> high, low;
-        Numbers(const StepRunner& r, std::uint16_t index)
-            : high(r, index), low(r, static_cast<std::uint16_t>(index + 1)) {}
+        Numbers(const StepRunner& runner, std::uint16_t index)
+            : high(runner, index), low(runner, static_cast<std::uint16_t>(index + 1)) {}
         [[nodiscard]] PairOf<P> load(std::size_t i) const { return {high.load(i), low.load(i)}; }
         void store(std::size_t i, const PairOf<P>& x) const { high.store(i, x.hi), low.store(i, x.lo); }
     };
@@ -65,24 +64,24 @@ private:
     /// out[i] = f(a[i], …). The operands of a ray are read before its result is written, so the result may overwrite
     /// one of them.
     template <class N, std::size_t operands, class F>
-    void run_operation(const TapeStep& s, const F& f) const {
-        run_operation<N>(s, f, std::make_index_sequence<operands>());
+    void run_operation(const TapeStep& step, const F& f) const {
+        run_operation<N>(step, f, std::make_index_sequence<operands>());
     }
     template <class N, class F, std::size_t... k>
-    void run_operation(const TapeStep& s, const F& f, std::index_sequence<k...>) const {
-        const Numbers<N> out(*this, s.out), in[]{Numbers<N>(*this, s.operands[k])...};
+    void run_operation(const TapeStep& step, const F& f, std::index_sequence<k...>) const {
+        const Numbers<N> out(*this, step.out), in[]{Numbers<N>(*this, step.operands[k])...};
         for (std::size_t i = 0; i < columns_.rays; i += Numbers<N>::lanes) out.store(i, f(in[k].load(i)...));
     }
     template <class N, class F>
-    void run_comparison(const TapeStep& s, const F& f) const {
-        const Numbers<N> a(*this, s.operands[0]), b(*this, s.operands[1]);
-        bool* const out = decisions(s.out);
+    void run_comparison(const TapeStep& step, const F& f) const {
+        const Numbers<N> a(*this, step.operands[0]), b(*this, step.operands[1]);
+        bool* const out = decisions(step.out);
         for (std::size_t i = 0; i < columns_.rays; i += Numbers<N>::lanes) f(a.load(i), b.load(i)).store(out + i);
     }
     template <class N>
-    void run_select(const TapeStep& s) const {
-        const Numbers<N> a(*this, s.operands[1]), b(*this, s.operands[2]), out(*this, s.out);
-        const bool* const mask = decisions(s.operands[0]);
+    void run_select(const TapeStep& step) const {
+        const Numbers<N> a(*this, step.operands[1]), b(*this, step.operands[2]), out(*this, step.out);
+        const bool* const mask = decisions(step.operands[0]);
         using Lanes = typename Numbers<N>::Lanes;
         for (std::size_t i = 0; i < columns_.rays; i += Numbers<N>::lanes) {
             out.store(i, select(Lanes::load(mask + i), a.load(i), b.load(i)));
@@ -90,43 +89,46 @@ private:
     }
 
     template <class N>
-    void compute(const TapeStep& s) const {
-        switch (s.op) {
-            case TapeOp::add: return run_operation<N, 2>(s, [](const N& a, const N& b) { return a + b; });
-            case TapeOp::sub: return run_operation<N, 2>(s, [](const N& a, const N& b) { return a - b; });
-            case TapeOp::mul: return run_operation<N, 2>(s, [](const N& a, const N& b) { return a * b; });
-            case TapeOp::div: return run_operation<N, 2>(s, [](const N& a, const N& b) { return a / b; });
-            case TapeOp::sqrt: return run_operation<N, 1>(s, [](const N& a) { return sqrt(a); });
+    void compute(const TapeStep& step) const {
+        switch (step.op) {
+            case TapeOp::add: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a + b; });
+            case TapeOp::sub: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a - b; });
+            case TapeOp::mul: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a * b; });
+            case TapeOp::div: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a / b; });
+            case TapeOp::sqrt: return run_operation<N, 1>(step, [](const N& a) { return sqrt(a); });
             case TapeOp::fma:
-                return run_operation<N, 3>(s, [](const N& a, const N& b, const N& c) { return fma(a, b, c); });
-            case TapeOp::neg: return run_operation<N, 1>(s, [](const N& a) { return -a; });
-            case TapeOp::abs: return run_operation<N, 1>(s, [](const N& a) { return abs(a); });
-            case TapeOp::copysign: return run_operation<N, 2>(s, [](const N& a, const N& b) { return copysign(a, b); });
-            case TapeOp::min: return run_operation<N, 2>(s, [](const N& a, const N& b) { return select(a < b, a, b); });
-            case TapeOp::max: return run_operation<N, 2>(s, [](const N& a, const N& b) { return select(a > b, a, b); });
-            case TapeOp::select: return run_select<N>(s);
-            case TapeOp::next_up: return run_operation<N, 1>(s, [](const N& a) { return next_up(a); });
-            case TapeOp::next_down: return run_operation<N, 1>(s, [](const N& a) { return next_down(a); });
-            case TapeOp::less: return run_comparison<N>(s, [](const N& a, const N& b) { return a < b; });
-            case TapeOp::less_equal: return run_comparison<N>(s, [](const N& a, const N& b) { return a <= b; });
-            case TapeOp::greater: return run_comparison<N>(s, [](const N& a, const N& b) { return a > b; });
-            case TapeOp::greater_equal: return run_comparison<N>(s, [](const N& a, const N& b) { return a >= b; });
+                return run_operation<N, 3>(step, [](const N& a, const N& b, const N& c) { return fma(a, b, c); });
+            case TapeOp::neg: return run_operation<N, 1>(step, [](const N& a) { return -a; });
+            case TapeOp::abs: return run_operation<N, 1>(step, [](const N& a) { return abs(a); });
+            case TapeOp::copysign:
+                return run_operation<N, 2>(step, [](const N& a, const N& b) { return copysign(a, b); });
+            case TapeOp::min:
+                return run_operation<N, 2>(step, [](const N& a, const N& b) { return select(a < b, a, b); });
+            case TapeOp::max:
+                return run_operation<N, 2>(step, [](const N& a, const N& b) { return select(a > b, a, b); });
+            case TapeOp::select: return run_select<N>(step);
+            case TapeOp::next_up: return run_operation<N, 1>(step, [](const N& a) { return next_up(a); });
+            case TapeOp::next_down: return run_operation<N, 1>(step, [](const N& a) { return next_down(a); });
+            case TapeOp::less: return run_comparison<N>(step, [](const N& a, const N& b) { return a < b; });
+            case TapeOp::less_equal: return run_comparison<N>(step, [](const N& a, const N& b) { return a <= b; });
+            case TapeOp::greater: return run_comparison<N>(step, [](const N& a, const N& b) { return a > b; });
+            case TapeOp::greater_equal: return run_comparison<N>(step, [](const N& a, const N& b) { return a >= b; });
             default: return;  // no other operation computes numbers
         }
     }
 
     [[nodiscard]] bool* decisions(std::uint16_t index) const { return columns_.decisions + index * batch_rays; }
-    void run_logic(const TapeStep& s) const {
-        const bool* const a = decisions(s.operands[0]);
-        const bool* const b = decisions(s.operands[1]);
-        bool* const out = decisions(s.out);
+    void run_logic(const TapeStep& step) const {
+        const bool* const a = decisions(step.operands[0]);
+        const bool* const b = decisions(step.operands[1]);
+        bool* const out = decisions(step.out);
         const auto for_each_ray = [&](const auto& f) {
             for (std::size_t i = 0; i < columns_.rays; ++i) out[i] = f(i);
         };
-        switch (s.op) {
-            case TapeOp::both: return for_each_ray([&](std::size_t i) { return (a[i] & b[i]) != 0; });
-            case TapeOp::either: return for_each_ray([&](std::size_t i) { return (a[i] | b[i]) != 0; });
-            case TapeOp::opposite: return for_each_ray([&](std::size_t i) { return !a[i]; });
+        switch (step.op) {
+            case TapeOp::logical_and: return for_each_ray([&](std::size_t i) { return (a[i] & b[i]) != 0; });
+            case TapeOp::logical_or: return for_each_ray([&](std::size_t i) { return (a[i] | b[i]) != 0; });
+            case TapeOp::logical_not: return for_each_ray([&](std::size_t i) { return !a[i]; });
             default: return for_each_ray([&](std::size_t i) { return a[i]; });
         }
     }
@@ -134,25 +136,29 @@ private:
     /// Converts any number to any other; the result is rounded once if it is narrower. The nearest float of a pair of
     /// floats is the high word, not double{hi} + double{lo} rounded to float: that sum may lie half way between two
     /// floats and be rounded away from the high word.
-    void convert(const TapeStep& s) const {
-        switch (s.operand_arithmetic) {
+    void convert(const TapeStep& step) const {
+        switch (step.operand_arithmetic) {
             case NodeArithmetic::one_float:
-                return convert_from(s, [source = column<float>(s.operands[0])](std::size_t i) { return source[i]; });
+                return convert_from(step,
+                                    [source = column<float>(step.operands[0])](std::size_t i) { return source[i]; });
             case NodeArithmetic::one_double:
-                return convert_from(s, [source = column<double>(s.operands[0])](std::size_t i) { return source[i]; });
+                return convert_from(step,
+                                    [source = column<double>(step.operands[0])](std::size_t i) { return source[i]; });
             case NodeArithmetic::float_pair: {
-                const float *high = column<float>(s.operands[0]), *low = high + batch_rays;
-                if (s.arithmetic == NodeArithmetic::one_float)
-                    return convert_from(s, [high](std::size_t i) { return high[i]; });
-                return convert_from(s, [high, low](std::size_t i) { return double{high[i]} + double{low[i]}; });
+                const float *high = column<float>(step.operands[0]), *low = high + batch_rays;
+                if (step.arithmetic == NodeArithmetic::one_float)
+                    return convert_from(step, [high](std::size_t i) { return high[i]; });
+                return convert_from(step, [high, low](std::size_t i) { return double{high[i]} + double{low[i]}; });
             }
             default:
-                return convert_from(s, [source = column<double>(s.operands[0])](std::size_t i) { return source[i]; });
+                return convert_from(step,
+                                    [source = column<double>(step.operands[0])](std::size_t i) { return source[i]; });
         }
     }
     template <class Source>
-    void convert_from(const TapeStep& s, const Source& source) const {
-        const bool is_pair = s.arithmetic == NodeArithmetic::float_pair || s.arithmetic == NodeArithmetic::double_pair;
+    void convert_from(const TapeStep& step, const Source& source) const {
+        const bool is_pair =
+            step.arithmetic == NodeArithmetic::float_pair || step.arithmetic == NodeArithmetic::double_pair;
         const auto write_column = [&]<class F>(F* high) {
             for (std::size_t i = 0; i < columns_.rays; ++i) {
                 const auto x = source(i);
@@ -163,9 +169,9 @@ private:
                 else low = static_cast<F>(x - high[i]);
             }
         };
-        if (s.arithmetic == NodeArithmetic::one_float || s.arithmetic == NodeArithmetic::float_pair)
-            write_column(column<float>(s.out));
-        else write_column(column<double>(s.out));
+        if (step.arithmetic == NodeArithmetic::one_float || step.arithmetic == NodeArithmetic::float_pair)
+            write_column(column<float>(step.out));
+        else write_column(column<double>(step.out));
     }
 
     StepColumns columns_;

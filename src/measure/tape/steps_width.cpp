@@ -1,4 +1,4 @@
-// The steps of a tape in registers of one width. This file is compiled once for each width.
+// Runs the steps of a tape in registers of one width. This file is compiled once for each width.
 #include "measure/tape/step_kernels.hpp"
 #include "number/width.hpp"
 

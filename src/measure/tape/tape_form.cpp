@@ -19,14 +19,14 @@ public:
     Widening(const Tape& source, const std::vector<NodeId>& operations, const FloatFormat& wide_format)
         : source_(source),
           wide_format_(wide_format),
-          wide_(source.nodes.size()),
+          is_wide_(source.nodes.size()),
           new_nodes_(source.nodes.size(), no_node) {
-        for (const NodeId i : operations) wide_[static_cast<std::size_t>(i)] = true;
+        for (const NodeId i : operations) is_wide_[static_cast<std::size_t>(i)] = true;
     }
 
     Tape widen() {
         for (NodeId i = 0; i < source_.size(); ++i) new_nodes_[static_cast<std::size_t>(i)] = copy_node(i);
-        const auto answer = [&](NodeId i) { return in_format(i, source_.format_of(i)); };
+        const auto answer = [&](NodeId i) { return convert_to(i, source_.format_of(i)); };
         const auto [hit, t, near, far] = source_.outputs;
         result_.outputs = {new_node(hit), answer(t), answer(near), answer(far)};
         return std::move(result_);
@@ -37,12 +37,12 @@ private:
         return i == no_node ? no_node : new_nodes_[static_cast<std::size_t>(i)];
     }
 
-    /// The result of node i, converted if its format is not `format`.
-    NodeId in_format(NodeId i, const FloatFormat& format) {
+    /// Returns the new node with the result of node i in `format`, converted if necessary.
+    NodeId convert_to(NodeId i, const FloatFormat& format) {
         const NodeId node = new_node(i);
         const TapeNode n = result_[node];
         if (result_.format_of(node) == format) return node;
-        const auto [found, is_new] = converted_.try_emplace({node, format.precision}, no_node);
+        const auto [found, is_new] = conversions_.try_emplace({node, format.precision}, no_node);
         if (!is_new) return found->second;
         const bool is_whole = n.op == TapeOp::constant && n.value == n.operands[0];
         return found->second = is_whole ? result_.add(TapeOp::constant, format, n.value, {n.operands[0]})
@@ -50,7 +50,7 @@ private:
     }
 
     /// The widest format of the operands that are numbers.
-    [[nodiscard]] FloatFormat widest(const TapeNode& n) const {
+    [[nodiscard]] FloatFormat widest_operand_format(const TapeNode& n) const {
         FloatFormat widest_format{};
         for (const NodeId operand : n.operands) {
             if (operand == no_node || is_decision(source_[operand].op)) continue;
@@ -62,21 +62,21 @@ private:
 
     NodeId copy_node(NodeId i) {
         const TapeNode& n = source_[i];
-        const FloatFormat& own_format = source_.format_of(i);
-        if (is_given(n.op)) return append_node(n, own_format, n.operands);
-        if (n.op == TapeOp::convert) return in_format(n.operands[0], own_format);
+        const FloatFormat& source_format = source_.format_of(i);
+        if (is_given(n.op)) return append_node(n, source_format, n.operands);
+        if (n.op == TapeOp::convert) return convert_to(n.operands[0], source_format);
         const bool is_logic = kind_of(n.op) == OperationKind::logic;
         const FloatFormat format = kind_of(n.op) == OperationKind::rounded
-                                       ? wide_[static_cast<std::size_t>(i)] ? wide_format_ : own_format
-                                   : is_logic ? own_format
-                                              : widest(n);
+                                       ? is_wide_[static_cast<std::size_t>(i)] ? wide_format_ : source_format
+                                   : is_logic ? source_format
+                                              : widest_operand_format(n);
         std::array<NodeId, 3> operands{no_node, no_node, no_node};
         for (std::size_t k = 0; k < 3; ++k) {
             const NodeId operand = n.operands[k];
             if (operand == no_node) continue;
-            operands[k] = is_decision(source_[operand].op) ? new_node(operand) : in_format(operand, format);
+            operands[k] = is_decision(source_[operand].op) ? new_node(operand) : convert_to(operand, format);
         }
-        return append_node(n, is_decision(n.op) ? own_format : format, operands);
+        return append_node(n, is_decision(n.op) ? source_format : format, operands);
     }
 
     NodeId append_node(const TapeNode& n, const FloatFormat& format, const std::array<NodeId, 3>& operands) {
@@ -89,9 +89,9 @@ private:
 
     const Tape& source_;
     FloatFormat wide_format_;
-    std::vector<bool> wide_;
+    std::vector<bool> is_wide_;
     std::vector<NodeId> new_nodes_;
-    std::map<std::pair<NodeId, int>, NodeId> converted_;
+    std::map<std::pair<NodeId, int>, NodeId> conversions_;
     Tape result_;
 };
 
@@ -181,11 +181,11 @@ std::vector<NodeId> rounded_operations(const Tape& tape) {
     return operations;
 }
 
-Tape widened(const Tape& tape, const std::vector<NodeId>& operations, const FloatFormat& to) {
+Tape widen_operations(const Tape& tape, const std::vector<NodeId>& operations, const FloatFormat& to) {
     return Widening(tape, operations, to).widen();
 }
 
-FloatFormat wider_than(const FloatFormat& format, bool two_words) {
+FloatFormat wider_format(const FloatFormat& format, bool two_words) {
     if (format == binary64) return two_doubles;
     return two_words ? two_floats : binary64;
 }

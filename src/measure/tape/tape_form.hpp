@@ -17,23 +17,24 @@ Tape tape_of(const intersect::table::Intersector& form, const Format& format, bo
 /// True if `tape_of` returns a tape for this form.
 bool has_tape(const intersect::table::Intersector& form);
 
-/// The inputs on the tape of a form, in the order of `input_names`. `ray_of` and `primitive_of` convert them back to a
-/// ray and a primitive; the primitive equals `model` in everything that is not a number.
+/// Returns the inputs of a form's tape, in the order of `input_names`. `ray_of` and `primitive_of` convert them back to
+/// a ray and a primitive; everything but the numbers of the primitive is copied from `model`.
 std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 Ray<double> ray_of(const std::vector<double>& inputs);
 Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& model);
 
-/// Operations that can be computed in a wider format: the answer needs their results, which are rounded to its format.
+/// Returns the operations that can be computed in a wider format: those that round to the format of t, and whose
+/// results the answer needs.
 std::vector<NodeId> rounded_operations(const Tape& tape);
 
-/// A tape with these operations in a wider format, as source code would have them. The operands of such an operation
-/// are widened exactly. Its result is rounded before another operation uses it, and before it is part of the answer.
-/// Comparisons, choices and signs are computed in the widest format of their operands.
-Tape widened(const Tape& tape, const std::vector<NodeId>& operations, const FloatFormat& to);
+/// Returns a tape with these operations in the format `to`, which is wider, as source code would write them. The
+/// operands of such an operation are widened exactly. Its result is rounded before another operation uses it, and
+/// before it is part of the answer. Comparisons, choices and signs are computed in the widest format of their operands.
+Tape widen_operations(const Tape& tape, const std::vector<NodeId>& operations, const FloatFormat& to);
 
-/// The next wider arithmetic: double for float, two doubles for double. With `two_words`, it is two words of the format
-/// itself.
-FloatFormat wider_than(const FloatFormat& format, bool two_words);
+/// Returns the next wider format: double for float, two doubles for double. With `two_words`, it is a pair of numbers
+/// of the format itself.
+FloatFormat wider_format(const FloatFormat& format, bool two_words);
 
 /// A row that runs a tape in one format, with the contract of the form that the tape was recorded from.
 class TapeForm {

@@ -20,7 +20,7 @@ namespace {
 /// A number of a primitive, by its index in the order of `input_names`: the numbers of the shape, then those of its
 /// matrix.
 template <class S>
-S number_of(const Primitive<S>& primitive, std::size_t index) {
+S primitive_number(const Primitive<S>& primitive, std::size_t index) {
     const auto numbers = primitive.shape_numbers();
     return index < numbers.size() ? numbers[index] : primitive.placed->matrix[index - numbers.size()];
 }
@@ -119,7 +119,8 @@ private:
     std::array<std::vector<std::uint16_t>, 5> free_;
 };
 
-/// The last node that uses each node as an operand: `size()` for an output, −1 for a node that no output needs.
+/// Returns, for each node, the last node that has it as an operand: `size()` for an output, −1 for a node that no
+/// output needs.
 std::vector<NodeId> last_uses(const Tape& tape) {
     std::vector<NodeId> last(tape.nodes.size(), no_node);
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
@@ -146,27 +147,27 @@ TapeProgram::TapeProgram(const Tape& tape) {
     std::vector<std::uint16_t> columns_of_nodes(tape.nodes.size());
     const auto column_of = [&](NodeId i) -> std::uint16_t& { return columns_of_nodes[static_cast<std::size_t>(i)]; };
     for (NodeId i = 0; i < tape.size(); ++i) {
-        const TapeNode& n = tape[i];
-        if (n.op == TapeOp::input) ++input_count_;
-        if (last_use[static_cast<std::size_t>(i)] == no_node || !is_given(n.op)) continue;
+        const TapeNode& node = tape[i];
+        if (node.op == TapeOp::input) ++input_count_;
+        if (last_use[static_cast<std::size_t>(i)] == no_node || !is_given(node.op)) continue;
         column_of(i) = pool.acquire(node_arithmetic(i));  // never released: inputs and constants are kept for all rays
-        if (n.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(n.operands[0]), column_of(i)});
-        else constants_.push_back({node_arithmetic(i), n.value, column_of(i)});
+        if (node.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(node.operands[0]), column_of(i)});
+        else constants_.push_back({node_arithmetic(i), node.value, column_of(i)});
     }
     for (NodeId i = 0; i < tape.size(); ++i) {
-        const TapeNode& n = tape[i];
-        if (last_use[static_cast<std::size_t>(i)] == no_node || is_given(n.op)) continue;
-        TapeStep step{.op = n.op,
+        const TapeNode& node = tape[i];
+        if (last_use[static_cast<std::size_t>(i)] == no_node || is_given(node.op)) continue;
+        TapeStep step{.op = node.op,
                       .arithmetic = node_arithmetic(i),
-                      .operand_arithmetic = node_arithmetic(n.operands[n.op == TapeOp::select ? 1 : 0]),
+                      .operand_arithmetic = node_arithmetic(node.operands[node.op == TapeOp::select ? 1 : 0]),
                       .operands = {},
                       .out = 0};
         for (std::size_t k = 0; k < 3; ++k)
-            if (n.operands[k] != no_node) step.operands[k] = column_of(n.operands[k]);
+            if (node.operands[k] != no_node) step.operands[k] = column_of(node.operands[k]);
         for (std::size_t k = 0; k < 3; ++k) {
-            const NodeId operand = n.operands[k];
+            const NodeId operand = node.operands[k];
             const bool is_repeated =
-                std::find(n.operands.begin(), n.operands.begin() + k, operand) != n.operands.begin() + k;
+                std::find(node.operands.begin(), node.operands.begin() + k, operand) != node.operands.begin() + k;
             if (operand != no_node && !is_repeated && !is_given(tape[operand].op) &&
                 last_use[static_cast<std::size_t>(operand)] == i)
                 pool.release(node_arithmetic(operand), column_of(operand));
@@ -174,7 +175,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
         step.out = column_of(i) = pool.acquire(step.arithmetic);
         steps_.push_back(step);
     }
-    columns_ = pool.counts;
+    column_counts_ = pool.counts;
     outputs_ = {column_of(tape.outputs.hit), column_of(tape.outputs.t), column_of(tape.outputs.near),
                 column_of(tape.outputs.far)};
 }
@@ -182,20 +183,20 @@ TapeProgram::TapeProgram(const Tape& tape) {
 template <class S>
 void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
     const std::array ray_columns{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
-    Columns columns(columns_);
+    Columns columns(column_counts_);
     // Columns whose numbers are the same for all rays are filled only as far as there are rays, because some callers
     // run one ray at a time.
     columns.rays = std::min(batch_rays, rays.size());
     for (const Constant& c : constants_) columns.fill(c.arithmetic, c.out, c.value);
-    const bool one_primitive = target.primitives.size() == 1;
+    const bool has_one_primitive = target.primitives.size() == 1;
     const std::size_t tmax_index = input_count_ - 1;
     const auto is_ray_input = [&](std::size_t index) { return index < 6 || index == tmax_index; };
     const NodeArithmetic ray_arithmetic =
         std::same_as<S, float> ? NodeArithmetic::one_float : NodeArithmetic::one_double;
     for (const Input& input : inputs_) {
-        if (one_primitive && !is_ray_input(input.index))
+        if (has_one_primitive && !is_ray_input(input.index))
             columns.fill(ray_arithmetic, input.out,
-                         static_cast<double>(number_of(target.primitives[0], input.index - 6)));
+                         static_cast<double>(primitive_number(target.primitives[0], input.index - 6)));
         if (input.index == tmax_index && rays.tmax.empty())
             columns.fill(ray_arithmetic, input.out, std::numeric_limits<double>::infinity());
     }
@@ -208,9 +209,9 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
             };
             if (input.index < 6) copy_column(ray_columns[input.index]);
             else if (input.index == tmax_index && !rays.tmax.empty()) copy_column(rays.tmax);
-            else if (input.index != tmax_index && !one_primitive)
+            else if (input.index != tmax_index && !has_one_primitive)
                 for (std::size_t i = 0; i < columns.rays; ++i)
-                    out[i] = number_of(target.primitives[begin + i], input.index - 6);
+                    out[i] = primitive_number(target.primitives[begin + i], input.index - 6);
         }
         columns.run(steps_);
         const auto copy_out = [&](const auto* source, const auto& destination) {

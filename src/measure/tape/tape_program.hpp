@@ -18,7 +18,7 @@ inline constexpr FloatFormat two_floats{48, -126, 127}, two_doubles{106, -1022, 
 /// Arithmetic of a format. Throws std::logic_error for a format without arithmetic in a program.
 NodeArithmetic arithmetic_of(const FloatFormat& format);
 
-/// A tape as a program: the columns of its results, and the operations on them in order.
+/// A tape as a program: a list of steps in order, each an operation on columns of results.
 class TapeProgram {
 public:
     /// Uses only the nodes that the outputs depend on. Throws std::logic_error for a node in a format without
@@ -32,7 +32,7 @@ public:
              const intersect::table::HitBatch<S>& hits) const;
 
     /// Number of operations that are performed for each ray.
-    [[nodiscard]] std::size_t operations() const { return steps_.size(); }
+    [[nodiscard]] std::size_t operation_count() const { return steps_.size(); }
 
 private:
     struct Constant {
@@ -50,8 +50,8 @@ private:
     std::vector<Constant> constants_;
     std::vector<Input> inputs_;
     std::size_t input_count_ = 0;
-    std::array<std::uint16_t, 3> columns_{};  ///< number of columns of floats, doubles and decisions
-    std::array<std::uint16_t, 4> outputs_{};  ///< hit, t, near, far
+    std::array<std::uint16_t, 3> column_counts_{};  ///< number of columns of floats, doubles and decisions
+    std::array<std::uint16_t, 4> outputs_{};        ///< hit, t, near, far
 };
 
 }  // namespace lostbits::measure::tape

@@ -24,7 +24,7 @@ namespace {
 
 /// Primitives of a group; if there is a culler, its primitives.
 PrimitiveList<double> primitives_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
-    return culler ? culler->shared() : scene::rays::primitive_list_of(group);
+    return culler ? culler->shared_primitives() : scene::rays::primitive_list_of(group);
 }
 
 /// True if binary32 holds every number of the group; `primitives` lists its primitives. Every format holds a NaN.
@@ -66,10 +66,11 @@ Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, cu
     : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::file::Inputs::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
-        shared_primitives_ = culler ? culler->shared() : PrimitiveList(scene::rays::shared_primitives(scene));
+        shared_primitives_ =
+            culler ? culler->shared_primitives() : PrimitiveList(scene::rays::shared_primitives(scene));
     } else {
         ideal_ = scene::rays::make_own_rays(scene, y0, y1);
-        ideal_primitives_ = culler ? culler->ideal() : PrimitiveList(scene.primitives());
+        ideal_primitives_ = culler ? culler->ideal_primitives() : PrimitiveList(scene.primitives());
     }
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
@@ -109,7 +110,7 @@ Band::Band(const scene::file::Scene& scene, RayBlock single_ray, culling::Culler
       limit_(limit),
       in_binary32_(fits_binary32({single_ray, {}}, {})),
       shared_(std::move(single_ray)),
-      shared_primitives_(culler.shared()) {
+      shared_primitives_(culler.shared_primitives()) {
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
 }
@@ -145,7 +146,7 @@ Truth find_among(Candidates candidates, std::size_t i, const Ray<S>& ray, const 
     }
     thread_local std::vector<std::uint32_t> indices;
     thread_local std::vector<Primitive<S>> candidate_primitives;
-    index->candidates(in_double(ray), indices);
+    index->find_candidates(in_double(ray), indices);
     candidate_primitives.clear();
     for (const std::uint32_t primitive : indices) candidate_primitives.push_back(primitives[primitive]);
     Truth truth = find_truth(ray, std::span<const Primitive<S>>(candidate_primitives), limit, convention, range);
@@ -156,7 +157,7 @@ Truth find_among(Candidates candidates, std::size_t i, const Ray<S>& ray, const 
 }  // namespace
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
-    const Candidates candidates{culler_ ? culler_->for_truth() : nullptr, paired_};
+    const Candidates candidates{culler_ ? culler_->index_for_truth() : nullptr, paired_};
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         return find_among(candidates, i, ray, primitives, limit_, convention, range(i));
     });
@@ -169,7 +170,7 @@ Truth Band::truth_of_primitive(std::size_t i, std::size_t primitive, Convention 
 }
 
 void Band::find_truth_of_all() {
-    const culling::PrimitiveIndex* const index = culler_ ? culler_->for_truth() : nullptr;
+    const culling::PrimitiveIndex* const index = culler_ ? culler_->index_for_truth() : nullptr;
     stages_ =
         ideal_ ? find_truths(RaysAndPrimitives<Real>{*ideal_, ideal_primitives_, index, paired_}, limit_, truths_)
                : find_truths(RaysAndPrimitives<double>{shared_, shared_primitives_, index, paired_}, limit_, truths_);
@@ -210,7 +211,7 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
         return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray may begin elsewhere than at its origin
-    if (ideal_ || !shared_primitives_.all_listed() || (culler_ && culler_->for_truth())) return true;
+    if (ideal_ || !shared_primitives_.all_listed() || (culler_ && culler_->index_for_truth())) return true;
     const auto primitives = shared_primitives_.listed();
     return std::ranges::any_of(
         paired_ ? primitives.subspan(i, 1) : primitives,
@@ -241,13 +242,13 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     // Ray generators end with directions of length one, up to their rounding.
     const bool are_unit = ideal_ && ideal_->made;
     if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, parameters, limit_.stop);
-    if (const auto index = culler_ && !needs.no_forms ? culler_->for_forms(parameters, in.primitives) : nullptr) {
+    if (const auto index = culler_ && !needs.no_forms ? culler_->index_for_forms(parameters, in.primitives) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
     find_reach(in, needs);
     if (needs.stored_truth && !in.ideal) {
-        if (culler_) in.truth_index = culler_->for_stored_truth(parameters, in.primitives);
+        if (culler_) in.truth_index = culler_->index_for_stored_truth(parameters, in.primitives);
         find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.truth_index.get(), paired_}, limit_,
                     in.stored_truth);
     }

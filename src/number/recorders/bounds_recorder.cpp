@@ -29,9 +29,9 @@ NodeId BoundsRecorder::compute(TapeOp op, const TapeOperands& operands) {
         case TapeOp::less_equal: return add(x(a) <= x(b));
         case TapeOp::greater: return add(x(a) > x(b));
         case TapeOp::greater_equal: return add(x(a) >= x(b));
-        case TapeOp::both: return add(decision_mask(a) && decision_mask(b));
-        case TapeOp::either: return add(decision_mask(a) || decision_mask(b));
-        case TapeOp::opposite: return add(!decision_mask(a));
+        case TapeOp::logical_and: return add(decision_mask(a) && decision_mask(b));
+        case TapeOp::logical_or: return add(decision_mask(a) || decision_mask(b));
+        case TapeOp::logical_not: return add(!decision_mask(a));
         case TapeOp::any: return a;
         case TapeOp::input:
         case TapeOp::constant:

@@ -28,9 +28,9 @@ double compute(TapeOp op, double x, double y, double z, const ToNumber& to_numbe
         case TapeOp::less_equal: return x <= y;
         case TapeOp::greater: return x > y;
         case TapeOp::greater_equal: return x >= y;
-        case TapeOp::both: return x != 0 && y != 0;
-        case TapeOp::either: return x != 0 || y != 0;
-        case TapeOp::opposite: return x == 0;
+        case TapeOp::logical_and: return x != 0 && y != 0;
+        case TapeOp::logical_or: return x != 0 || y != 0;
+        case TapeOp::logical_not: return x == 0;
         case TapeOp::any: return x;
         case TapeOp::input:
         case TapeOp::constant:

@@ -131,7 +131,7 @@ std::string culprit_error_phrase(const Explanation& explanation, const Operation
     const NodeId culprit = explanation.attribution.culprit;
     const measure::attribution::OperationError& operation_error = view.error_of(culprit);
     const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, operation_error.rounding)));
-    const char* const error_kind = operation_error.turned                                              ? "wrong choice"
+    const char* const error_kind = operation_error.is_flipped                                          ? "wrong choice"
                                    : measure::attribution::is_on_purpose(explanation.tape[culprit].op) ? "step"
                                                                                                        : "rounding";
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);

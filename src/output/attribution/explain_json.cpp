@@ -28,7 +28,7 @@ Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
               {"operands", operands},
               {"expression", text.expression(i)}};
     if (!node.label.empty()) json["label"] = std::string(node.label);
-    json["turned"] = operation_error.turned;
+    json["turned"] = operation_error.is_flipped;
     if (is_decision(node.op)) {
         json["computed"] = node.value != 0;
         json["exact"] = operation_error.exact != 0;
@@ -39,10 +39,11 @@ Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
     json["exact"] = json_number(operation_error.exact);
     json["error"] = json_number(operation_error.error);
     json["cancelled_bits"] = operation_error.cancelled;
-    if (operation_error.cancelled > 0) json["cancellation"] = operation_error.carried ? "catastrophic" : "benign";
+    if (operation_error.cancelled > 0)
+        json["cancellation"] = operation_error.has_operand_error ? "catastrophic" : "benign";
     json["local_error_bits"] = json_number(operation_error.local_bits);
     json["rounding"] = json_number(operation_error.rounding);
-    json["live"] = operation_error.live;
+    json["live"] = operation_error.is_live;
     json["on_purpose"] = measure::attribution::is_on_purpose(node.op);
     json["adjoint"] = json_number(operation_error.adjoint);
     json["derivative"] = json_number(operation_error.derivative);

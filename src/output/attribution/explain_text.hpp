@@ -70,7 +70,7 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 inline constexpr double least_notable_bits = 1;
 
 /// The operation to blame. Its rounding
-/// - changed a decision that is wrong, or the order of two primitives,
+/// - changed a decision, or the order of two primitives,
 /// - made a value that is not a number, or
 /// - costs a bit or more of an answer that lost one.
 /// Returns no_node if the decision is right, and if no operation caused the loss: a march stopped short, the format

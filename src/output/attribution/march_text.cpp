@@ -48,7 +48,8 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
                                      const measure::answer::OneRay& ray) {
     if (!form.log) return {};
-    return MarchEnd{measure::answer::march_log(form, format, ray), ray.inputs(form, format).all.march.value()};
+    return MarchEnd{measure::answer::march_log(form, format, ray),
+                    ray.inputs(form, format).format_inputs.march.value()};
 }
 
 std::string march_samples(const MarchEnd& march, const Format& format) {
@@ -72,7 +73,7 @@ std::string march_samples(const MarchEnd& march, const Format& format) {
 std::string march_table(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray) {
     const auto inputs = ray.inputs(form, format);
-    const MarchEnd march{measure::answer::march_log(form, format, ray), inputs.all.march.value()};
+    const MarchEnd march{measure::answer::march_log(form, format, ray), inputs.format_inputs.march.value()};
     const Ray<double> r = inputs.ray(*form.info);
     return fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n{}\n{}\n", form.info->name,
                        format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),

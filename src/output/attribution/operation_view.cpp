@@ -41,7 +41,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
     mark(explanation.tape.outputs.hit);
     if (explanation.hit || explanation.tape.outputs.hit == no_node) mark(explanation.tape.outputs.t);
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
-        if (explanation.attribution[i].live) mark(i);
+        if (explanation.attribution[i].is_live) mark(i);
         if (!on_path[static_cast<std::size_t>(i)]) continue;
         const TapeNode& node = explanation.tape[i];
         if (node.op != TapeOp::select) {
@@ -77,14 +77,14 @@ double OperationView::ulps_of_value(NodeId i, double error) const {
 
 std::string OperationView::cancellation(NodeId i) const {
     const int bits = error_of(i).cancelled;
-    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).carried ? "catastrophic" : "benign");
+    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).has_operand_error ? "catastrophic" : "benign");
 }
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
     const TapeNode& node = explanation_.tape[i];
     if (text_.is_number(i) && node.label.empty() && error_of(i).rounding == 0) return false;
     if (show_all) return is_operation(node.op);
-    if (!is_operation(node.op) || !error_of(i).live) return false;
+    if (!is_operation(node.op) || !error_of(i).is_live) return false;
     return !node.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
            i == explanation_.attribution.culprit;
 }
@@ -133,7 +133,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
                                .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
     if (!shows_errors) return operation_row;
     operation_row.is_culprit = i == culprit_operation(explanation);
-    operation_row.is_branch_flipped = operation_error.turned && (is_decision_row || operation_error.rounding != 0);
+    operation_row.is_branch_flipped = operation_error.is_flipped && (is_decision_row || operation_error.rounding != 0);
     operation_row.is_off_path = !is_decision_row && !view.is_on_path(i);
     operation_row.is_on_purpose = measure::attribution::is_on_purpose(node.op) && operation_error.rounding != 0;
     if (is_decision_row) return operation_row;
@@ -143,7 +143,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
     if (operation_error.local_bits != 0) operation_row.local_bits = fmt::format("{:.1f}", operation_error.local_bits);
     if (operation_error.rounding != 0)
         operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, operation_error.rounding));
-    if (operation_error.live && operation_error.rounding != 0)
+    if (operation_error.is_live && operation_error.rounding != 0)
         operation_row.contribution_ulps = text_or_empty(view.contribution(i));
     return operation_row;
 }

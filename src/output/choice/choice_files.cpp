@@ -60,11 +60,11 @@ Table<GrowthMargin> margin_table() {
         {"way", "the quantity that grows: distance, radius, offset or view",
          [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.growth)]; }},
         {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
-         &GrowthMargin::holds},
+         &GrowthMargin::holding_factor},
         {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
-         [](const GrowthMargin& r) { return when(r.holds != 0, r.value); }},
+         [](const GrowthMargin& r) { return when(r.holding_factor != 0, r.value); }},
         {"beyond", "1", "the smallest larger factor that was tried; missing: none",
-         [](const GrowthMargin& r) { return when(r.beyond != 0, r.beyond); }},
+         [](const GrowthMargin& r) { return when(r.end_factor != 0, r.end_factor); }},
         {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far as was tried)",
@@ -75,7 +75,7 @@ Table<GrowthMargin> margin_table() {
          {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
           or_missing(&RowQuality::distance_error)}},
-        [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.broken : nullptr; });
+        [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.end_quality : nullptr; });
 }
 
 namespace {
@@ -96,7 +96,7 @@ Table<SafeOffsetRow> offset_table() {
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
     std::vector<SafeOffsetRow> rows;
     for (const auto& strategy : offsets.outside) rows.push_back({"outside", strategy});
-    for (const auto& strategy : offsets.both) rows.push_back({"both", strategy});
+    for (const auto& strategy : offsets.both_sides) rows.push_back({"both", strategy});
     return rows;
 }
 
@@ -104,8 +104,8 @@ Table<InputRow> input_table() {
     using R = InputRow;
     const auto format_column = [](Input input) {
         return [input](const R& r) {
-            if (!r.trial->has(input)) return input_format_name(r.obstacle->base);
-            return r.obstacle->wider_than_f64 ? std::string("exact") : input_format_name(binary64);
+            if (!r.trial->is_wide(input)) return input_format_name(r.obstacle->base_format);
+            return r.obstacle->wide_inputs_are_exact ? std::string("exact") : input_format_name(binary64);
         };
     };
     const auto exact_quality = [](const R& r) -> const RowQuality& { return r.trial->exact; };
@@ -159,7 +159,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
                           .time = c.time,
                           .marker = result.cheapest_index == k ? 3 : 0,
                           .is_named = result.cheapest_index == k,
-                          .is_hollow = !c.quality.decides(requirement)});
+                          .is_hollow = !c.quality.decides_as_required(requirement)});
     }
     speed::add_kernel_points(spec, points);
     spec.keys = {{"f32", 0, 0},
@@ -187,7 +187,7 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
 std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
     const auto& requirement = result.request.requirement;
     std::vector<CandidateRow> rows;
-    for (const std::size_t k : by_price(result.candidates)) {
+    for (const std::size_t k : order_by_price(result.candidates)) {
         const Candidate& c = result.candidates[k];
         const std::string_view form = c.row.form->info->name;
         rows.push_back({{form, c.row.format.name, c.isa},

@@ -21,7 +21,7 @@ namespace {
 double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
 
 std::string candidate_name(const Candidate& c) {
-    const Format inner_format = measure::choice::computes_in(c.row);
+    const Format inner_format = measure::choice::computing_format(c.row);
     return fmt::format("{} in {}{}", c.row.form->info->name, c.row.format.name,
                        inner_format == c.row.format ? "" : fmt::format(", which computes in {}", inner_format.name));
 }
@@ -93,16 +93,18 @@ std::string assumptions_text(const intersect::Info& info) {
 std::string times_phrase(double factor) { return fmt::format("{:.2f} times", factor); }
 
 std::string failure_phrase(const GrowthMargin& margin, const Requirement& requirement, int precision) {
-    if (!margin.broken.decides(requirement)) {
-        const std::string_view main_fault = measure::answer::wrong_decision_phrase(margin.broken.main_fault.value());
-        const std::string ray_count = scene::toml::count_with_noun(margin.broken.rays, "ray");
-        if (margin.broken.main_fault_count == margin.broken.wrong)
-            return fmt::format("{} ({} of {})", main_fault, margin.broken.wrong, ray_count);
-        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.broken.wrong, ray_count,
-                           margin.broken.main_fault_count, main_fault);
+    if (!margin.end_quality.decides_as_required(requirement)) {
+        const std::string_view main_fault =
+            measure::answer::wrong_decision_phrase(margin.end_quality.main_fault.value());
+        const std::string ray_count = scene::toml::count_with_noun(margin.end_quality.rays, "ray");
+        if (margin.end_quality.main_fault_count == margin.end_quality.wrong)
+            return fmt::format("{} ({} of {})", main_fault, margin.end_quality.wrong, ray_count);
+        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.end_quality.wrong, ray_count,
+                           margin.end_quality.main_fault_count, main_fault);
     }
-    return std::isnan(margin.broken.kept_bits) ? "no hit on which form and truth agree"
-                                               : "keeping " + kept_bits_phrase(margin.broken, precision, requirement);
+    return std::isnan(margin.end_quality.kept_bits)
+               ? "no hit on which form and truth agree"
+               : "keeping " + kept_bits_phrase(margin.end_quality, precision, requirement);
 }
 
 /// Beginning of a clause on the largest growth at which the requirement is met. If `rays_from_files`, there is no
@@ -120,9 +122,10 @@ const char* growth_phrase(Growth growth, bool rays_from_files) {
 std::string limit_phrase(const GrowthMargin& margin, bool rays_from_files) {
     switch (margin.growth) {
         case Growth::distance:
-            return fmt::format("{:.3g} times farther ({:.4g} units{})", margin.holds, margin.value,
+            return fmt::format("{:.3g} times farther ({:.4g} units{})", margin.holding_factor, margin.value,
                                rays_from_files ? ", the median" : "");
-        case Growth::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", margin.holds, margin.value);
+        case Growth::radius:
+            return fmt::format("{:.3g} times larger (radius {:.4g})", margin.holding_factor, margin.value);
         case Growth::offset: return fmt::format("{:.4g} units away from where it is", margin.value);
         case Growth::view: return fmt::format("{:.3g} degrees wide", margin.value);
     }
@@ -132,7 +135,7 @@ std::string limit_phrase(const GrowthMargin& margin, bool rays_from_files) {
 std::string margin_text(const GrowthMargin& margin, const ChoiceResult& result, int precision) {
     const Requirement& requirement = result.request.requirement;
     const bool rays_from_files = result.request.rays != nullptr;
-    if (margin.holds == 0) {
+    if (margin.holding_factor == 0) {
         return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
                            measure::choice::growth_names[static_cast<std::size_t>(margin.growth)],
                            rays_from_files ? "sample of the rays" : "smaller picture",

@@ -24,7 +24,7 @@ std::string bits_text(double kept, const Requirement& requirement, double distan
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
 std::string kept_and_wrong(const RowQuality& quality, const Requirement& requirement) {
     const std::string kept = bits_text(quality.kept_bits, requirement, quality.distance_error);
-    if (quality.decides(requirement)) return kept;
+    if (quality.decides_as_required(requirement)) return kept;
     return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
                        scene::toml::count_with_noun(quality.rays, "ray"));
 }
@@ -36,7 +36,7 @@ std::string inputs_text(const InputTrial& trial, std::string_view position_names
                                       {Input::direction, "directions"},
                                       {Input::place, std::string(position_names)},
                                       {Input::radius, "radii"}})
-        if (trial.has(input)) names.push_back("the " + name);
+        if (trial.is_wide(input)) names.push_back("the " + name);
     return file::word_list(names);
 }
 
@@ -51,13 +51,13 @@ std::string required_inputs_text(const ChoiceResult& result, const Candidate& ne
                                         kept_and_wrong(*trial.form, requirement))
                           : std::string();
     };
-    const char* const wider_format = obstacle.wider_than_f64 ? "more than binary64" : "binary64";
-    if (!obstacle.enough) {
+    const char* const wider_format = obstacle.wide_inputs_are_exact ? "more than binary64" : "binary64";
+    if (!obstacle.sufficient_trial) {
         const InputTrial& all_wider = obstacle.trials.back();
         return fmt::format("  Even with all inputs in {}, exact arithmetic keeps {}{}.\n", wider_format,
                            kept_and_wrong(all_wider.exact, requirement), form_in_f64(all_wider));
     }
-    const InputTrial& trial = obstacle.trials[*obstacle.enough];
+    const InputTrial& trial = obstacle.trials[*obstacle.sufficient_trial];
     const bool all_needed = &trial == &obstacle.trials.back();
     return fmt::format(
         "  The bits are lost by rounding {}. With {} in {} (at least {} bits are needed){}, exact arithmetic keeps "
@@ -71,7 +71,7 @@ std::string required_inputs_text(const ChoiceResult& result, const Candidate& ne
 std::string rounded_scene_text(const ChoiceResult& result, const Candidate& nearest) {
     const Obstacle& obstacle = *result.obstacle;
     const Requirement& requirement = result.request.requirement;
-    if (!obstacle.rounded_before || obstacle.trials.empty()) return "";
+    if (!obstacle.rounds_to_binary32_first || obstacle.trials.empty()) return "";
     const RowQuality& exact = obstacle.trials.front().exact;
     if (exact.meets(requirement)) return "";
     return fmt::format(
@@ -95,7 +95,7 @@ std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest) 
     const std::string& format = nearest.row.format.name;
     const int precision = nearest.row.format.parameters.precision;
     const std::string exact_text = kept_and_wrong(obstacle.exact, requirement);
-    const std::string remaining_bits = bits_text(obstacle.inherent_kept, requirement, obstacle.inherent_off);
+    const std::string remaining_bits = bits_text(obstacle.inherent_kept, requirement, obstacle.inherent_distance);
     const std::string f64_sentence = format == "f64" ? ""
                                                      : fmt::format(" Half an ulp of f64 would leave {}.",
                                                                    bits_text(obstacle.inherent_kept_f64, requirement));
@@ -114,7 +114,7 @@ std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest) 
         case Obstacle::Cause::inputs:
             return fmt::format(
                        "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
-                       input_format_name(obstacle.base), exact_text) +
+                       input_format_name(obstacle.base_format), exact_text) +
                    required_inputs_text(result, nearest);
         case Obstacle::Cause::inherent:
             return fmt::format(
@@ -126,9 +126,9 @@ std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest) 
         case Obstacle::Cause::formula: break;
     }
     const char* const limit =
-        nearest.quality.decides(requirement) ? "the formula" : "its decisions, due to the formula";
+        nearest.quality.decides_as_required(requirement) ? "the formula" : "its decisions, due to the formula";
     const std::string inputs_sentence =
-        obstacle.trials.empty() && !obstacle.rounded_before
+        obstacle.trials.empty() && !obstacle.rounds_to_binary32_first
             ? "The effect of rounding the inputs was not measured, because there are too many primitives"
             : fmt::format(
                   "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "

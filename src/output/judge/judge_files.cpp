@@ -48,7 +48,8 @@ std::string case_name(const TestedForm& form_row, const ReportedRay& ray) {
         ray.outcome == measure::answer::Outcome::agree_hit
             ? fmt::format("{:.6g} ulp", ray.ulps)
             : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
-    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.place, error_text);
+    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.ray_index,
+                       error_text);
 }
 
 /// A ray in a chunk (consecutive rays) of the file, and its answer.
@@ -122,14 +123,15 @@ class SeriesFiles {
 public:
     SeriesFiles(const TestedForm& form_row, WorstRays worst) : form_row_(form_row), worst_(std::move(worst)) {}
     void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
-        table_.emplace(folder, map::row_name(form_row_) + ".csv",
-                       fmt::format("One row per ray: {} in {}", form_row_.form->info->name, form_row_.format.name),
-                       ray_table(dump, request.metrics, request.is_of_file(form_row_) && dump.layout().decides_only()));
+        table_.emplace(
+            folder, map::row_name(form_row_) + ".csv",
+            fmt::format("One row per ray: {} in {}", form_row_.form->info->name, form_row_.format.name),
+            ray_table(dump, request.metrics, request.is_file_row(form_row_) && dump.layout().decides_only()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
     void add_piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
-        worst_.look_at(chunk.first, result);
+        worst_.add_rays(chunk.first, result);
         for (std::size_t i = 0; table_ && i < chunk.size(); ++i) table_->add({&chunk, {&result, i, &form_row_}});
         show_on_map_(result);
     }
@@ -180,16 +182,17 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
         tables.push_back(p.series.back()->table()->about());
     }
-    p.map.emplace(p.map_request,
-                  map::MapFilesOptions{.folder = p.options.folder,
-                                       .drawn_metrics = p.options.drawn_metrics,
-                                       .single_pictures = p.options.single_pictures,
-                                       .scene_arguments = "",
-                                       .other_tables = tables,
-                                       .ray_arguments = ray_arguments,
-                                       .is_list = !request.picture,
-                                       .keep_piece = p.keep_map_piece(),
-                                       .group_column = request.by ? dump.layout().kept()[*request.by] : ""});
+    p.map.emplace(
+        p.map_request,
+        map::MapFilesOptions{.folder = p.options.folder,
+                             .drawn_metrics = p.options.drawn_metrics,
+                             .single_pictures = p.options.single_pictures,
+                             .scene_arguments = "",
+                             .other_tables = tables,
+                             .ray_arguments = ray_arguments,
+                             .is_list = !request.picture,
+                             .keep_piece = p.keep_map_piece(),
+                             .group_column = request.group_column ? dump.layout().kept()[*request.group_column] : ""});
     if (p.options.worst_count > 0 && !p.options.keep_piece) p.worst_file.emplace(p.options.folder / "worst.toml");
     for (std::size_t r = 0; r < p.series.size(); ++r)
         p.series[r]->connect_map(
@@ -224,7 +227,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     std::string cases;
     for (std::size_t r = 0; r < p.series.size(); ++r) {
         for (const ReportedRay& ray : p.series[r]->worst().all()) {
-            if (ray.given) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.given);
+            if (ray.ray_group) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.ray_group);
         }
         p.series[r]->close();
     }

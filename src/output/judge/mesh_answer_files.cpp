@@ -37,11 +37,11 @@ void add_list_columns(Table<MeshSummaryRow>& table) {
     const auto add = [&table](const char* name, const char* meaning, std::uint64_t MeshAnswersResult::*count) {
         table.add({name, meaning, [count](const MeshSummaryRow& r) { return r.result->*count; }});
     };
-    add("listed", "hits in the file", &MeshAnswersResult::listed);
-    add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing);
-    add("false_hits", "hits that belong to no crossing", &MeshAnswersResult::wrong);
-    add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::doubled);
-    add("neighbour_hits", "hits of a triangle beside the triangle that is met", &MeshAnswersResult::neighbours);
+    add("listed", "hits in the file", &MeshAnswersResult::listed_hits);
+    add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing_crossings);
+    add("false_hits", "hits that belong to no crossing", &MeshAnswersResult::false_hits);
+    add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::double_hits);
+    add("neighbour_hits", "hits of a triangle beside the triangle that is met", &MeshAnswersResult::neighbour_hits);
     const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
                                       measure::metric::Distribution MeshAnswersResult::*distribution) {
         for (const auto& statistic : measure::metric::statistics)
@@ -73,7 +73,7 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
         if (!measure::judge::can_be(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
         table.add({std::string(name), records + ": " + std::string(meaning),
-                   [outcome](const MeshSummaryRow& r) { return r.result->of(outcome); }});
+                   [outcome](const MeshSummaryRow& r) { return r.result->count(outcome); }});
     }
     if (kind != AnswerKind::inside)
         table.add({"crossings", "true crossings of the surface by all rays",
@@ -118,11 +118,11 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     using J = measure::judge::ListJudgement;
     table.add({"true_crossings", "crossings of the surface", count_in_judgement(&J::crossings)});
     if (kind != AnswerKind::all_hits) return table;
-    table.add({"missing_hits", "crossings without a hit in the file", count_in_judgement(&J::missing)});
-    table.add({"false_hits", "hits that belong to no crossing", count_in_judgement(&J::wrong)});
-    table.add({"double_hits", "hits of a crossing that has an earlier hit", count_in_judgement(&J::doubled)});
-    table.add(
-        {"neighbour_hits", "hits of a triangle beside the triangle that is met", count_in_judgement(&J::neighbours)});
+    table.add({"missing_hits", "crossings without a hit in the file", count_in_judgement(&J::missing_crossings)});
+    table.add({"false_hits", "hits that belong to no crossing", count_in_judgement(&J::false_hits)});
+    table.add({"double_hits", "hits of a crossing that has an earlier hit", count_in_judgement(&J::double_hits)});
+    table.add({"neighbour_hits", "hits of a triangle beside the triangle that is met",
+               count_in_judgement(&J::neighbour_hits)});
     return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double largest = measure::truth::missing;
                           for (const double ulps : r.ulps) largest = std::fmax(largest, std::fabs(ulps));

@@ -85,7 +85,7 @@ void AlongFiles::plot_size(std::size_t row_index, Side side) const {
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(make_series(
-                row_index, side, [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); },
+                row_index, side, [k](const SideSummary& s) { return s.strategies[k].offset_size.quantile(0.5); },
                 study_.strategies[k]));
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",

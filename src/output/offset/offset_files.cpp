@@ -180,7 +180,7 @@ std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::
 Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
     Table<R> table = study::position_columns<OffsetBand>();
-    table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->object[r.i]; }});
+    table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->primitive[r.i]; }});
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
@@ -248,13 +248,14 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t row
         }
         const double largest = side_summary.safe_offset.quantile(1);
         const std::string safe_text =
-            std::isnan(largest) ? fmt::format("no offset is safe at any of {}",
-                                              scene::toml::count_with_noun(side_summary.never_safe, "point"))
-                                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
-                                              side_summary.never_safe == 0 ? ""
-                                              : side_summary.never_safe == 1
-                                                  ? " (1 point has none)"
-                                                  : fmt::format(" ({} points have none)", side_summary.never_safe));
+            std::isnan(largest)
+                ? fmt::format("no offset is safe at any of {}",
+                              scene::toml::count_with_noun(side_summary.never_safe_points, "point"))
+                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
+                              side_summary.never_safe_points == 0 ? ""
+                              : side_summary.never_safe_points == 1
+                                  ? " (1 point has none)"
+                                  : fmt::format(" ({} points have none)", side_summary.never_safe_points));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
                                     scene::toml::count_with_noun(side_summary.rays, "ray"),
                                     faultless_strategies.empty() ? "no strategy" : faultless_strategies));

@@ -126,7 +126,7 @@ Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::v
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
-        ray.judge_by(form_row.touching);
+        ray.set_touching(form_row.touching);
         const Explanation explanation = measure::attribution::explain_alone(*form_row.form, form_row.format, ray);
         explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*form_row.form, form_row.format, ray));
     });

@@ -91,7 +91,7 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
 std::string choice_table(const choice::ChoiceResult& chosen) {
     std::string text = begin_table({"form", "format", "registers", "ns per ray and primitive", "bits kept",
                                     "rays wrong", "meets the requirement"});
-    for (const std::size_t k : measure::choice::by_price(chosen.candidates)) {
+    for (const std::size_t k : measure::choice::order_by_price(chosen.candidates)) {
         const measure::choice::Candidate& candidate = chosen.candidates[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
                             chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(candidate.row.form->info->name),

@@ -39,7 +39,7 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
         for (std::size_t k = 0; k < 3; ++k)
             layers.add_number(name + "_true." + "rgb"[k], [stage, k](const RenderBand& band, std::size_t i) {
                 const measure::picture::TrueColour& truth = band.truth[i].colours[stage];
-                return truth.certain ? truth.channel[k].hi : measure::truth::missing;
+                return truth.is_certain ? truth.channel[k].hi : measure::truth::missing;
             });
         layers.add_number(name + ".difference",
                           [s](const RenderBand& band, std::size_t i) { return band.painted[s][i].error; });
@@ -54,7 +54,7 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
         return band.answers.hit[i] != 0 ? band.answers.object[i] + 1 : 0;
     });
     layers.add_uint("class.true_object",
-                    [](const RenderBand& band, std::size_t i) { return band.truth_object[i] + 1; });
+                    [](const RenderBand& band, std::size_t i) { return band.true_primitive[i] + 1; });
     return layers;
 }
 

@@ -66,8 +66,8 @@ PixelValue shadow_pixel(SeenContent seen, Shadow shadow) {
 }
 
 PixelValue certified_pixel(const measure::picture::TrueColour& c) {
-    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
-                     : PixelValue{picture_category::not_proved};
+    return c.is_certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
+                        : PixelValue{picture_category::not_proved};
 }
 
 constexpr const char* sheet_note =
@@ -226,14 +226,16 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
 }
 
 std::string thumbnail_note(const RenderSummary& summary) {
-    std::string text =
-        summary.changed == 0 ? "every pixel right" : share_text(summary.changed, summary.pixels) + " wrong colour";
-    if (const std::uint64_t wrong = summary.seen_wrong())
+    std::string text = summary.changed_pixels == 0
+                           ? "every pixel right"
+                           : share_text(summary.changed_pixels, summary.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = summary.wrong_pixels())
         text += fmt::format("\n{} wrong sphere", share_text(wrong, summary.pixels));
     if (!summary.rule.shadows) return text;
     const auto acne = summary.count(false, Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, summary.pixels));
-    if (const auto flips = summary.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
+    if (const auto flips = summary.flipped_shadows())
+        text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;
 }
 

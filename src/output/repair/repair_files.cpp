@@ -82,7 +82,7 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
         timed_rows.push_back(&row);
         points.push_back(point_of(row));
     }
-    const auto is_dominated = dominated(points);
+    const auto is_dominated = find_dominated(points);
     for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->is_on_front = !is_dominated[k];
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
         rows[k].is_shown =
@@ -128,14 +128,14 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
         // Forms of the catalogue that compute in a wider format have no count of wider operations.
         const bool can_be_drawn =
             is_timed ? row.price != nullptr
-                     : is_of_repair || measure::choice::computes_in(row.form_row).name == row.form_row.format.name;
+                     : is_of_repair || measure::choice::computing_format(row.form_row).name == row.form_row.format.name;
         if (!can_be_drawn || (!is_of_repair && row.form_row.form == summary.request.row.form)) continue;
         points.push_back({.form_row = row.form_row,
                           .quality = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
                           .marker = marker_of(row),
                           .is_named = is_of_repair,
-                          .is_hollow = !row.quality->decides(requirement),
+                          .is_hollow = !row.quality->decides_as_required(requirement),
                           .label = is_of_repair ? row.name : map::short_name(*row.form_row.form->info)});
     }
     speed::add_kernel_points(spec, points);

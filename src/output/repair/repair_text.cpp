@@ -48,14 +48,14 @@ std::string quality_clause(const RowQuality& quality, const measure::choice::Req
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
     const auto growth_name = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = summary.request.requirement;
-    if (margin.holds == 0)
+    if (margin.holding_factor == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", growth_name,
-                           quality_text(margin.broken, requirement));
-    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", growth_name, margin.holds, margin.value,
-                       margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
+                           quality_text(margin.end_quality, requirement));
+    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", growth_name, margin.holding_factor,
+                       margin.value, margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
            choice::margin_end_text(margin, summary.request.rays,
-                                   fmt::format("; first broken at a factor of {:.4g}: {}", margin.beyond,
-                                               quality_text(margin.broken, requirement)));
+                                   fmt::format("; first broken at a factor of {:.4g}: {}", margin.end_factor,
+                                               quality_text(margin.end_quality, requirement)));
 }
 
 std::string unchanged_is_enough_text(const RepairSummary& summary) {

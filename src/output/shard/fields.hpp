@@ -65,9 +65,10 @@ LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, true_t)
 LOSTBITS_FIELDS(measure::edges::EdgeCount, rays, with)
 LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
 LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, unit, true_t, other_measure, hit, t)
-LOSTBITS_FIELDS(measure::judge::ReportedRay, place, outcome, ulps, given)
+LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
-LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, floats, digits, decimals, first, groups)
+LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, float_answers, most_digits,
+                inexact_decimals, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
 LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations, further,
                 bounds, seconds)

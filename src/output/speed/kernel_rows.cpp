@@ -27,7 +27,7 @@ std::size_t colour_of(const Format& format) { return format.engine == Format::En
 void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoint>& points) {
     std::vector<ParetoPoint> qualities;
     for (const KernelPoint& p : points) qualities.push_back(p.quality);
-    const auto is_dominated = measure::speed::dominated(qualities);
+    const auto is_dominated = measure::speed::find_dominated(qualities);
     std::vector<std::size_t> front_indices;
     for (std::size_t k = 0; k < points.size(); ++k) {
         const KernelPoint& p = points[k];

@@ -239,7 +239,7 @@ namespace {
 /// Table of the kernels on a set of rays by time. Each form and format is listed once, with its fastest register width.
 std::string ranking_text(const TradeRequest& request, const TradeResult& result,
                          const std::vector<ParetoPoint>& qualities) {
-    const auto is_dominated = measure::speed::dominated(qualities);
+    const auto is_dominated = measure::speed::find_dominated(qualities);
     const auto timing = [&](std::size_t k) {
         return result.times[k][measure::speed::reference_load(request.loads)].timing;
     };
@@ -265,7 +265,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
 /// The cheapest kernel for each number of bits; numbers of bits with the same answer share a line.
 std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& qualities) {
     std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
-    for (const int bits : measure::speed::asked_bits) {
+    for (const int bits : measure::speed::summary_bits) {
         const auto best = measure::speed::cheapest(qualities, bits);
         const std::string answer =
             best ? fmt::format("{}: {:.2f} ns", kernel_phrase(request.kernels[*best]), qualities[*best].time_ns)
@@ -315,7 +315,7 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
-        const auto is_dominated = measure::speed::dominated(qualities);
+        const auto is_dominated = measure::speed::find_dominated(qualities);
         for (std::size_t k = 0; k < qualities.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
             rows.push_back({sets[s].name, kernel_key(request.kernels[k]), qualities[k], &accuracy,

@@ -44,12 +44,12 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     read_coefficient(table, "background", rule.background, numbers);
     if (rule.background > 1)
         table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
-    table.read("own", rule.tests_own_sphere);
+    table.read("own", rule.tests_departed_sphere);
     table.read("offset", rule.offset, offset_names);
     read_coefficient(table, "epsilon", rule.epsilon, numbers);
     table.read("ulps", rule.ulps, 0, most_ulps);
     table.reject_unknown_keys();  // in front of the keys that need another key, which may be the misspelt one
-    if (!rule.tests_own_sphere) {
+    if (!rule.tests_departed_sphere) {
         for (const char* key : {"offset", "epsilon", "ulps"})
             table.reject(key,
                          "needs own = true: without it a shadow ray is not tested against the sphere that it leaves");

@@ -36,7 +36,7 @@ struct ShadowRule {
 
     bool half_diffuse = false;      ///< true: half of the diffuse light remains in shadow; false: only ambient light
     Real background = Real(1) / 2;  ///< factor on the colour of the background in shadow
-    bool tests_own_sphere = false;  ///< true: the sphere that the point lies on is also tested
+    bool tests_departed_sphere = false;  ///< true: the sphere that the point lies on is also tested
     Offset offset = Offset::none;
     Real epsilon = Real(0);
     int ulps = 0;

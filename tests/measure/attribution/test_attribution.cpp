@@ -21,7 +21,7 @@ namespace {
 
 double sum_of_sizes(const Attribution& a) {
     double sum = 0;
-    for (const measure::attribution::OperationError& e : a.errors) sum += e.live ? std::fabs(e.contribution) : 0;
+    for (const measure::attribution::OperationError& e : a.errors) sum += e.is_live ? std::fabs(e.contribution) : 0;
     return sum;
 }
 
@@ -89,14 +89,14 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
         return true;
     };
     const auto derives = [&](const Intersector& form, const Tape& tape, const Attribution& a) {
-        if (a[tape.outputs.t].turned || form.shape == Shape::sdf) return;
+        if (a[tape.outputs.t].is_flipped || form.shape == Shape::sdf) return;
         // Second order: each derivative is off by the relative errors of the values at which it is evaluated, a few of
         // them in a row.
         double worst = 0;
         bool turned = false;
         for (const measure::attribution::OperationError& e : a.errors) {
-            if (!e.live) continue;
-            turned |= e.turned;
+            if (!e.is_live) continue;
+            turned |= e.is_flipped;
             if (e.exact != 0) worst = std::max(worst, std::fabs(e.error / e.exact));
         }
         if (turned || worst > 0x1p-10) return;
@@ -169,7 +169,7 @@ TEST_CASE("one ray worked out by hand has two roundings and one cancellation", "
     CHECK(of(square).adjoint == 3);
     CHECK(of(square).contribution == -3 * 0x1p-24);
     CHECK(of(rest).cancelled == 11);
-    CHECK(of(rest).carried);
+    CHECK(of(rest).has_operand_error);
     CHECK(of(rest).rounding == 0);
     CHECK(of(rest).exact == 0x1p-11 + 0x1p-24);
     // On exact operands, each rounded: RN(x²) − 1 = 2^-11, off by 2^-24 where an ulp is 2^-34: 2^10 ulp, 11 bits.
@@ -178,8 +178,8 @@ TEST_CASE("one ray worked out by hand has two roundings and one cancellation", "
     CHECK(a.error == -3 * 0x1p-24);
     CHECK(a.explained == a.error);
     CHECK(a.culprit == square.node());
-    CHECK_FALSE(of(x).carried);
-    CHECK_FALSE(of(square).carried);
+    CHECK_FALSE(of(x).has_operand_error);
+    CHECK_FALSE(of(square).has_operand_error);
 }
 
 TEST_CASE("a decision changed by rounding is attributed to the operands of the comparison", "[attribution]") {
@@ -259,9 +259,9 @@ TEST_CASE("operations of the branch not taken contribute nothing", "[attribution
     const T smaller = min(c, live);
     const T t = select(a < b, smaller, dead);
     const Attribution found = measure::attribution::attribute(tape, t.node());
-    CHECK_FALSE(found[dead.node()].live);
-    CHECK(found[live.node()].live);
-    CHECK_FALSE(found[c.node()].live);
+    CHECK_FALSE(found[dead.node()].is_live);
+    CHECK(found[live.node()].is_live);
+    CHECK_FALSE(found[c.node()].is_live);
     CHECK(found.culprit == live.node());
 }
 

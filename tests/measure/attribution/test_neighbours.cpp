@@ -30,7 +30,7 @@ std::vector<double> numbers_of(const Ray<double>& ray) {
 /// Bits that a form loses on one ray, from its answer and the truth; all bits if it decides wrongly.
 double lost(const Intersector& form, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, f32);
-    const auto answers = measure::answer::evaluate(form, in.all);
+    const auto answers = measure::answer::evaluate(form, in.format_inputs);
     const bool hit = answers.hit[in.index] != 0, truly = ray.truth(*form.info).is_hit();
     if (hit != truly || (hit && std::isnan(answers.t[in.index]))) return 24;
     if (!hit) return 0;
@@ -45,17 +45,17 @@ TEST_CASE("neighbours differ by at most an ulp per number, keep zeros and repeat
     const Intersector& form = form_named("sphere.schoolbook");
     const OneRay ray(scene, 100, 128);
     const OneRay::Inputs in = ray.inputs(form, f32);
-    const std::vector<Primitive<double>> primitives{in.all.primitives[0]};
+    const std::vector<Primitive<double>> primitives{in.format_inputs.primitives[0]};
     const auto around = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives),
                again = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives);
     REQUIRE(around.size() == measure::attribution::neighbours);
-    const auto middle = numbers_of(in.all.rays[in.index]);
+    const auto middle = numbers_of(in.format_inputs.rays[in.index]);
     std::vector<int> down(6), up(6);
     for (std::size_t k = 0; k < around.size(); ++k) {
         const auto here = around[k].inputs(form, f32), same = again[k].inputs(form, f32);
         CHECK(around[k].is_unrounded(here));  // numbers of the format
-        const auto x = numbers_of(here.all.rays[here.index]);
-        CHECK(x == numbers_of(same.all.rays[same.index]));
+        const auto x = numbers_of(here.format_inputs.rays[here.index]);
+        CHECK(x == numbers_of(same.format_inputs.rays[same.index]));
         for (std::size_t i = 0; i < x.size(); ++i) {
             const double ulps = (x[i] - middle[i]) / measure::attribution::ulp_at(middle[i], f32.parameters);
             CHECK((ulps == -1 || ulps == 0 || ulps == 1));
@@ -83,7 +83,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
         const auto around = measure::attribution::neighbours_of(
-            ray, in, f32.parameters, {in.all.primitives[static_cast<std::size_t>(all.primitive)]});
+            ray, in, f32.parameters, {in.format_inputs.primitives[static_cast<std::size_t>(all.primitive)]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;
             for (const OneRay& beside : around) sum += lost(each, beside);

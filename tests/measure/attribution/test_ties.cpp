@@ -197,7 +197,7 @@ TEST_CASE("ties: a choice between two numbers that have the same computed value 
         CHECK(a.culprit == sum.node());
         CHECK(a.equals.empty());
         CHECK(a.error == -1);
-        CHECK_FALSE(a[t.node()].turned);
+        CHECK_FALSE(a[t.node()].is_flipped);
         CHECK(a[t.node()].side == sum.node());
     }
 }

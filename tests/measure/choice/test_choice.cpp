@@ -111,39 +111,40 @@ TEST_CASE("the format in which a form computes is read from its operations") {
     for (const auto& form : intersect::table::intersectors()) {
         if (form.shape == Shape::sdf) continue;
         INFO(form.info->name);
-        CHECK(computes_in({&form, *find_format("f32")}).name == (in_double.contains(form.info->name) ? "f64" : "f32"));
+        CHECK(computing_format({&form, *find_format("f32")}).name ==
+              (in_double.contains(form.info->name) ? "f64" : "f32"));
         if (form.info->name == "sphere.double_inside") continue;
-        CHECK(computes_in({&form, *find_format("bf16")}).name == "bf16");
+        CHECK(computing_format({&form, *find_format("bf16")}).name == "bf16");
     }
 }
 
 TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same picture from farther away") {
     const Scene scene = scene_named("near-benign");
     for (const Growth growth : growths) {
-        const auto same = stretched(scene, growth, 1);
+        const auto same = stretch(scene, growth, 1);
         REQUIRE(same);
         CHECK(abs(same->scene.camera.eye.x - scene.camera.eye.x) < 1e-50);
         CHECK(abs(same->scene.camera.fov_deg - scene.camera.fov_deg) < 1e-50);
         CHECK(abs(same->scene.listed[0].sphere().radius - scene.listed[0].sphere().radius) < 1e-50);
     }
-    const auto far = stretched(scene, Growth::distance, 8), near = stretched(scene, Growth::distance, 1);
+    const auto far = stretch(scene, Growth::distance, 8), near = stretch(scene, Growth::distance, 1);
     CHECK(far->value == Approx(8 * near->value).epsilon(1e-14));
-    const auto large = stretched(scene, Growth::radius, 1000);
+    const auto large = stretch(scene, Growth::radius, 1000);
     CHECK(large->value == Approx(1200).epsilon(1e-14));  // the largest of the scene has radius 1.2
     // The point nearest to the eye stays: distance to the centre less radius.
     const auto gap = [&](const Scene& s) {
         return length(s.listed[2].sphere().centre - s.camera.eye) - s.listed[2].sphere().radius;
     };
     CHECK(abs(gap(large->scene) - gap(scene)) < 1e-40);
-    CHECK_FALSE(stretched(scene, Growth::view, 1e6));
-    CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays
+    CHECK_FALSE(stretch(scene, Growth::view, 1e6));
+    CHECK_FALSE(stretch(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays
 }
 
 TEST_CASE("a mesh, with a matrix or without, moves with everything else, and does not grow triangle by triangle") {
     for (const char* const name : {"mesh-icosphere-near", "instance-mesh"}) {
         Scene scene = test::load(name, 24, 24);
         scene.inputs = scene::file::Inputs::own;  // so that the farther scene is not rounded to another one
-        const auto there = stretched(scene, Growth::offset, 3);
+        const auto there = stretch(scene, Growth::offset, 3);
         REQUIRE(there);
         const measure::truth::Band before(scene, 0, scene.height), after(there->scene, 0, scene.height);
         std::size_t hits = 0, other = 0;
@@ -155,7 +156,7 @@ TEST_CASE("a mesh, with a matrix or without, moves with everything else, and doe
         INFO(name);
         CHECK(hits > 100);
         CHECK(other == 0);
-        CHECK_FALSE(stretched(scene, Growth::radius, 2));
+        CHECK_FALSE(stretch(scene, Growth::radius, 2));
     }
 }
 
@@ -167,19 +168,19 @@ TEST_CASE("a requirement holds at the edge of the margin and fails just beyond i
     REQUIRE(margins.size() == 4);
     const GrowthMargin& distance = margins[0];
     REQUIRE(distance.end == MarginEnd::fails);
-    CHECK(distance.holds >= 1);
-    CHECK(distance.beyond / distance.holds <= 1.02);
+    CHECK(distance.holding_factor >= 1);
+    CHECK(distance.end_factor / distance.holding_factor <= 1.02);
     request.rows = {asked};
     const auto at = [&](double factor) {
-        const auto there = stretched(scene, Growth::distance, factor);
+        const auto there = stretch(scene, Growth::distance, factor);
         ChoiceRequest there_asked = request;
         there_asked.scene = &there->scene;
         return quality_of(there_asked).front();
     };
-    CHECK(at(distance.holds).meets(request.requirement));
-    CHECK_FALSE(at(distance.beyond).meets(request.requirement));
-    CHECK(at(distance.beyond).kept_bits == distance.broken.kept_bits);
-    CHECK(at(64 * distance.beyond).kept_bits < 16);
+    CHECK(at(distance.holding_factor).meets(request.requirement));
+    CHECK_FALSE(at(distance.end_factor).meets(request.requirement));
+    CHECK(at(distance.end_factor).kept_bits == distance.end_quality.kept_bits);
+    CHECK(at(64 * distance.end_factor).kept_bits < 16);
 }
 
 TEST_CASE("the margin ends where two spheres that differ only in radius round to one radius") {
@@ -218,9 +219,9 @@ TEST_CASE("a requirement that fails at once has no margin") {
     const auto margins = margins_of(request_of(scene, 20), row("sphere.schoolbook", "f32"), 1024);
     REQUIRE_FALSE(margins.empty());
     for (const GrowthMargin& margin : margins) {
-        CHECK(margin.holds == 0);
+        CHECK(margin.holding_factor == 0);
         CHECK(margin.end == MarginEnd::fails);
-        CHECK(margin.broken.wrong > 0);
+        CHECK(margin.end_quality.wrong > 0);
     }
 }
 

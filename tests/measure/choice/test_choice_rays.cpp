@@ -158,15 +158,15 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
     const measure::truth::Band here = ideal.band({});
     for (const Growth growth : {Growth::distance, Growth::radius, Growth::offset}) {
         INFO(growth_names[static_cast<std::size_t>(growth)]);
-        const auto same = stretched(ideal, growth, 1);
+        const auto same = stretch(ideal, growth, 1);
         REQUIRE(same);
-        const auto back = stored(same->rays, binary32);
+        const auto back = store_in_format(same->rays, binary32);
         CHECK(back.rays.ox == group.rays.ox);
         CHECK(back.rays.oz == group.rays.oz);
         for (std::size_t s = 0; s < 4; ++s) CHECK(back.primitives[s].numbers == group.primitives[s].numbers);
         // The primitive that is hit stays the same. From farther away the point does too, since the origin moves along
         // the ray.
-        const auto there = stretched(ideal, growth, 4);
+        const auto there = stretch(ideal, growth, 4);
         REQUIRE(there);
         const measure::truth::Band band = there->rays.band({});
         std::size_t hits = 0;
@@ -183,13 +183,13 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         }
         CHECK((hits > 20 || growth == Growth::radius));
     }
-    CHECK(stretched(ideal, Growth::distance, 8)->value ==
-          Approx(8 * stretched(ideal, Growth::distance, 1)->value).epsilon(1e-14));
-    CHECK_FALSE(stretched(ideal, Growth::view, 2));
+    CHECK(stretch(ideal, Growth::distance, 8)->value ==
+          Approx(8 * stretch(ideal, Growth::distance, 1)->value).epsilon(1e-14));
+    CHECK_FALSE(stretch(ideal, Growth::view, 2));
     // One primitive for all rays becomes one for each, and its point nearest to the origin stays.
     IdealRays one = ideal;
     one.primitives.resize(1);
-    const auto large = stretched(one, Growth::radius, 100);
+    const auto large = stretch(one, Growth::radius, 100);
     REQUIRE(large);
     CHECK(large->rays.paired);
     REQUIRE(large->rays.primitives.size() == one.rays.size());
@@ -213,15 +213,15 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
     REQUIRE(margins.size() == 3);
     for (const GrowthMargin& margin : margins) {
         INFO(growth_names[static_cast<std::size_t>(margin.growth)]);
-        CHECK(margin.holds >= 1);
+        CHECK(margin.holding_factor >= 1);
         if (margin.end != MarginEnd::fails) continue;
-        CHECK(margin.beyond / margin.holds <= 1.02);
+        CHECK(margin.end_factor / margin.holding_factor <= 1.02);
         const auto at = [&](double factor) {
-            const auto there = stretched(ideal_of(rays.sample), margin.growth, factor);
-            return quality_on(measure::truth::Band(stored(there->rays, binary32)), row, request.requirement);
+            const auto there = stretch(ideal_of(rays.sample), margin.growth, factor);
+            return quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row, request.requirement);
         };
-        CHECK(at(margin.holds).meets(request.requirement));
-        CHECK_FALSE(at(margin.beyond).meets(request.requirement));
+        CHECK(at(margin.holding_factor).meets(request.requirement));
+        CHECK_FALSE(at(margin.end_factor).meets(request.requirement));
     }
     CHECK(margins.front().end == MarginEnd::fails);
 }
@@ -236,12 +236,12 @@ TEST_CASE("obstacles: the one input that is rounded far off is named") {
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
     CHECK(found.cause == Obstacle::Cause::inputs);
-    CHECK(found.base == binary32);
+    CHECK(found.base_format == binary32);
     CHECK(found.exact.kept_bits == Approx(8.059).margin(0.025));
     REQUIRE(found.trials.size() == 16);
-    REQUIRE(found.enough);
-    const InputTrial& enough = found.trials[*found.enough];
-    CHECK(enough.wide == 4);  // the centre alone
+    REQUIRE(found.sufficient_trial);
+    const InputTrial& enough = found.trials[*found.sufficient_trial];
+    CHECK(enough.wide_inputs == 4);  // the centre alone
     CHECK(enough.exact.kept_bits > 30);
     REQUIRE(enough.form);
     CHECK(enough.form->meets(request.requirement));
@@ -283,7 +283,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     const Obstacle formula = find_obstacle(request, schoolbook);
     CHECK(formula.cause == Obstacle::Cause::formula);
     CHECK(formula.exact.wrong == 0);
-    CHECK(formula.rounded_before);
+    CHECK(formula.rounds_to_binary32_first);
 }
 
 TEST_CASE("obstacles: inputs that binary64 cannot hold need a wider format") {
@@ -293,9 +293,9 @@ TEST_CASE("obstacles: inputs that binary64 cannot hold need a wider format") {
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
     CHECK(found.cause == Obstacle::Cause::inputs);
-    CHECK(found.wider_than_f64);
-    REQUIRE(found.enough);
-    CHECK(found.trials[*found.enough].wide == 4);
+    CHECK(found.wide_inputs_are_exact);
+    REQUIRE(found.sufficient_trial);
+    CHECK(found.trials[*found.sufficient_trial].wide_inputs == 4);
     CHECK(found.least_precision == 62);  // with 61 bits of the centre 45.2 are left (fractions)
 }
 
@@ -312,8 +312,8 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
         .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .finds_quiet_offset = false};
     const auto all =
         measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
-    REQUIRE(safe->both.size() == all.size());
-    for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both[k].strategy == all[k].strategy);
+    REQUIRE(safe->both_sides.size() == all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both_sides[k].strategy == all[k].strategy);
     CHECK_FALSE(safe_offsets(scene_of_choice("sphereflake-near"), row));
 }
 

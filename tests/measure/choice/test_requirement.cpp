@@ -58,8 +58,9 @@ struct Asked {
 
 /// With fixed costs for the rows, so that a test does not depend on the clock.
 Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& rows, const std::vector<double>& prices,
-              double bits, const std::vector<TestedForm>& untimed = {}) {
-    Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement_map = {}};
+              double bits, const std::vector<TestedForm>& untimed_rows = {}) {
+    Asked asked{
+        .request = {.scene = &scene, .rows = rows, .untimed_rows = untimed_rows}, .all = {}, .requirement_map = {}};
     asked.request.requirement.bits = bits;
     MetPixelsByForm meetings(asked.request, rows);
     asked.request.show = meetings.show();
@@ -79,11 +80,11 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
         const auto scene = small_scene(name);
         const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point", "sphere.unified"}, {"f32", "f64"});
         const std::vector<double> prices{1, 4, 2, 5, 3, 6};
-        const auto untimed = rows_of({"sphere.schoolbook", "sphere.unified"}, {"fp16", "p14"});
+        const auto untimed_rows = rows_of({"sphere.schoolbook", "sphere.unified"}, {"fp16", "p14"});
         const double bits = 13;
-        const auto [request, all, r] = require(scene, rows, prices, bits, untimed);
+        const auto [request, all, r] = require(scene, rows, prices, bits, untimed_rows);
         auto every = rows;
-        every.insert(every.end(), untimed.begin(), untimed.end());
+        every.insert(every.end(), untimed_rows.begin(), untimed_rows.end());
         const auto maps = maps_of(scene, every);
         REQUIRE(r.pixels() == scene.pixels());
         REQUIRE(r.formats.size() == 4);
@@ -115,15 +116,15 @@ TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet
         const auto sum = [](const std::vector<std::uint64_t>& counts) {
             return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
         };
-        CHECK(sum(r.taken) + r.none_meets + r.unknown == r.pixels());
-        CHECK(sum(r.needed) + r.none_meets + r.unknown == r.pixels());
+        CHECK(sum(r.pixels_cheapest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
+        CHECK(sum(r.pixels_narrowest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            CHECK(r.met[k] <= before[k]);
-            CHECK(r.taken[k] <= r.met[k]);
+            CHECK(r.pixels_met[k] <= before[k]);
+            CHECK(r.pixels_cheapest[k] <= r.pixels_met[k]);
             const std::size_t format = rows[k].format.name == "f32" ? 0 : 1;
-            CHECK(r.met[k] <= r.any_meets[format]);
+            CHECK(r.pixels_met[k] <= r.pixels_any_form_meets[format]);
         }
-        before = r.met;
+        before = r.pixels_met;
         const double least = r.least_time(all);
         CHECK(least >= 1);
         CHECK(least <= 4);
@@ -137,9 +138,9 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     const auto maps = maps_of(scene, {rows[1]});
     const auto hits = static_cast<std::uint64_t>(std::ranges::count(maps[0].outcomes, Outcome::agree_hit));
     REQUIRE(hits > 0);
-    CHECK(r.needed[1] == hits);
-    CHECK(r.needed[0] == r.pixels() - hits);
-    CHECK(r.met[1] == r.pixels());
+    CHECK(r.pixels_narrowest[1] == hits);
+    CHECK(r.pixels_narrowest[0] == r.pixels() - hits);
+    CHECK(r.pixels_met[1] == r.pixels());
 }
 
 TEST_CASE("a form that computes in double does not show that float is enough") {
@@ -156,7 +157,7 @@ TEST_CASE("a form that computes in double does not show that float is enough") {
         by_double += !narrow && maps[1].right(i, 20, 24);
     }
     CHECK(by_double > 0);
-    CHECK(r.needed == std::vector<std::uint64_t>{by_float, by_double});
+    CHECK(r.pixels_narrowest == std::vector<std::uint64_t>{by_float, by_double});
 }
 
 }  // namespace lostbits::test::test_requirement

@@ -94,8 +94,8 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
         // a time.
         const measure::culling::CandidateLists lists(*tree, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            tree->candidates(rays[i], found);
-            CHECK(std::ranges::equal(lists.of(i), found));
+            tree->find_candidates(rays[i], found);
+            CHECK(std::ranges::equal(lists.candidates_of(i), found));
             CHECK(std::ranges::is_sorted(found));
             CHECK(std::ranges::adjacent_find(found) == found.end());
             asked += found.size(), pairs += primitives.size();
@@ -124,7 +124,7 @@ TEST_CASE("candidates of more rays than walk down a tree together are those of e
     std::vector<std::size_t> ends(rays.size());
     tree->append_candidates(rays, all, ends);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        tree->candidates(rays[i], one);
+        tree->find_candidates(rays[i], one);
         expected.insert(expected.end(), one.begin(), one.end());
         CHECK(ends[i] == expected.size());
     }
@@ -201,7 +201,7 @@ std::size_t compare_sets(const measure::truth::Band& quick, const measure::truth
         const Format format = *find_format(name);
         const auto in = quick.inputs(format, {.unit_rays = true}), all = slow.inputs(format, {.unit_rays = true});
         REQUIRE(in.candidates);
-        CHECK(in.candidates->pairs() < in.rays.size() * in.primitives.size() / 4);
+        CHECK(in.candidates->pair_count() < in.rays.size() * in.primitives.size() / 4);
         for (std::size_t k = 0; k < 24; ++k) {
             const intersect::table::Intersector* const set = set_number(k);
             if (set == nullptr || !set->exists_in(format)) continue;
@@ -232,7 +232,7 @@ TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", 
         group.rays = scene::rays::round_block(group.rays, binary32);
         group.rays.width = 600, group.rays.y1 = 1;
         measure::culling::Culler culler(PrimitiveList<double>(group.primitives), group.rays);
-        REQUIRE(dynamic_cast<const BoxTree*>(culler.for_truth()));
+        REQUIRE(dynamic_cast<const BoxTree*>(culler.index_for_truth()));
         const measure::truth::Band quick(group, {}, &culler), slow(group);
         for (std::size_t i = 0; i < quick.pixels(); ++i) {
             const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
@@ -317,7 +317,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
             const PrimitiveList<double> primitives = scene::rays::primitive_list_of(group);
             const measure::culling::Culler of_all(primitives);
             measure::culling::Culler culler(of_all, group.rays);
-            REQUIRE(culler.for_truth());
+            REQUIRE(culler.index_for_truth());
             const measure::truth::Band quick(group, {}, &culler), slow(group);
             std::vector<std::uint32_t> found;
             for (std::size_t i = 0; i < quick.pixels(); ++i) {
@@ -325,7 +325,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
                 const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
                 CHECK(a.decision == b.decision);
                 CHECK(a.object == b.object);
-                culler.for_truth()->candidates(group.rays[i], found);
+                culler.index_for_truth()->find_candidates(group.rays[i], found);
                 asked += found.size(), pairs += primitives.size();
                 if (!a.is_hit() || !b.is_hit()) continue;
                 CHECK(compare(a.t, b.t) == 0);
@@ -372,14 +372,14 @@ TEST_CASE("a primitive without a box is a candidate for every ray", "[culling]")
                             huge = Sphere<double>{{0, 0, 0}, 1e200};
     const measure::culling::RayBounds bounds{5, 1, 1};
     std::vector<std::uint32_t> found;
-    BoxTree::make(PrimitiveList<double>({flat, ground, ball, huge}), bounds, &binary64)->candidates(away, found);
+    BoxTree::make(PrimitiveList<double>({flat, ground, ball, huge}), bounds, &binary64)->find_candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1, 3});
     CHECK_FALSE(BoxTree::make(PrimitiveList<double>({ground}), bounds, nullptr));
     // Bounds on rays matter only to forms that square lengths.
     const measure::culling::RayBounds none{HUGE_VAL, 0, HUGE_VAL};
-    BoxTree::make(PrimitiveList<double>({flat, ball}), none, nullptr)->candidates(away, found);
+    BoxTree::make(PrimitiveList<double>({flat, ball}), none, nullptr)->find_candidates(away, found);
     CHECK(found.empty());
-    BoxTree::make(PrimitiveList<double>({flat, ball}), none, &binary64)->candidates(away, found);
+    BoxTree::make(PrimitiveList<double>({flat, ball}), none, &binary64)->find_candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1});
     CHECK_FALSE(BoxTree::make(PrimitiveList<double>(std::vector<Primitive<double>>{}), bounds, nullptr));
     std::vector<Primitive<double>> grounds(BoxTree::most_unboxed, ground);

@@ -44,7 +44,7 @@ struct Counts {
 Counts compare(const scene::file::Scene& scene, std::initializer_list<const char*> formats) {
     measure::culling::Culler culler(scene);
     const measure::truth::Band quick(scene, 0, scene.height, {}, &culler), slow(scene, 0, scene.height);
-    REQUIRE(culler.for_truth() != nullptr);
+    REQUIRE(culler.index_for_truth() != nullptr);
     Counts counts;
     for (std::size_t i = 0; i < quick.pixels(); ++i) {
         for (const Touching touching : {Touching::hit, Touching::miss}) {
@@ -64,7 +64,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
             CHECK(in.stored_truth[i].object == all.stored_truth[i].object);
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) {
-            in.index->candidates(in.rays[i], found);
+            in.index->find_candidates(in.rays[i], found);
             counts.few += found.size() <= std::max<std::size_t>(16, in.primitives.size() / 32);
         }
         if (!in.index) continue;  // both test every sphere
@@ -126,24 +126,24 @@ TEST_CASE("an index of many spheres changes no answer: of several pages", "[meas
 TEST_CASE("blocks of candidates hold every sphere that the line comes near", "[measure][culling]") {
     const scene::file::Scene scene = flake_scene(5, "[2.1, 1.3, 1.7]", pinhole + "60");
     measure::culling::Culler culler(scene);
-    const auto& index = dynamic_cast<const SphereIndex&>(*culler.for_truth());
-    REQUIRE(index.pages() == 9);
+    const auto& index = dynamic_cast<const SphereIndex&>(*culler.index_for_truth());
+    REQUIRE(index.page_count() == 9);
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     std::vector<std::uint32_t> found;
     std::vector<SphereIndex::Run> runs;
     for (std::size_t p = 0; p < rays.size(); p += 37) {
         const Ray<double> ray = rays[p];
-        index.candidates(ray, found);
+        index.find_candidates(ray, found);
         CHECK(std::ranges::is_sorted(found));
-        std::vector<bool> in_blocks(culler.shared().size());
-        for (std::size_t page = 0; page < index.pages(); ++page) {
+        std::vector<bool> in_blocks(culler.shared_primitives().size());
+        for (std::size_t page = 0; page < index.page_count(); ++page) {
             index.find_runs(SphereIndex::UnitRay(ray), page, SphereIndex::Grain::blocks, runs);
             for (const auto& [begin, end] : runs)
                 for (std::size_t i = begin; i < end; ++i) in_blocks[i] = true;
         }
         std::size_t missed = 0, surplus = 0;
-        for (std::uint32_t i = 0; i < culler.shared().size(); ++i) {
-            const Sphere<double> s = culler.shared()[i].sphere();
+        for (std::uint32_t i = 0; i < culler.shared_primitives().size(); ++i) {
+            const Sphere<double> s = culler.shared_primitives()[i].sphere();
             const Vec<double> m = cross<double>(s.centre - ray.origin, ray.direction);
             const double l2 = square(m) / square(ray.direction), r2 = s.radius * s.radius;
             const bool ahead = lostbits::dot(s.centre - ray.origin, ray.direction) > 0,

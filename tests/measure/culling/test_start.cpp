@@ -253,7 +253,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets where squares 
         ++trees;
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            tree->candidates(rays[i], found);
+            tree->find_candidates(rays[i], found);
             for (std::uint32_t s = 0; s < primitives.size(); ++s) {
                 if (!measure::truth::find_truth(rays[i], primitives[s]).is_hit()) continue;
                 ++met;

@@ -96,7 +96,7 @@ TEST_CASE("every computation stops where its own request says so") {
     };
     const auto rays = open({});
     std::vector<scene::claim::Claim> claims{scene::claim::read_claims(data / "claims/sphere.toml").front()};
-    measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warm = false};
+    measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warms_up = false};
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map", [&] { m::evaluate::run_map({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}); }},

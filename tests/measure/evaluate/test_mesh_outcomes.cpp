@@ -70,7 +70,7 @@ public:
             std::vector<std::size_t> claimed;
             // A form is not run on a triangle whose box the ray passes at a distance, although it might claim the
             // triangle.
-            for (std::size_t pair = in.candidates->first(i); pair < in.candidates->first(i + 1); ++pair) {
+            for (std::size_t pair = in.candidates->first_pair(i); pair < in.candidates->first_pair(i + 1); ++pair) {
                 const std::size_t s = in.candidates->primitive(pair);
                 if (test::asked_alone(row_, ray, in.primitives[s])) claimed.push_back(s);
             }

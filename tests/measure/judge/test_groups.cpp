@@ -42,9 +42,9 @@ TEST_CASE("the summary of a group is that of its rays alone") {
         const auto dump = scene::dump::open_dump(
             file.path(), {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keep = true});
         const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
-        JudgeRequest request{.primitives = primitives, .file_form = &form.form(), .metrics = all_metrics};
+        JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
         request.rows = {{&form.form(), row.format}};
-        if (!only) request.by = 0;
+        if (!only) request.group_column = 0;
         return judge::run_judge(*dump, request, {});
     };
     const JudgeResult all = judged({});

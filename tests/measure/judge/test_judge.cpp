@@ -56,7 +56,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
                               .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
                               .march = march,
                               .rows = {{&form.form(), row.format}, row},
-                              .file_form = &form.form(),
+                              .file_answers_form = &form.form(),
                               .metrics = all_metrics,
                               .picture = std::pair{scene.width, scene.height}},
                              {});
@@ -71,7 +71,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
 /// Keeps the results of the first row.
 judge::ShowJudged kept_in(judge::WorstRays& worst) {
     return [&worst](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result) {
-        if (row == 0) worst.look_at(chunk.first, result);
+        if (row == 0) worst.add_rays(chunk.first, result);
     };
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("primitives of any kinds that are hit at the same t share the hit") {
                                       {.columns = columns.joined_names(":f64"), .primitive = primitives.front().shape});
     };
     const judge::FileForm form("a", Shape::sphere, {});
-    JudgeRequest request{.primitives = primitives, .file_form = &form.form(), .metrics = all_metrics};
+    JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
     request.rows = {{&form.form(), *find_format("f64")}};
     const auto outcomes_are_right = [&](std::size_t, const scene::dump::Chunk&, const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -241,7 +241,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     REQUIRE(noted.size() >= 5);
     REQUIRE(noted_later.size() == noted.size());
     for (std::size_t k = 0; k < noted.size(); ++k)
-        CHECK(noted_later[k].place == noted[k].place + scene::test::LateDump::before);
+        CHECK(noted_later[k].ray_index == noted[k].ray_index + scene::test::LateDump::before);
 }
 
 TEST_CASE("answers in a file are judged like those of the form, and the worst rays are the worst of all") {
@@ -259,10 +259,10 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
     const judge::FileForm form("a", Shape::sphere, *row.form->info);
     judge::WorstRays worst(10, 1);
     const JudgeResult result = judge::run_judge(
-        *dump, {.rows = {{&form.form(), row.format}, row}, .file_form = &form.form(), .metrics = all_metrics},
+        *dump, {.rows = {{&form.form(), row.format}, row}, .file_answers_form = &form.form(), .metrics = all_metrics},
         kept_in(worst));
     CHECK(result.rays == group.rays.size());
-    CHECK(result.answers == result.floats);
+    CHECK(result.answers == result.float_answers);
     require_same(result.summaries[1], result.summaries[0]);
     const auto noted = worst.all();
     // One by one.
@@ -281,12 +281,12 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
     REQUIRE(noted.size() >= 10);
     for (std::size_t k = 0; k < noted.size(); ++k) {
         if (k < 10) CHECK(std::fabs(noted[k].ulps) == Approx(errors[k]).epsilon(1e-9));
-        const auto& given = *noted[k].given;
-        CHECK(given.rays.ox[0] == group.rays.ox[noted[k].place]);
+        const auto& given = *noted[k].ray_group;
+        CHECK(given.rays.ox[0] == group.rays.ox[noted[k].ray_index]);
         CHECK(given.primitives.size() == 1);
-        CHECK(given.primitives[0].numbers == group.primitives[noted[k].place].numbers);
+        CHECK(given.primitives[0].numbers == group.primitives[noted[k].ray_index].numbers);
     }
-    CHECK(s.worst.x == static_cast<int>(noted[0].place));
+    CHECK(s.worst.x == static_cast<int>(noted[0].ray_index));
     CHECK(s.worst.object == s.worst.x);
 }
 
@@ -310,10 +310,10 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     decides.roots = intersect::Roots::none;
     const judge::FileForm form("a b.c", Shape::sphere, decides);
     CHECK(form.form().info->name == "file.a_b_c");
-    const auto s = std::move(
-        judge::run_judge(*dump,
-                         {.rows = {{&form.form(), dump->format()}}, .file_form = &form.form(), .metrics = all_metrics})
-            .summaries.front());
+    const auto s = std::move(judge::run_judge(*dump, {.rows = {{&form.form(), dump->format()}},
+                                                      .file_answers_form = &form.form(),
+                                                      .metrics = all_metrics})
+                                 .summaries.front());
     CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
     CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);
     CHECK(s.count(answer::Outcome::not_a_number) == 0);
@@ -331,11 +331,11 @@ TEST_CASE("the first of equal errors and the first of wrong decisions are kept")
     judge::run_judge(*dump,
                      {.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})},
                       .rows = {{&form.form(), dump->format()}},
-                      .file_form = &form.form(),
+                      .file_answers_form = &form.form(),
                       .metrics = all_metrics},
                      kept_in(worst));
     std::vector<std::uint64_t> places;
-    for (const judge::ReportedRay& ray : worst.all()) places.push_back(ray.place);
+    for (const judge::ReportedRay& ray : worst.all()) places.push_back(ray.ray_index);
     CHECK(places == std::vector<std::uint64_t>{0, 1, 3, 4, 6, 2, 5, 8, 11, 14});
 }
 

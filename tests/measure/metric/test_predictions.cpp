@@ -97,7 +97,7 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
         int n = 0;
         for (NodeId k = 0; k < tape.size(); ++k) {
             const auto& e = found.errors[static_cast<std::size_t>(k)];
-            if (!e.live || e.rounding == 0) continue;
+            if (!e.is_live || e.rounding == 0) continue;
             if (kind_of(tape[k].op) != OperationKind::rounded && tape[k].op != TapeOp::convert) return;
             ++n;
         }

@@ -159,20 +159,20 @@ TEST_CASE("a scene moved along an axis is unchanged at 1 and keeps its picture",
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const auto rays = scene::rays::make_shared_rays(scene, 0, 18);
     for (const SceneAxis along : {SceneAxis::distance, SceneAxis::radius}) {
-        const auto same = scene::rays::make_shared_rays(moved_along(scene, along, 1), 0, 18);
+        const auto same = scene::rays::make_shared_rays(move_along(scene, along, 1), 0, 18);
         CHECK(same.dx == rays.dx);
         CHECK(same.oz == rays.oz);
     }
-    const auto far = scene::rays::make_shared_rays(moved_along(scene, SceneAxis::distance, 1024), 0, 18);
+    const auto far = scene::rays::make_shared_rays(move_along(scene, SceneAxis::distance, 1024), 0, 18);
     // Along the view (-0.3, -0.9, -5.1) the mean of the centres, (-0.575, 0, -4.225), lies 28.2/26.91 views away.
     CHECK(far.oz[0] - 1.1 == Approx(1023 * 28.2 / 26.91 * 5.1).epsilon(1e-6));
-    const auto moved = moved_along(scene, SceneAxis::world, 16);
+    const auto moved = move_along(scene, SceneAxis::world, 16);
     CHECK(moved.listed[1].sphere().centre.y == scene.listed[1].sphere().centre.y + 11);
     CHECK(moved.listed[1].sphere().radius == scene.listed[1].sphere().radius);
-    CHECK(moved_along(scene, SceneAxis::radius, 8).listed[1].sphere().radius == 8 * scene.listed[1].sphere().radius);
-    CHECK(moved_along(load("near-benign", 480, 360), SceneAxis::world, 1).width == 48);
-    CHECK_THROWS(moved_along(load("sphereflake-near"), SceneAxis::world, 1));
-    CHECK_THROWS(moved_along(load("raycast-course.pixels"), SceneAxis::distance, 1));
+    CHECK(move_along(scene, SceneAxis::radius, 8).listed[1].sphere().radius == 8 * scene.listed[1].sphere().radius);
+    CHECK(move_along(load("near-benign", 480, 360), SceneAxis::world, 1).width == 48);
+    CHECK_THROWS(move_along(load("sphereflake-near"), SceneAxis::world, 1));
+    CHECK_THROWS(move_along(load("raycast-course.pixels"), SceneAxis::distance, 1));
 }
 
 }  // namespace test_offsets

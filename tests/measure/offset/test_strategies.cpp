@@ -30,28 +30,29 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
                            .n = {0.5F, -0.5F, 0.70710678F},
                            .w = {0, 0, 1},
                            .side = 1,
-                           .reach = 7};
-    CHECK(rule("offset.none").in_float(l).origin == l.p);
-    CHECK_FALSE(rule("offset.exclude").in_float(l).tests_departed_primitive);
-    CHECK(rule("offset.tmin").in_float(l).tmin == 1e-3F);
-    CHECK(rule("offset.epsilon").in_float(l).origin == Vec<float>(0.01F + 5e-4F, -3 - 5e-4F, 1 + 1e-3F * 0.70710678F));
-    const auto integer = rule("offset.integer").in_float(l).origin;
+                           .target_distance = 7};
+    CHECK(rule("offset.none").respawn_in_float(l).origin == l.p);
+    CHECK_FALSE(rule("offset.exclude").respawn_in_float(l).tests_departed_primitive);
+    CHECK(rule("offset.tmin").respawn_in_float(l).tmin == 1e-3F);
+    CHECK(rule("offset.epsilon").respawn_in_float(l).origin ==
+          Vec<float>(0.01F + 5e-4F, -3 - 5e-4F, 1 + 1e-3F * 0.70710678F));
+    const auto integer = rule("offset.integer").respawn_in_float(l).origin;
     CHECK(integer.x == 0.01F + 0.5F / 65536);
     CHECK(integer.y == std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) + 128));
     CHECK(integer.z == std::bit_cast<float>(std::bit_cast<std::int32_t>(1.0F) + 181));  // 256·0.7071 is 181.02
-    const auto cycles = rule("offset.cycles").in_float(l).origin;
+    const auto cycles = rule("offset.cycles").respawn_in_float(l).origin;
     CHECK(cycles.x == 0.01F + 1e-5F * 0.5F);
     CHECK(cycles.y == std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) + 32));
-    const auto relative = rule("offset.relative").in_float(l);
+    const auto relative = rule("offset.relative").respawn_in_float(l);
     CHECK(relative.origin.y == -3 - 4 * (1500 * 0x1p-24F) * 0.5F);
     CHECK(relative.tmax == Approx(7 * (1 - 15000 * 0x1p-24)).epsilon(1e-7));
     l.side = -1;
-    CHECK(rule("offset.integer").in_float(l).origin.y ==
+    CHECK(rule("offset.integer").respawn_in_float(l).origin.y ==
           std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) - 128));
     // One float beyond the bound, away from the surface on either side.
-    const auto in = rule("offset.bound").in_float(l).origin;
+    const auto in = rule("offset.bound").respawn_in_float(l).origin;
     l.side = 1;
-    const auto out = rule("offset.bound").in_float(l).origin;
+    const auto out = rule("offset.bound").respawn_in_float(l).origin;
     CHECK(length(in) < length(l.p) / std::sqrt(1 + 8.0F));
     CHECK(dot(Vec<float>(out - in), l.n) > 0);
 }
@@ -64,9 +65,9 @@ TEST_CASE("strategies: constants for double scale those for float by the unit ro
                             .n = {0.5, -0.5, 0.7},
                             .w = {0, 0, 1},
                             .side = 1,
-                            .reach = 7};
+                            .target_distance = 7};
     const auto at = [&](std::string_view name) {
-        return std::ranges::find(strategies(), name, &Strategy::name)->in_double(l).origin;
+        return std::ranges::find(strategies(), name, &Strategy::name)->respawn_in_double(l).origin;
     };
     CHECK(at("offset.integer").x == 0.01 + 256 * 0x1p-53 * 0.5);
     // Away from zero, below it too.
@@ -97,7 +98,7 @@ TEST_CASE("next rays leave a point to the light, mirrored, refracted by Snell's 
         for (const auto& way : ways) {
             CHECK(length(way.w) == Approx(1).epsilon(1e-14));
             CHECK(way.side == (angle(way.w) > 0 ? 1 : -1));
-            CHECK(std::isinf(way.reach));
+            CHECK(std::isinf(way.target_distance));
         }
         for (std::size_t k = 0; k < 17; ++k) {
             const double cosine = k == 0 ? 1 : 1.0 / cosine_denominators[(k + 3) / 4];
@@ -112,7 +113,7 @@ TEST_CASE("next rays leave a point to the light, mirrored, refracted by Snell's 
     // The light comes first, where it is above the surface.
     const auto lit = ways_of(along - n, p + 2.5 * n);
     REQUIRE(lit.size() == 37);
-    CHECK(lit[0].reach == Approx(2.5));
+    CHECK(lit[0].target_distance == Approx(2.5));
     CHECK(angle(lit[0].w) == Approx(1));
     CHECK(ways_of(along - n, p - 2.5 * n).size() == 36);
 }

@@ -35,7 +35,7 @@ TEST_CASE("spheres under matrices are rendered like spheres with the moved numbe
                 REQUIRE(found.truth[i].has_normal == plain.truth[i].has_normal);
                 REQUIRE(found.truth[i].shadow == plain.truth[i].shadow);
                 for (std::size_t k = 0; k < 4; ++k) {
-                    REQUIRE(found.truth[i].colours[k].certain);
+                    REQUIRE(found.truth[i].colours[k].is_certain);
                     REQUIRE(found.truth[i].colours[k].byte == plain.truth[i].colours[k].byte);
                 }
                 for (std::size_t k = 0; found.truth[i].has_normal && k < 3; ++k)

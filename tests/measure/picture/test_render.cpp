@@ -93,7 +93,7 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
             const Plain plain = plain_pixel(s, i, rays);
             for (std::size_t stage = 0; stage < 4; ++stage) {
                 const TrueColour& c = run.truth[i].colours[stage];
-                REQUIRE(c.certain);
+                REQUIRE(c.is_certain);
                 for (int k = 0; k < 3; ++k) {
                     const Tight& channel = c.channel[static_cast<std::size_t>(k)];
                     REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
@@ -112,7 +112,7 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
         for (const RenderSummary& summary : run.summaries) {
             CHECK(summary.unresolved() == 0);
             CHECK(summary.colour_error.quantile(1) < 1e-9);
-            CHECK(summary.flips() == 0);
+            CHECK(summary.flipped_shadows() == 0);
         }
     }
     CHECK(beyond > 50);
@@ -170,7 +170,7 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     CHECK(r.unresolved() > r.count(SeenContent::background));
     CHECK(r.unresolved() < r.pixels);
     CHECK(r.colour_error.count() == r.pixels - r.unresolved());
-    CHECK_FALSE(hasty.truth.front().colours[0].certain);
+    CHECK_FALSE(hasty.truth.front().colours[0].is_certain);
 }
 
 }  // namespace test_render

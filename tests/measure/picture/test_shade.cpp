@@ -111,7 +111,7 @@ TEST_CASE("a primitive blocks light only between point and light, the point's ow
     const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .primitives = primitives};
     const auto unified = find_blockers(test::form_named("sphere.unified"), in_f64.format, rays, in_f64, true);
     const auto expanded = find_blockers(test::form_named("sphere.expanded"), in_f64.format, rays, in_f64, true);
-    CHECK(unified[6] == blocked_by_left_sphere);
+    CHECK(unified[6] == blocked_by_departed_sphere);
     CHECK(expanded[6] == blocked_by_nothing);
     CHECK(unified[4] == blocked_by_nothing);
 }

@@ -38,7 +38,7 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 struct Search {
     explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
     RowQuality with(const std::vector<NodeId>& wider) {
-        return judge.quality_of({tape::widened(tape, wider, binary64)}).front();
+        return judge.quality_of({tape::widen_operations(tape, wider, binary64)}).front();
     }
     WiderSet smallest(std::uint64_t affordable) {
         const RowQuality quality = with(all);
@@ -71,7 +71,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         const WiderSet found = search.smallest(200);
         Judge judge(request, scene);
         const auto quality_with = [&](const std::vector<NodeId>& wider) {
-            return judge.quality_of({tape::widened(search.tape, wider, binary64)}).front();
+            return judge.quality_of({tape::widen_operations(search.tape, wider, binary64)}).front();
         };
         const auto& set = found.operations;
         REQUIRE_FALSE(set.empty());
@@ -93,7 +93,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         std::vector<Tape> pairs;
         for (const NodeId a : search.all)
             for (const NodeId b : search.all)
-                if (a <= b) pairs.push_back(tape::widened(search.tape, {a, b}, binary64));
+                if (a <= b) pairs.push_back(tape::widen_operations(search.tape, {a, b}, binary64));
         for (const RowQuality& quality : judge.quality_of(pairs)) CHECK_FALSE(quality.meets(request.requirement));
     }
 }
@@ -327,7 +327,7 @@ TEST_CASE("only wider operations, and operations that use their results, change 
     const auto named = std::ranges::find(tape.nodes, std::string_view("disc"), &TapeNode::label);
     REQUIRE(named != tape.nodes.end());
     const auto disc = static_cast<NodeId>(named - tape.nodes.begin());
-    const auto after = output::repair::statements(tape::widened(tape, {disc}, binary64), form);
+    const auto after = output::repair::statements(tape::widen_operations(tape, {disc}, binary64), form);
     CHECK(after.size() == before.size());
     const auto lines = output::repair::changed_lines(before, after);
     REQUIRE(lines.size() == 6);

@@ -14,7 +14,7 @@ TEST_CASE("shares are consecutive, cover all units and differ in size by at most
             INFO(units << " units in " << of << " shares");
             std::uint64_t end = 0, least = units, most = 0;
             for (std::uint64_t number = 1; number <= of; ++number) {
-                const auto part = Share{number, of}.of_units(units);
+                const auto part = Share{number, of}.unit_range(units);
                 REQUIRE(part.first == end);
                 REQUIRE(part.last >= part.first);
                 end = part.last;
@@ -25,7 +25,7 @@ TEST_CASE("shares are consecutive, cover all units and differ in size by at most
             CHECK(most - least <= 1);
         }
     }
-    const auto last = Share{Share::max_count, Share::max_count}.of_units(std::uint64_t{1} << 44);
+    const auto last = Share{Share::max_count, Share::max_count}.unit_range(std::uint64_t{1} << 44);
     CHECK(last.last == std::uint64_t{1} << 44);
     CHECK(Share{}.is_whole());
     CHECK_FALSE(Share{1, 2}.is_whole());

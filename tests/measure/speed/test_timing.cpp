@@ -28,7 +28,7 @@ measure::speed::TimedWork adds(int times) {
 /// The t of boxes after one pass from a fresh start.
 std::vector<float> after_a_pass(const measure::speed::TimedKernel& kernel) {
     measure::speed::BoxWork work(1 << 14);
-    const auto timed = work.on(kernel);
+    const auto timed = work.work_for(kernel);
     REQUIRE(timed.has_value());
     CHECK(timed->items == work.f32()->t.size());
     timed->pass();
@@ -100,17 +100,17 @@ TEST_CASE("plain loops, packs and scalar loops do the same work", "[timing]") {
 
 TEST_CASE("a kernel that does not exist is not timed", "[timing]") {
     measure::speed::BoxWork boxes(1 << 12);
-    CHECK_FALSE(boxes.on({"box.sign", "128", "f32"}).has_value());
-    CHECK_FALSE(boxes.on({"sphere.unified", "128", "f32"}).has_value());
-    CHECK_FALSE(boxes.on({"box.signs", "plain-256", "f64"}).has_value());
-    CHECK_FALSE(boxes.on({"box.signs", "127", "f32"}).has_value());
-    CHECK_FALSE(boxes.on({"box.signs", "128", "f16"}).has_value());
+    CHECK_FALSE(boxes.work_for({"box.sign", "128", "f32"}).has_value());
+    CHECK_FALSE(boxes.work_for({"sphere.unified", "128", "f32"}).has_value());
+    CHECK_FALSE(boxes.work_for({"box.signs", "plain-256", "f64"}).has_value());
+    CHECK_FALSE(boxes.work_for({"box.signs", "127", "f32"}).has_value());
+    CHECK_FALSE(boxes.work_for({"box.signs", "128", "f16"}).has_value());
     measure::speed::RayWork rays(1 << 12);
-    CHECK_FALSE(rays.on({"sphere.unified", "plain-256", "f32"}).has_value());
-    CHECK_FALSE(rays.on({"sphere.double_inside", "128", "f64"}).has_value());
-    REQUIRE(rays.on({"sphere.unified", "128", "f64"}).has_value());
-    rays.on({"sphere.unified", "128", "f64"})->pass();
-    CHECK(std::abs(rays.f64(Shape::sphere)->found() - 0.5) < 0.02);
+    CHECK_FALSE(rays.work_for({"sphere.unified", "plain-256", "f32"}).has_value());
+    CHECK_FALSE(rays.work_for({"sphere.double_inside", "128", "f64"}).has_value());
+    REQUIRE(rays.work_for({"sphere.unified", "128", "f64"}).has_value());
+    rays.work_for({"sphere.unified", "128", "f64"})->pass();
+    CHECK(std::abs(rays.f64(Shape::sphere)->hit_share() - 0.5) < 0.02);
     CHECK(measure::speed::working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
     CHECK(measure::speed::working_set_bytes("l3", {1000, 2000, 4000}) == 0);
 }

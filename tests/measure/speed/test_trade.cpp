@@ -56,9 +56,9 @@ void check_store(Native native, const measure::speed::RayPool& pool) {
             // Rays left over after the last whole slice are never run.
             const double whole =
                 static_cast<double>(store.rays() / store.slice() * store.slice()) / static_cast<double>(store.rays());
-            CHECK(store.found() <= rate + 1e-3);
-            CHECK(store.found() >= rate * whole - 0.02);
-            if (slice == 0) CHECK(std::fabs(store.found() - rate) <= 1.0 / static_cast<double>(store.rays()));
+            CHECK(store.hit_share() <= rate + 1e-3);
+            CHECK(store.hit_share() >= rate * whole - 0.02);
+            if (slice == 0) CHECK(std::fabs(store.hit_share() - rate) <= 1.0 / static_cast<double>(store.rays()));
         }
     }
 }
@@ -102,8 +102,8 @@ TEST_CASE("a row is dominated if another is better in one respect and at least e
         {0.4, 1, no_bits},    // faster still: no row is as fast
         {3, 0, no_bits},      // never wrong, but slower than others that are not
     };
-    CHECK(dominated(all) == std::vector<bool>{false, true, false, false, true, false, true, false, true});
-    CHECK(measure::speed::dominated({}).empty());
+    CHECK(find_dominated(all) == std::vector<bool>{false, true, false, false, true, false, true, false, true});
+    CHECK(measure::speed::find_dominated({}).empty());
 }
 
 TEST_CASE("the cheapest row is the fastest that is never wrong and accurate enough", "[trade]") {
@@ -149,7 +149,7 @@ TEST_CASE("rays are sampled evenly over a scene and compared with the primitives
     for (const auto& [format, size] : {std::pair{"f32", std::size_t{4}}, {"f64", std::size_t{8}}}) {
         const measure::evaluate::TestedForm timed = row("sphere.schoolbook", format);
         CHECK(work.bytes(timed.format) == work.rays() * (9 * size + 1));
-        const auto pass = work.on(timed, intersect::simd::packed_kernels(*timed.form));
+        const auto pass = work.work_for(timed, intersect::simd::packed_kernels(*timed.form));
         CHECK(pass.items == work.rays() * 3);
         pass.pass();
     }

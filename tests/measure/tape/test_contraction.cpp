@@ -39,7 +39,7 @@ Tape tape_of_four(const F& f) {
 /// Number of occurrences of an operation on the remaining tape.
 template <class F>
 std::map<TapeOp, int> operations_of(const F& f) {
-    const Tape tape = contracted(tape_of_four(f));
+    const Tape tape = contract_tape(tape_of_four(f));
     std::map<TapeOp, int> counts;
     for (const TapeNode& n : tape.nodes) ++counts[n.op];
     return counts;
@@ -61,7 +61,7 @@ TEST_CASE("a product that is only added is fused, and one that is used elsewhere
     const auto two = [](auto a, auto b, auto c, auto d) { return a * b + c * d; };
     CHECK(operations_of(two)[TapeOp::fma] == 1);
     CHECK(operations_of(two)[TapeOp::mul] == 1);
-    const Tape tape = contracted(tape_of_four(two));
+    const Tape tape = contract_tape(tape_of_four(two));
     for (const TapeNode& n : tape.nodes) {
         if (n.op != TapeOp::mul) continue;
         CHECK(n.operands[0] == 2);  // c: a b, which stands on the left, is within the sum
@@ -137,7 +137,7 @@ TEST_CASE("a contracted form has the bits of code that the compiler contracts", 
         CHECK(differing(form, f32, rows[i].f32, 300) == 0);
         if (form.native64) CHECK(differing(form, f64, rows[i].f64, 300) == 0);
         ++forms;
-        changed += std::ranges::any_of(contracted(tape_of(form, f32)).nodes,
+        changed += std::ranges::any_of(contract_tape(tape_of(form, f32)).nodes,
                                        [](const TapeNode& n) { return n.op == TapeOp::fma; });
     }
     CHECK(forms > 80);

@@ -128,7 +128,7 @@ TEST_CASE("wider operations have the bits of a tape with those widths", "[tape]"
             std::vector<NodeId> wide;
             for (const NodeId i : rounded_operations(tape))
                 if (random.unit() < 0.4) wide.push_back(i);
-            const Tape wider = widened(tape, wide, binary64);
+            const Tape wider = widen_operations(tape, wide, binary64);
             const auto found = in_columns(format, TapeProgram(wider), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 INFO(form.info->name << ", ray " << i);
@@ -147,10 +147,11 @@ TEST_CASE("a form all in double keeps all but one bit of float, and without wide
     const Tape tape = tape_of(form, format);
     const auto all = rounded_operations(tape);
     const auto rays = draw(form, format);
-    const auto none = in_columns(format, TapeProgram(widened(tape, {}, binary64)), rays);
+    const auto none = in_columns(format, TapeProgram(widen_operations(tape, {}, binary64)), rays);
     int hits = 0;
     for (const bool two_words : {false, true}) {
-        const auto wide = in_columns(format, TapeProgram(widened(tape, all, wider_than(binary32, two_words))), rays);
+        const auto wide =
+            in_columns(format, TapeProgram(widen_operations(tape, all, wider_format(binary32, two_words))), rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             CHECK(same_answer(none[i], plain(form, format, rays[i])));
             const auto in_double = plain(form, *find_format("f64"), rays[i]);

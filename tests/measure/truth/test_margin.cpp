@@ -259,20 +259,20 @@ bool is_witness(const test::MarginProblem& problem, const Margin& margin, Pertur
     Ray<Real> ray = lift_ray<Real>(problem.ray);
     Primitive<Real> primitive = lift_primitive<Real>(problem.primitive);
     for (int i = 0; i < 3; ++i) {
-        ray.origin[i] += margin.changes_by[static_cast<std::size_t>(i)];
-        ray.direction[i] += margin.changes_by[static_cast<std::size_t>(i) + 3];
+        ray.origin[i] += margin.reached_change[static_cast<std::size_t>(i)];
+        ray.direction[i] += margin.reached_change[static_cast<std::size_t>(i) + 3];
     }
     for (std::size_t i = 0; i < primitive.shape_numbers().size(); ++i)
-        primitive.shape_numbers()[i] += margin.changes_by[i + 6];
+        primitive.shape_numbers()[i] += margin.reached_change[i + 6];
     const std::vector<double> x = problem.numbers();
     const double most = 2 * std::max(margin.proved, 0x1p-90);
     bool is_small = true;
     const auto vector = [&](std::size_t first, std::size_t count) {
         double size = 0, change = 0;
         for (std::size_t i = first; i < first + count; ++i) {
-            size += x[i] * x[i], change += margin.changes_by[i] * margin.changes_by[i];
+            size += x[i] * x[i], change += margin.reached_change[i] * margin.reached_change[i];
             if (perturbed == Perturbed::componentwise)
-                is_small &= std::fabs(margin.changes_by[i]) <= most * std::fabs(x[i]);
+                is_small &= std::fabs(margin.reached_change[i]) <= most * std::fabs(x[i]);
         }
         if (perturbed == Perturbed::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
     };

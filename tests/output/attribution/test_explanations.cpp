@@ -37,7 +37,7 @@ struct Asked {
     std::optional<Touching> judged = {};
     [[nodiscard]] OneRay ray() const {
         OneRay one{scene::rays::RayGroup(group)};
-        one.judge_by(judged);
+        one.set_touching(judged);
         return one;
     }
 };
@@ -147,7 +147,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     const OneRay ray = asked.ray();
     const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
-    const auto aim = in.all.target_for(*asked.form, static_cast<std::size_t>(x.primitive));
+    const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(x.primitive));
     Tape tape;
     asked.form->record(asked.format, in.ray(*asked.form->info), aim, x.range.tmax, tape);
     const auto found = measure::attribution::attribute(tape, {.full = true});
@@ -222,7 +222,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
     on_explained_rays(is_long() ? 40 : 3, 66, [&](const Asked& asked, const Shown& s) {
         INFO(s.text);
         const OneRay::Inputs in = s.ray.inputs(*asked.form, asked.format);
-        const auto answers = measure::answer::evaluate(*asked.form, in.all);
+        const auto answers = measure::answer::evaluate(*asked.form, in.format_inputs);
         REQUIRE(s.x.hit == (answers.hit[in.index] != 0));
         if (s.x.hit) REQUIRE(same_number(s.x.result.t, answers.t[in.index]));
         const bool whole = s.x.range.is_whole();

@@ -119,11 +119,11 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
                                                               measure::metric::find_metric("excess_bits")};
     const measure::speed::TradeRequest request{.kernels = kernels, .metrics = metrics, .loads = {{"l1", 1024, 0.5}}};
-    measure::speed::TradeResult result{.times = {}, .operations = {}, .row_of = {}, .rows = {}};
+    measure::speed::TradeResult result{.times = {}, .operations = {}, .row_indices = {}, .rows = {}};
     for (std::size_t k = 0; k < kernels.size(); ++k) {
         result.times.push_back({{}});
         result.operations.emplace_back();
-        result.row_of.push_back(k);
+        result.row_indices.push_back(k);
     }
     const auto sets = measure::speed::ray_sets(Shape::sphere);
     for (std::size_t s = 0; s < sets.size(); ++s) {

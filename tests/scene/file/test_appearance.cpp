@@ -69,7 +69,7 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
     CHECK(look.last_stage() == Stage::phong);
     CHECK(equal(look.background, 0.25, 0.5, 1));
     CHECK(equal(*look.light, 5, 6, 7));
-    CHECK(look.shadows->tests_own_sphere);
+    CHECK(look.shadows->tests_departed_sphere);
     CHECK(look.shadows->offset == ShadowRule::Offset::ulp);
     CHECK(look.shadows->ulps == 4);
     CHECK(look.shadows->background == Real(1) / 2);
