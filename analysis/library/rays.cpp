@@ -303,7 +303,8 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
                            const measure::truth::Truth truth = band.truth(i, contract.convention());
                            table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
                            if (!truth.is_hit()) continue;
-                           table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
+                           table.columns[1].numbers[first + i] =
+                               static_cast<double>(paired ? first + i : truth.primitive);
                            std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
                                as_two_doubles(unit ? truth.distance : truth.t);
                        }
@@ -388,7 +389,7 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
         for (std::size_t i = first; i < first + n; ++i) {
             Vec<double> point;
             for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
-            if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
+            if (!measure::truth::is_valid(Ray<double>{point, {1, 1, 1}}))
                 throw InputError("point " + std::to_string(i) + " has a number that is not finite");
             found[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = running.stop()});
         }

@@ -159,7 +159,7 @@ struct RangeClaims {
     SubjectClaims<SweepSubject> claims = {};
 };
 
-void measure_range(const RangeClaims& range_claims, truth::TruthLimit limit) {
+void measure_range(const RangeClaims& range_claims, truth::ProofLimit limit) {
     ExhaustiveRequest request{.sweep = range_claims.file, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : range_claims.claims)

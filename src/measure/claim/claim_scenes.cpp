@@ -23,7 +23,7 @@ using truth::missing;
 namespace {
 
 /// One number of a march along the ray of the scene's first pixel, or of one step of this march.
-double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::TruthLimit limit) {
+double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::ProofLimit limit) {
     const TestedForm form_row = row_for(claim, scene);
     if (!form_row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
     const intersect::table::MarchLog log =
@@ -45,7 +45,7 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
 
 /// Summary of the pixel of a claim, as if the map had no other pixel.
 evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& form_row,
-                                       const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
+                                       const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit) {
     const auto [x, y] = *claim.on<SceneSubject>()->pixel;
     if (x >= scene.width || y >= scene.height)
         scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "

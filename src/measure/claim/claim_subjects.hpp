@@ -55,7 +55,7 @@ void measure_exhaustive(const SubjectClaims<scene::claim::SweepSubject>& claims,
 /// box in turn gets the closest t so far as the end of the ray. Returns the share of the rays on which the nearest t
 /// over all boxes, or the decision, then differs.
 double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
-                            truth::TruthLimit limit);
+                            truth::ProofLimit limit);
 
 /// Adds the result of a further draw: a claim holds only if it holds for every draw.
 void add_draw(ClaimResult& result, const ClaimResult& draw);

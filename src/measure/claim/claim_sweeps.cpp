@@ -29,7 +29,7 @@ using truth::missing;
 namespace {
 
 void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
-                   truth::TruthLimit limit) {
+                   truth::ProofLimit limit) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
     for (const auto& subject_claim : claims) request.rows.push_back(row_for(subject_claim.claim, file));
@@ -126,7 +126,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
 using AxesPosition = std::optional<std::vector<double>>;
 
 void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& position,
-                  const scene::sweep::SweepFile& sweep, truth::TruthLimit limit) {
+                  const scene::sweep::SweepFile& sweep, truth::ProofLimit limit) {
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {

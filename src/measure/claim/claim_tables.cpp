@@ -145,7 +145,7 @@ std::vector<double> nearest(const evaluate::TestedForm& form_row, const FormatIn
 }  // namespace
 
 double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
-                            truth::TruthLimit limit) {
+                            truth::ProofLimit limit) {
     if (!takes_tmax(form_row.form->shape))
         throw InputError(std::string(form_row.form->info->name) +
                          " does not take the end of a ray; name a form that does");
@@ -175,7 +175,7 @@ ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& subject, st
 }
 
 ClaimResult judge_closest(const Claim& claim, const TableSubject& subject, std::uint64_t seed,
-                          truth::TruthLimit limit) {
+                          truth::ProofLimit limit) {
     Claim form_claim = claim;
     form_claim.form = subject.row;
     const double measured =

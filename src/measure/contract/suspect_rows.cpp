@@ -23,7 +23,7 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& form_r
         const truth::Truth& truth = band.truth(i, form_row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
-            answer::measured_primitive(in, i, truth.is_hit() ? truth.object : answers.object[i]);
+            answer::measured_primitive(in, i, truth.is_hit() ? truth.primitive : answers.object[i]);
         rays.push_back(answer_sample(in.rays_for(*form_row.form->info)[i], in.primitives[primitive], truth, form_row,
                                      answers.hit[i] != 0, answers.t[i]));
     }

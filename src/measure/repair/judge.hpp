@@ -24,7 +24,7 @@ struct RepairRequest {
     evaluate::TestedForm row;                ///< in f32 or f64
     Requirement requirement{};
     bool two_words = false;  ///< two floats in place of a double; for double always
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     /// Receives the number of candidates tried so far; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 

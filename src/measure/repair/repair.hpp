@@ -151,7 +151,7 @@ private:
 
     evaluate::TestedForm row_;
     Requirement requirement_;
-    truth::TruthLimit limit_;
+    truth::ProofLimit limit_;
     std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs
     std::vector<CorrectAnswer> correct_answers_;
 };

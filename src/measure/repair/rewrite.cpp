@@ -197,7 +197,7 @@ RaySample::RaySample(const RepairRequest& request, int rays)
     const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, form_row.convention());
-        const std::size_t primitive = answer::measured_primitive(inputs, i, truth.object);
+        const std::size_t primitive = answer::measured_primitive(inputs, i, truth.primitive);
         inputs_.push_back(tape::inputs_of(form_rays[i], inputs.primitives[primitive], band.range(i).tmax));
         exact_inputs_.push_back(takes_unit_directions ? along_axis(inputs_.back()) : inputs_.back());
         const double t = truth.is_hit()

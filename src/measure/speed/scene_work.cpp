@@ -25,7 +25,8 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const truth::Truth truth = band.truth(i, {});
-        if (truth.is_hit()) ++hits[same_as.empty() ? truth.object : same_as[static_cast<std::size_t>(truth.object)]];
+        if (truth.is_hit())
+            ++hits[same_as.empty() ? truth.primitive : same_as[static_cast<std::size_t>(truth.primitive)]];
     }
     return hits;
 }
@@ -82,7 +83,7 @@ Scene with_smaller_picture(const Scene& scene, int pixels) {
     return small_scene;
 }
 
-SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
+SceneWork::SceneWork(const Scene& scene, truth::ProofLimit limit)
     : scene_(with_smaller_picture(scene, timed_pixels)),
       culler_(std::make_unique<culling::Culler>(scene_)),
       band_(scene_, 0, scene_.height, limit, culler_.get()),
@@ -90,7 +91,7 @@ SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
     choose_primitives({}, scene_.primitive_count());
 }
 
-SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit)
+SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit)
     : band_(sample, limit), rays_(band_.pixels()) {
     choose_primitives(first_same(sample.primitives), sample.primitives.size());
 }

@@ -106,7 +106,7 @@ struct ExhaustiveState {
 struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile& sweep;
     std::vector<evaluate::TestedForm> rows = {};  ///< all in binary32
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     std::string scene = {};   ///< for a sweep across a mesh: the scene as a command line names it
     shard::Share share = {};  ///< share of the blocks into which every binade is cut
     /// Called with the number of further floats tried, each counted once per ray and form.

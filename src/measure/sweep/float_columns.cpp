@@ -235,7 +235,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
         }
     }
     // Columns cannot hold a length beyond 2^±900.
-    for (const auto& [i, complete_truth] : truth.alone) {
+    for (const auto& [i, complete_truth] : truth.single_truths) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
         const auto& length = terms_.length == truth::Length::parameter ? complete_truth.t : complete_truth.distance;
         set_exact(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));

@@ -70,7 +70,7 @@ struct SweepRequest {
     bool recoveries = false;       ///< also find where a form is good again after its first failure
     bool both_ends = false;        ///< also find onsets from the last step backwards, for failures at small values
     std::vector<Onset> only = {};  ///< if not empty, only onsets of these events are looked for
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     [[nodiscard]] bool asks_for(const Onset& onset) const {
@@ -124,7 +124,7 @@ struct CaseRequest {
     const scene::sweep::CaseFile& file;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< include lost_bits and excess_bits
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     shard::Share share = {};  ///< share of the cases
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

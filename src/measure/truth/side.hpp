@@ -1,4 +1,4 @@
-// Orders an exact length t* and a given number by signs of dyadic polynomials, without computing the length. Also finds
+// Compares an exact length t* with a number by signs of dyadic polynomials, without computing the length. Also finds
 // the root at which a ray meets a surface of degree four, for `enclose`.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace lostbits::measure::truth {
 template <class Find>
 auto by_rising_precision(const Find& find) {
     auto found = find.template operator()<Ball>();
-    for (int bits = 192; !found && bits <= TruthLimit{}.bits; bits *= 2) {
+    for (int bits = 192; !found && bits <= ProofLimit{}.max_bits; bits *= 2) {
         const Interval::Precision precision(bits);
         found = find.template operator()<Interval>();
     }
@@ -87,7 +87,7 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        crossing = found.at;
+        crossing = found.crossing;
     } else {
         const auto sign_of_c = sign(s.c);
         if (!sign_of_c) return std::nullopt;
@@ -126,8 +126,8 @@ requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(c
                                                                                intersect::Convention convention) {
     const Enclosed<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    return side_at<E>(s, found.at, m, length);
+    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    return side_at<E>(s, found.crossing, m, length);
 }
 
 /// Order of t* relative to m > 0, for a ray that hits. t* is the start of the range, the first entry, or the first exit
@@ -139,7 +139,7 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        if (found.at == Crossing::far) answer = first_exit(s);
+        if (found.crossing == Crossing::far) answer = first_exit(s);
     } else if (convention.inside == intersect::Inside::exit && (answer.n <= E(0)).is_yes()) {
         answer = first_exit(s);
     }
@@ -171,7 +171,7 @@ struct RootHit {
     Tri hit;
     int root = -1;
     bool touching = false, on_surface = false;
-    Crossing at = Crossing::begin;
+    Crossing crossing = Crossing::begin;
     EnclosedRoots<F> roots = {};
 };
 
@@ -207,7 +207,7 @@ private:
         return std::move(result_);
     }
     [[nodiscard]] RootHit<F> hit_at_begin() {
-        result_.root = -1, result_.at = Crossing::begin;
+        result_.root = -1, result_.crossing = Crossing::begin;
         return finish(Tri::yes);
     }
     [[nodiscard]] RootHit<F> hit_from_inside(int next) {
@@ -225,13 +225,13 @@ private:
         const bool touching = !result_.roots[root].crosses || (!leaving && *to_end == 0);
         result_.on_surface = true;
         if (!touching || convention_.touching == Touching::hit) {
-            const bool no_exits = convention_.inside == Inside::miss && !touching;
-            const bool counts =
+            const bool ignores_exits = convention_.inside == Inside::miss && !touching;
+            const bool start_counts =
                 convention_.at_origin == AtOrigin::hit || (convention_.at_origin == AtOrigin::exit && leaving);
-            if (counts && !(no_exits && leaving)) {
+            if (start_counts && !(ignores_exits && leaving)) {
                 result_.touching = touching;
                 if (known_sign(begin_of(range_)) == 0) return hit_at_begin();
-                result_.root = root, result_.at = leaving ? Crossing::far : Crossing::near;
+                result_.root = root, result_.crossing = leaving ? Crossing::far : Crossing::near;
                 return finish(Tri::yes);
             }
         }
@@ -254,7 +254,7 @@ private:
         if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return finish(Tri::no);
         const bool touching = !result_.roots[root].crosses || (*to_end == 0 && crossing == Crossing::near);
         if (touching && convention_.touching == intersect::Touching::miss) return finish(Tri::no);
-        result_.root = root, result_.at = crossing, result_.touching = touching;
+        result_.root = root, result_.crossing = crossing, result_.touching = touching;
         return finish(Tri::yes);
     }
 
@@ -281,7 +281,7 @@ template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
-    if (found.at == Crossing::begin) return enclosed_begin(s.d2, range, found.touching, found.on_surface);
+    if (found.crossing == Crossing::begin) return enclose_begin(s.d2, range, found.touching, found.on_surface);
     E x(found.roots[found.root].root);
     if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
         const E f = s.f.at(x);
@@ -296,7 +296,7 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
             .distance = t * sqrt(s.d2),
             .touching = found.touching,
             .on_surface = found.on_surface,
-            .at = found.at,
+            .crossing = found.crossing,
             .at_double_root = !found.roots[found.root].crosses};
 }
 
@@ -319,7 +319,7 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
                            intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
     const EnclosedRoots<E>& roots = found.roots;
     if (length == Length::parameter) return roots.order(found.root, s.place(m));
     const QuadraticSurd<E> x{s.b * s.d2, s.a * m, s.d2};

@@ -309,7 +309,7 @@ bool is_wrong_root(const Explanation& x) {
     if (x.inputs.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
     return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs),
                                              measure::tape::primitive_of(x.inputs, primitive),
-                                             measure::truth::exactly(*x.true_t), x.result.t);
+                                             measure::truth::as_certified(*x.true_t), x.result.t);
 }
 
 NodeId culprit_operation(const Explanation& x) {

@@ -140,7 +140,7 @@ TEST_CASE("each primitive in a set is judged by the contract of its own form", "
                     }
                     const Truth found = band.truth(i, set.info->convention(judged)), closed = band.truth(i, {});
                     wrong += found.decision != right.decision ||
-                             (right.is_hit() && (compare(found.t, right.t) != 0 || found.object != right.object));
+                             (right.is_hit() && (compare(found.t, right.t) != 0 || found.primitive != right.primitive));
                     apart += closed.decision != right.decision;
                 }
                 INFO(set.info->name << ", seed " << seed);

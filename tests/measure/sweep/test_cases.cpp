@@ -156,7 +156,7 @@ TEST_CASE("an improper ray or primitive is never a hit") {
         // It does not hide the primitive beside it, and is not named.
         const std::vector<Primitive<double>> both{bad, good};
         CHECK(measure::truth::find_truth(ray, both).is_hit());
-        CHECK(measure::truth::find_truth(ray, both).object == 1);
+        CHECK(measure::truth::find_truth(ray, both).primitive == 1);
     }
     CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Sphere<double>{{nan, 0, 0}, 2})));
     CHECK(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));

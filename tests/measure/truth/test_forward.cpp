@@ -17,8 +17,8 @@ namespace test_forward {
 using namespace lostbits;
 using measure::stability::backward_error;
 using measure::stability::CountedChange;
+using measure::truth::as_certified;
 using measure::truth::Certified;
-using measure::truth::exactly;
 using measure::truth::Perturbed;
 using test::reach_of_t;
 using test::Seeded;
@@ -27,7 +27,7 @@ namespace {
 
 /// |t - t*|, to 2^-50 of itself.
 double forward_error(double t, const Certified& truth) {
-    return std::fabs(measure::truth::scaled_difference(exactly(t), truth, 0));
+    return std::fabs(measure::truth::scaled_difference(as_certified(t), truth, 0));
 }
 
 /// Largest allowed (forward error)/(condition x backward error): `backward_error` stops looking within 2^(1/16) = 1.044
