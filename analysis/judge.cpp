@@ -294,11 +294,12 @@ Exit run(const JudgeOptions& o, const Common& common) {
     if (const auto file_row = request.file_row_index())
         note_suspicions({request.rows[*file_row]}, common, [&](const measure::evaluate::TestedForm&) {
             const std::string suspicion_text =
-                measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,
-                                             result.misses_beside_first(result.summaries[*file_row]));
+                measure::contract::suspicion_text(result.first, measure::contract::AnswerSource::file,
+                                                  result.misses_beside_first(result.summaries[*file_row]));
             const bool is_whole_file = result.first_are_all(result.summaries[*file_row]);
-            return measure::contract::on_rays_of(o.file, is_whole_file ? result.rays : result.first.size(), result.rays,
-                                                 "of its rays that hit or should hit", suspicion_text);
+            return measure::contract::name_counted_rays(o.file, is_whole_file ? result.rays : result.first.size(),
+                                                        result.rays, "of its rays that hit or should hit",
+                                                        suspicion_text);
         });
     return report_unproved(result.summaries.front().count(Outcome::unresolved));
 }

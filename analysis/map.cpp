@@ -298,7 +298,7 @@ Exit run(MapOptions o, const Common& common) {
     if (!finish_run(run_division, common)) return Exit::done;
     for (const SceneWork& work : works)
         note_suspicions(work.map.rows, common, [&work](const TestedForm& form_row) {
-            return measure::contract::suspicion(*work.map.scene, form_row);
+            return measure::contract::suspicion_text(*work.map.scene, form_row);
         });
     return report_unproved(unresolved);
 }

@@ -58,7 +58,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
 void ExhaustiveRun::resume() {
     state_file_.read([this](output::shard::BitReader& bits) {
         bits(state_);
-        state_.require_of(request_);
+        state_.require_match(request_);
     });
     resumed_ = true;
 }
@@ -66,11 +66,12 @@ void ExhaustiveRun::resume() {
 ExhaustiveState ExhaustiveRun::try_all(bool keep_state) {
     require_writable(state_file_.path());
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.rows.size();
-    const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
-    ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common, state_.tried * rays_per_float);
+    const std::uint64_t floats = measure::sweep::count_floats(sweep_, request_.share);
+    ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common,
+                                  state_.floats_tried * rays_per_float);
     request_.progress = progress.advance_callback();
     auto last_save = std::chrono::steady_clock::now();
-    request_.keep = [&](const ExhaustiveState& state) {
+    request_.store_state = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - last_save < save_interval) return;
         state_file_.write(output::shard::bits_of(state));
         last_save = std::chrono::steady_clock::now();
@@ -82,7 +83,7 @@ ExhaustiveState ExhaustiveRun::try_all(bool keep_state) {
         state_file_.write(output::shard::bits_of(state_));
         if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
-                       sweep_.id, percent(state_.tried, floats));
+                       sweep_.id, percent(state_.floats_tried, floats));
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
@@ -111,14 +112,14 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     if (result_folder) files.emplace(request_, folder_);
     const auto found = chosen_.division().result_of(
         "sweep " + sweep_.id, [&] { return try_all(others_follow); },
-        [this](const ExhaustiveState& part) { part.require_of(request_); });
+        [this](const ExhaustiveState& part) { part.require_match(request_); });
     if (!found) return 0;
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
-    if (const std::uint64_t float_count = measure::sweep::floats_of(sweep_, {}); found->tried != float_count)
+    if (const std::uint64_t float_count = measure::sweep::count_floats(sweep_, {}); found->floats_tried != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
-            found->tried, float_count, sweep_.id));
+            found->floats_tried, float_count, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
     if (!others_follow) output::file::forget_result(state_file_.path());

@@ -42,8 +42,9 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
-    result->texts = selection::suspicions_of(
-        request.rows, [&scene](const TestedForm& form_row) { return measure::contract::suspicion(scene, form_row); });
+    result->texts = selection::suspicions_of(request.rows, [&scene](const TestedForm& form_row) {
+        return measure::contract::suspicion_text(scene, form_row);
+    });
     return result;
 }
 

@@ -211,11 +211,12 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     if (const auto file_row = request.file_row_index())
         result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
             const auto& summary_of_file = judgement.summaries[*file_row];
-            const std::string suspicion_text = measure::contract::suspicion(
+            const std::string suspicion_text = measure::contract::suspicion_text(
                 judgement.first, measure::contract::AnswerSource::file, judgement.misses_beside_first(summary_of_file));
             const bool is_whole = judgement.first_are_all(summary_of_file);
-            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first.size(),
-                                                 judgement.rays, "of its rays that hit or should hit", suspicion_text);
+            return measure::contract::name_counted_rays(rays_name, is_whole ? judgement.rays : judgement.first.size(),
+                                                        judgement.rays, "of its rays that hit or should hit",
+                                                        suspicion_text);
         });
     return result;
 }

@@ -97,9 +97,9 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
         const auto name = answer::outcome_names[static_cast<std::size_t>(event.outcome)];
         if (event.lost_bits == 0 && claim.metric.starts_with(name)) return tally.first[e];
     }
-    if (claim.metric == "padding_max" && tally.padding) return tally.padding->place;
-    if (claim.metric == "wrong" && tally.first_wrong) return tally.first_wrong->place;
-    if (tally.worst) return tally.worst->place;
+    if (claim.metric == "padding_max" && tally.padding) return tally.padding->float_index;
+    if (claim.metric == "wrong" && tally.first_wrong) return tally.first_wrong->float_index;
+    if (tally.worst) return tally.worst->float_index;
     return std::nullopt;
 }
 

@@ -101,14 +101,14 @@ void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& 
 void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) {
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const Claim& claim = axes_claims.claims[k].claim;
-        request.only.push_back({axes_claims.rows[k], claim.onset, claim.statistic, claim.threshold});
+        request.wanted_onsets.push_back({axes_claims.rows[k], claim.onset, claim.statistic, claim.threshold});
     }
     const auto onsets = sweep::find_onsets(request, sweep::run_sweep(request));
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const Claim& claim = axes_claims.claims[k].claim;
         ClaimResult& result = axes_claims.claims[k].result;
-        const auto found =
-            std::ranges::find_if(onsets, [&](const sweep::Onset& o) { return o.is_of_event(request.only[k]); });
+        const auto found = std::ranges::find_if(
+            onsets, [&](const sweep::Onset& o) { return o.is_same_event(request.wanted_onsets[k]); });
         if (found == onsets.end()) {
             scene::toml::fail(
                 claim.where,

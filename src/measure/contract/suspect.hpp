@@ -16,9 +16,9 @@ struct AnswerSample {
     Ray<double> ray;
     Primitive<double> primitive;
     bool truly_hits = false;
-    bool unit = false;         ///< by contract, directions have unit length and t is a distance
-    double true_t = 0;         ///< in the unit that the contract declares
-    double other_measure = 0;  ///< t in the other unit: the parameter for a distance, and the other way round
+    bool is_unit = false;  ///< by contract, directions have unit length and t is a distance
+    double true_t = 0;     ///< in the unit that the contract declares
+    double other_t = 0;    ///< t in the other unit: the parameter for a distance, and vice versa
     bool hit = false;
     double t = 0;
 };
@@ -46,17 +46,17 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// primitive, or t, in other units · hit inverted
 ///
 /// `more_misses`: number of right misses in addition to those in `rays`.
-std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
-                      std::uint64_t more_misses = 0);
+std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
+                           std::uint64_t more_misses = 0);
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
 /// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
-std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& form_row);
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
-                      const std::string& where);
+std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& form_row);
+std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
+                           const std::string& where);
 /// Puts the text about the counted rays in front of a suspicion, unless the suspicion is empty. `sampled` of `total`
-/// rays were counted; `which` follows their number in the text, such as `of its rays`.
-std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uint64_t total, const std::string& which,
-                       const std::string& suspicion);
+/// rays were counted; `position_text` follows their number, such as `of its rays`.
+std::string name_counted_rays(const std::string& where, std::uint64_t sampled, std::uint64_t total,
+                              const std::string& position_text, const std::string& suspicion);
 
 }  // namespace lostbits::measure::contract

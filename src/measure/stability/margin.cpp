@@ -89,7 +89,8 @@ std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const Ran
     const RootHit<E> found_root = root_hit(span, range, convention);
     if (found_root.hit.is_unknown()) return std::nullopt;
     const auto maximum = CriticalPoints(span).maximum();
-    if (found_root.hit.is_no() || found_root.root < 0 || !maximum) return SpanDecision{found_root.hit, found_root.at};
+    if (found_root.hit.is_no() || found_root.root < 0 || !maximum)
+        return SpanDecision{found_root.hit, found_root.crossing};
     const auto order = found_root.roots.order(found_root.root, E(*maximum));
     return SpanDecision{found_root.hit, found_root.crossing,
                         !order       ? TorusPass::either

@@ -101,7 +101,7 @@ struct Both {
 };
 
 void try_ray(Both& both, const Ray<double>& ray, const Primitive<double>& primitive, bool anywhere, Seeded& rng) {
-    if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) return;
+    if (!measure::truth::is_valid(ray) || !measure::truth::is_valid(primitive)) return;
     const auto truth = measure::truth::find_truth(ray, primitive);
     if (!truth.is_hit() || truth.t.is_zero() || std::abs(truth.t.exponent) > 900) return;
     const Problem problem{ray, primitive, truth.t};
