@@ -51,7 +51,7 @@ std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", 
 /// ` (0.44 to 0.47 over 4 draws)`, or ` (in each of 4 draws)`; empty if nothing is random or only one draw was
 /// measured.
 std::string spread_text(const ClaimResult& r) {
-    if (r.further.empty()) return "";
+    if (r.further_measured.empty()) return "";
     const auto s = r.spread();
     if (s.low == s.high) return fmt::format(" (in each of {} draws)", s.draws);
     return fmt::format(" ({} to {} over {} draws)", rounded(s.low), rounded(s.high), s.draws);
@@ -75,7 +75,7 @@ std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimRes
 /// Option of `lostbits check` that made the draws: ` --seeds 3`.
 std::string draws_option(const std::vector<ClaimResult>& results) {
     std::size_t further = 0;
-    for (const ClaimResult& r : results) further = std::max(further, r.further.size());
+    for (const ClaimResult& r : results) further = std::max(further, r.further_measured.size());
     return further == 0 ? "" : fmt::format(" --seeds {}", further);
 }
 

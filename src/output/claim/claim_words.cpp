@@ -102,9 +102,9 @@ namespace {
 std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
-    if (r.state == State::unmeasurable && !r.further.empty())
+    if (r.state == State::unmeasurable && !r.further_measured.empty())
         return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.reason, r.spread().draws,
-                           1 + r.further.size());
+                           1 + r.further_measured.size());
     if (r.state == State::unmeasurable || r.state == State::skipped)
         return fmt::format("{}, but {}", expected, r.reason);
     if (r.evaluations > 0)
@@ -112,7 +112,7 @@ std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
                            r.evaluations);
     if (r.floats > 0)
         return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
-    if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
+    if (r.further_measured.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
     const auto s = r.spread();
     return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(r.measured),
                        file::decimal(s.low), file::decimal(s.high), scene::toml::count_with_noun(s.draws, "draw"));

@@ -141,7 +141,7 @@ std::string measured_cell(const ClaimResult& r) {
     if (r.state != State::agrees && r.state != State::disagrees) return html(r.reason);
     if (!r.is_random()) return shown(r.measured);
     const auto spread = r.spread();
-    const std::string draws = r.further.empty()           ? ""
+    const std::string draws = r.further_measured.empty()  ? ""
                               : spread.low == spread.high ? fmt::format("in each of {} draws ", spread.draws)
                                                           : fmt::format("{} to {} over {} draws ", shown(spread.low),
                                                                         shown(spread.high), spread.draws);

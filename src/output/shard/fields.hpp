@@ -70,8 +70,8 @@ LOSTBITS_FIELDS(measure::judge::ReportedRay, place, outcome, ulps, given)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, floats, digits, decimals, first, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
-LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations, further,
-                bounds, seconds)
+LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
+                further_measured, bounds, seconds)
 
 /// Returns values as bits.
 template <class... T>

@@ -309,7 +309,7 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
 void ExhaustiveFiles::add_onsets(const RangeFinding& f) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         if (!request_.sweep.mesh && !is_of_one_primitive(first_events[e])) continue;
-        const auto bad = f.tally.first[e];
+        const auto bad = f.tally.first_floats[e];
         onsets_.add({{request_, f.ray, f.row, f.floats, f.tally}, e, bad, bad ? f.float_before(*bad) : std::nullopt});
     }
 }
