@@ -29,14 +29,14 @@ public:
             find_for_claim(claim, [&] { return choice::quantile_named(subject.requirement.at); });
         request_.limit.stop = run.stop;
         judge_.emplace(request_);
-        tape_ = find_for_claim(claim, [&] { return repair::recorded(request_); });
+        tape_ = find_for_claim(claim, [&] { return repair::record_tape(request_); });
         own_quality_ = find_for_claim(claim, [&] { return own_quality(request_, tape_, *judge_); });
     }
 
     /// Most accurate rewriting of the form; empty if no rewriting is more accurate than the form itself.
     std::optional<repair::Rewritten> best_rewriting() {
         if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_quality_, *judge_);
-        return rewriting_->found.empty() ? std::nullopt : std::optional(rewriting_->found.front());
+        return rewriting_->forms.empty() ? std::nullopt : std::optional(rewriting_->forms.front());
     }
     /// Number of operations in a smallest set that has to be wider: no operation of it can be left out. NaN if the
     /// requirement is not met even with all operations wider.

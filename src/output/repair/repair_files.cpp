@@ -43,12 +43,12 @@ std::vector<FormRow> rows_of(const RepairSummary& r) {
     const auto& repair = r.repair;
     const auto& own_row = r.request.row;
     const std::string wider = name_of_wider(repair.wider);
-    std::vector<FormRow> rows{{"own", std::string(own_row.form->info->name), own_row, repair.operations, 0, &repair.own,
-                               &repair.own_held_out, &repair.own_probed}};
+    std::vector<FormRow> rows{{"own", std::string(own_row.form->info->name), own_row, repair.operations, 0,
+                               &repair.own_quality, &repair.own_held_out, &repair.own_probed}};
     const auto add_proposal = [&](const Proposal& proposal) {
         if (proposal.rewritten)
             return rows.push_back({"rewritten", rules_of(*proposal.rewritten), own_row, proposal.rewritten->operations,
-                                   proposal.rewritten->set ? proposal.rewritten->set->operations.size() : 0,
+                                   proposal.rewritten->wider_set ? proposal.rewritten->wider_set->operations.size() : 0,
                                    proposal.quality, proposal.held_out, proposal.probed,
                                    rules_of(*proposal.rewritten)});
         const std::string name = fmt::format("{} of {} in {}", proposal.wider->size(), repair.operations, wider);
@@ -61,8 +61,8 @@ std::vector<FormRow> rows_of(const RepairSummary& r) {
     const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
     std::for_each(proposals.begin(), rewritten, add_proposal);
     rows.push_back({"all_wider", fmt::format("all {} in {}", repair.operations, wider), own_row, repair.operations,
-                    repair.operations, &repair.all, repair.set ? nullptr : &repair.set_held_out,
-                    repair.set ? nullptr : &repair.set_probed});
+                    repair.operations, &repair.all_wider_quality, repair.wider_set ? nullptr : &repair.set_held_out,
+                    repair.wider_set ? nullptr : &repair.set_probed});
     std::for_each(rewritten, proposals.end(), add_proposal);
     for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
     const std::size_t first_of_catalogue = rows.size();
@@ -88,7 +88,7 @@ std::vector<FormRow> rows_of(const RepairSummary& r) {
 }
 
 std::string change_text(const RepairSummary& r, const FormRow& row) {
-    const RowQuality &old_quality = r.repair.own, &new_quality = *row.quality;
+    const RowQuality &old_quality = r.repair.own_quality, &new_quality = *row.quality;
     const auto& requirement = r.request.requirement;
     std::string text = fmt::format(
         "{}: {} → {} bits, {}",
@@ -216,11 +216,11 @@ std::vector<int> steps_of(const Tape& tape) {
 std::vector<MinimalRow> minimal_rows(const RepairSummary& r) {
     std::vector<MinimalRow> rows;
     if (!r.has_set()) return rows;
-    const auto& set = *r.repair.set;
+    const auto& set = *r.repair.wider_set;
     const std::vector<int> steps = steps_of(r.repair.tape);
     for (std::size_t k = 0; k < set.operations.size(); ++k)
         rows.push_back({operation_text(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
-                        &set.without[k], set.without[k].meets(r.request.requirement)});
+                        &set.quality_without[k], set.quality_without[k].meets(r.request.requirement)});
     return rows;
 }
 
@@ -276,7 +276,7 @@ FormTexts texts_of(const RepairSummary& r, const Proposal& proposal, const std::
                                                     r.request.scene ? "pixel" : "ray kept", r.request.id()),
                                         "Made by " + command};
     if (r.request.row.form->is_placed)
-        head_lines.emplace_back(are_inverses(r.request)
+        head_lines.emplace_back(are_matrices_inverse(r.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");
     return {.name = name,
@@ -284,7 +284,7 @@ FormTexts texts_of(const RepairSummary& r, const Proposal& proposal, const std::
             .source = command,
             .head = std::move(head_lines),
             .two_words = repair.wider != binary64,
-            .binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+            .binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->wider_set)};
 }
 
 }  // namespace
@@ -304,7 +304,7 @@ std::string emitted(const RepairSummary& r, const std::filesystem::path& file, c
         throw InputError(fmt::format(
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
             file.string(), r.request.row.form->info->name,
-            r.repair.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
+            r.repair.wider_set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
     if (file.extension() == ".patch") {
         if (r.patches.empty())
             throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
@@ -312,7 +312,7 @@ std::string emitted(const RepairSummary& r, const std::filesystem::path& file, c
         const auto& patch = r.patches[static_cast<std::size_t>(best - proposals.data())];
         if (patch.diff.empty())
             throw InputError(fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(),
-                                         patch.file, patch.why_not));
+                                         patch.file, patch.reason));
         return patch.diff;
     }
     const bool is_shader = file.extension() == ".glsl";

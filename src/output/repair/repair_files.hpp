@@ -40,7 +40,7 @@ struct RepairSummary {
     /// requirement.
     std::vector<measure::repair::Patch> patches = {};
 
-    [[nodiscard]] bool has_set() const { return repair.set && !repair.set->operations.empty(); }
+    [[nodiscard]] bool has_set() const { return repair.wider_set && !repair.wider_set->operations.empty(); }
 };
 
 /// Collects the results, with the catalogue, all margins and patches, but without times.

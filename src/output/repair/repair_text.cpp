@@ -73,8 +73,8 @@ std::string change_lines(const RepairSummary& r, std::size_t k) {
     std::string text;
     if (patch == nullptr || patch->diff.empty()) {
         for (const std::string& line : changed_lines(r, proposals_of(r)[k].tape)) text += fmt::format("    {}\n", line);
-        if (patch != nullptr && !patch->why_not.empty())
-            text += fmt::format("  It is not a patch of {}: {}.\n", patch->file, patch->why_not);
+        if (patch != nullptr && !patch->reason.empty())
+            text += fmt::format("  It is not a patch of {}: {}.\n", patch->file, patch->reason);
         return text;
     }
     text = "  As a patch for `patch -p0`; the patched file was compiled and has these operations' bits:\n";
@@ -120,7 +120,7 @@ std::string probes_text(const RepairSummary& r, const std::vector<RowQuality>& p
     std::vector<std::string> holds;
     std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // by quality, the probes with that quality
     for (std::size_t k = 0; k < probed.size(); ++k) {
-        const std::string probe_text(r.repair.probes[k]->words), quality = in_words(probed[k], requirement);
+        const std::string probe_text(r.repair.probes[k]->description), quality = in_words(probed[k], requirement);
         if (probed[k].meets(requirement)) holds.push_back(probe_text);
         else if (!fails.empty() && fails.back().first == quality) fails.back().second.push_back(probe_text);
         else fails.push_back({quality, {probe_text}});
@@ -158,35 +158,37 @@ std::string wider_set_text(const RepairSummary& r) {
     const auto& repair = r.repair;
     const auto& requirement = r.request.requirement;
     const std::string wider = name_of_wider(repair.wider);
-    const std::size_t size = repair.set->operations.size();
-    std::string text =
-        fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size, repair.operations,
-                    wider, in_words(repair.set->quality, requirement), in_words(repair.all, requirement));
-    text += fmt::format("  Statements with wider operations: {}.\n", names_of(r, repair.set->operations));
+    const std::size_t size = repair.wider_set->operations.size();
+    std::string text = fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size,
+                                   repair.operations, wider, in_words(repair.wider_set->quality, requirement),
+                                   in_words(repair.all_wider_quality, requirement));
+    text += fmt::format("  Statements with wider operations: {}.\n", names_of(r, repair.wider_set->operations));
     text += change_lines(r, 0);
-    const auto best = std::ranges::min_element(repair.set->without, measure::repair::is_more_accurate);
+    const auto best = std::ranges::min_element(repair.wider_set->quality_without, measure::repair::is_more_accurate);
     text += fmt::format(
         "  No operation can be spared: if any one of the {} is not widened, the requirement fails; the best of these "
         "{} "
         "variants keeps {}.\n",
         size, size, in_words(*best, requirement));
-    if (repair.set->none_of > 0) {
-        const std::string sets =
-            repair.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", repair.set->none_of);
+    if (repair.wider_set->largest_failing_size > 0) {
+        const std::string sets = repair.wider_set->largest_failing_size == 1
+                                     ? "No operation alone"
+                                     : fmt::format("No set of {} or fewer", repair.wider_set->largest_failing_size);
         text += fmt::format("  {} is enough (all were tried){}.\n", sets,
-                            repair.set->none_of + 1 == size ? ", so this set is one of the smallest"
-                                                            : "; sets of sizes between were not all tried");
+                            repair.wider_set->largest_failing_size + 1 == size
+                                ? ", so this set is one of the smallest"
+                                : "; sets of sizes between were not all tried");
     }
-    return text + held_out_text(r, repair.set->quality, repair.set_held_out) + probes_text(r, repair.set_probed) +
+    return text + held_out_text(r, repair.wider_set->quality, repair.set_held_out) + probes_text(r, repair.set_probed) +
            margins_text(r.margins, r) + symmetric_set_text(r);
 }
 
 /// Says in a sentence or two what remains wrong if the form's operations do not round.
 std::string obstruction_text(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
-    const auto& [exact, with_unit, off_unit] = *r.repair.obstruction;
+    const auto& [exact, with_unit_directions, largest_length_error] = *r.repair.obstruction;
     const auto& form = *r.request.row.form->info;
-    if (r.repair.own.hits == 0) return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
+    if (r.repair.own_quality.hits == 0) return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > r.request.row.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", r.request.row.format.name,
                            r.request.row.format.parameters.precision);
@@ -195,12 +197,14 @@ std::string obstruction_text(const RepairSummary& r) {
         exact_text +=
             fmt::format(" ({} of these are {})", exact.main_fault_count,
                         exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
-    if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
+    if (with_unit_directions && !exact.meets(requirement) &&
+        measure::repair::is_more_accurate(*with_unit_directions, exact))
         return fmt::format(
             "  In the way: {} assumes directions of length one, but after rounding to {} their lengths differ from one "
             "by up to {:.2g}. "
             "On a sample, {}; with directions of length one to 53 bits, they {}.\n",
-            form.name, r.request.row.format.name, off_unit, exact_text, as_clause(*with_unit, requirement));
+            form.name, r.request.row.format.name, largest_length_error, exact_text,
+            as_clause(*with_unit_directions, requirement));
     if (!exact.meets(requirement))
         return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", exact_text);
     return fmt::format("  In the way: more rounding than {} removes. On a sample, {}; a wider format is needed.\n",
@@ -208,12 +212,13 @@ std::string obstruction_text(const RepairSummary& r) {
 }
 
 std::string rewritten_text(const RepairSummary& r, std::size_t k) {
-    const auto& rewritten = r.repair.rewriting.found[k];
+    const auto& rewritten = r.repair.rewriting.forms[k];
     const std::string wider_text =
-        rewritten.set ? fmt::format(", {} of it in {},",
-                                    scene::toml::count_with_noun(rewritten.set->operations.size(), "operation"),
-                                    name_of_wider(r.repair.wider))
-                      : "";
+        rewritten.wider_set
+            ? fmt::format(", {} of it in {},",
+                          scene::toml::count_with_noun(rewritten.wider_set->operations.size(), "operation"),
+                          name_of_wider(r.repair.wider))
+            : "";
     std::string text =
         fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
                     in_words(rewritten.quality, r.request.requirement),
@@ -226,7 +231,7 @@ std::string rewritten_text(const RepairSummary& r, std::size_t k) {
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
-    text += change_lines(r, proposals_of(r).size() - r.repair.rewriting.found.size() + k);
+    text += change_lines(r, proposals_of(r).size() - r.repair.rewriting.forms.size() + k);
     text += held_out_text(r, rewritten.quality, rewritten.held_out) + probes_text(r, rewritten.probed);
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
@@ -276,7 +281,7 @@ std::vector<std::string> changed_lines(const RepairSummary& r, const Tape& chang
 
 RepairSummary result_of(const measure::repair::RepairRequest& request, const measure::repair::RepairResult& repair) {
     RepairSummary r{.request = request, .repair = repair, .catalogue = {}, .catalogue_quality = {}};
-    for (const auto& [row, quality] : ranked_catalogue(request)) {
+    for (const auto& [row, quality] : rank_catalogue(request)) {
         r.catalogue.push_back(row);
         r.catalogue_quality.push_back(quality);
     }
@@ -290,7 +295,7 @@ RepairSummary result_of(const measure::repair::RepairRequest& request, const mea
     measure::repair::Patcher patcher(request, repair.tape);
     if (!patcher.has_file()) return r;
     for (const Proposal& proposal : proposals_of(r))
-        r.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.patch_of(proposal.tape)
+        r.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.make_patch(proposal.tape)
                                                                          : measure::repair::Patch());
     return r;
 }
@@ -299,12 +304,12 @@ std::vector<Proposal> proposals_of(const RepairSummary& r) {
     std::vector<Proposal> proposals;
     const auto& repair = r.repair;
     if (r.has_set())
-        proposals.push_back({with_wider(repair, repair.set->operations), &repair.set->quality, &repair.set_held_out,
-                             &repair.set_probed, nullptr, &repair.set->operations});
+        proposals.push_back({widen_operations(repair, repair.wider_set->operations), &repair.wider_set->quality,
+                             &repair.set_held_out, &repair.set_probed, nullptr, &repair.wider_set->operations});
     if (const auto& set = repair.symmetric)
-        proposals.push_back({with_wider(repair, set->operations), &set->quality, &set->held_out, &set->probed, nullptr,
-                             &set->operations, true});
-    for (const auto& rewritten : repair.rewriting.found)
+        proposals.push_back({widen_operations(repair, set->operations), &set->quality, &set->held_out, &set->probed,
+                             nullptr, &set->operations, true});
+    for (const auto& rewritten : repair.rewriting.forms)
         proposals.push_back(
             {rewritten.tape, &rewritten.quality, &rewritten.held_out, &rewritten.probed, &rewritten, nullptr});
     for (std::size_t k = 0; k < proposals.size() && !r.prices.empty(); ++k) proposals[k].price = &r.prices[k + 1];
@@ -333,7 +338,8 @@ const Proposal* best_of(const std::vector<Proposal>& proposals, const RepairSumm
 std::string rules_of(const measure::repair::Rewritten& rewritten) {
     std::vector<std::string_view> names;
     for (const auto* rule : rewritten.rules) names.push_back(rule->name);
-    if (rewritten.set) return fmt::format("{}, {} wider", fmt::join(names, ", "), rewritten.set->operations.size());
+    if (rewritten.wider_set)
+        return fmt::format("{}, {} wider", fmt::join(names, ", "), rewritten.wider_set->operations.size());
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -365,16 +371,16 @@ std::string method_text(const RepairSummary& r, const Proposal& proposal) {
 std::string in_words(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
     const auto& repair = r.repair;
-    std::string text =
-        fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
-                    r.request.row.form->info->name, r.request.row.format.name, in_words(repair.own, requirement));
-    if (!repair.set)
+    std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
+                                   r.request.row.form->info->name, r.request.row.format.name,
+                                   in_words(repair.own_quality, requirement));
+    if (!repair.wider_set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
-                            repair.operations, name_of_wider(repair.wider), in_words(repair.all, requirement),
-                            obstruction_text(r));
-    else text += repair.set->operations.empty() ? unchanged_is_enough_text(r) : wider_set_text(r);
-    if (repair.set && repair.set->operations.empty()) text += probes_text(r, repair.own_probed);
-    for (std::size_t k = 0; k < repair.rewriting.found.size(); ++k) text += rewritten_text(r, k);
+                            repair.operations, name_of_wider(repair.wider),
+                            in_words(repair.all_wider_quality, requirement), obstruction_text(r));
+    else text += repair.wider_set->operations.empty() ? unchanged_is_enough_text(r) : wider_set_text(r);
+    if (repair.wider_set && repair.wider_set->operations.empty()) text += probes_text(r, repair.own_probed);
+    for (std::size_t k = 0; k < repair.rewriting.forms.size(); ++k) text += rewritten_text(r, k);
     if (!r.catalogue.empty()) {
         const auto meet =
             std::ranges::count_if(r.catalogue_quality, [&](const RowQuality& w) { return w.meets(requirement); });
