@@ -108,18 +108,18 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const Claim& claim = axes_claims.claims[k].claim;
         ClaimResult& result = axes_claims.claims[k].result;
-        const auto found = std::ranges::find_if(
-            onsets, [&](const sweep::Onset& onset) { return onset.is_same_event(request.wanted_onsets[k]); });
-        if (found == onsets.end()) {
+        const auto onset = std::ranges::find_if(
+            onsets, [&](const sweep::Onset& candidate) { return candidate.is_same_event(request.wanted_onsets[k]); });
+        if (onset == onsets.end()) {
             scene::toml::fail(
                 claim.where,
                 "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
                     "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, "
                     "false_miss, not_a_number and, for marches, max_dist, max_steps, stagnated (count; 1)");
         }
-        result = judge(claim, found->found ? found->first_bad : missing, nullptr);
-        if (request.sweep.has_random_rays()) result.samples = found->views;
-        if (!found->found) result.reason = "it does not happen within the sweep";
+        result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
+        if (request.sweep.has_random_rays()) result.samples = onset->views;
+        if (!onset->found) result.reason = "it does not happen within the sweep";
     }
 }
 

@@ -40,10 +40,15 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// unexplained as the better of the guesses "always a miss" and "always a hit". Every guess must hold on each of two
 /// halves of the rays. Known mistakes:
 ///
-/// a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
-/// near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or
-/// replaced by the end of the ray, or exchanged with the origin · hits behind the ray · y and z exchanged · the
-/// primitive, or t, in other units · hit inverted
+/// - t is a distance, or the parameter in place of a distance;
+/// - the radius is squared, halved, doubled, or replaced by its root;
+/// - from inside, the answer is 0, the exit or the near root, with its sign or without;
+/// - the answer is the far root, or has the wrong sign;
+/// - the direction is reversed, replaced by the end of the ray, or exchanged with the origin;
+/// - an intersection behind the ray is answered as a hit;
+/// - y and z are exchanged;
+/// - the primitive, or t, is in other units;
+/// - hit is inverted.
 ///
 /// `more_misses`: number of right misses in addition to those in `rays`.
 std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,

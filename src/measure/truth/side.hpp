@@ -65,14 +65,14 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing root, const 
     if (*sign_of_a < 0)
         return side_of_root<E>({-s.h, -s.c, -s.a, s.q, s.d2}, root == Crossing::near ? Crossing::far : Crossing::near,
                                m, length);
-    const bool parameter = length == Length::parameter;
-    const auto sign_of_p = parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
-                                     : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
+    const bool is_parameter = length == Length::parameter;
+    const auto sign_of_p = is_parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
+                                        : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
     if (!sign_of_p) return std::nullopt;
     if (*sign_of_p < 0) return root == Crossing::near ? -1 : 1;
     // Here P(m) ≥ 0, so m lies at a root or outside both. If m is before the middle of the roots, it is below the far
     // root; if m is after the middle, it is above the near root.
-    const auto past_middle = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
+    const auto past_middle = is_parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
     if (!past_middle) return std::nullopt;
     if (root == Crossing::near) return *past_middle > 0 ? -1 : *sign_of_p;
     return *past_middle < 0 ? 1 : -*sign_of_p;
@@ -219,23 +219,23 @@ private:
     /// ray may meet the surface again after it leaves.
     [[nodiscard]] RootHit<F> hit_from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
-        const bool leaving = result_.roots[root].behind > 0;
+        const bool is_leaving = result_.roots[root].behind > 0;
         const auto to_end = order_to_end(root);
         if (!to_end) return {Tri::unknown};
-        const bool touching = !result_.roots[root].crosses || (!leaving && *to_end == 0);
+        const bool touching = !result_.roots[root].crosses || (!is_leaving && *to_end == 0);
         result_.on_surface = true;
         if (!touching || convention_.touching == Touching::hit) {
             const bool ignores_exits = convention_.inside == Inside::miss && !touching;
             const bool start_counts =
-                convention_.at_origin == AtOrigin::hit || (convention_.at_origin == AtOrigin::exit && leaving);
-            if (start_counts && !(ignores_exits && leaving)) {
+                convention_.at_origin == AtOrigin::hit || (convention_.at_origin == AtOrigin::exit && is_leaving);
+            if (start_counts && !(ignores_exits && is_leaving)) {
                 result_.touching = touching;
                 if (known_sign(begin_of(range_)) == 0) return hit_at_begin();
-                result_.root = root, result_.crossing = leaving ? Crossing::far : Crossing::near;
+                result_.root = root, result_.crossing = is_leaving ? Crossing::far : Crossing::near;
                 return finish(Tri::yes);
             }
         }
-        return leaving ? next_hit(root + 1) : hit_from_inside(root + 1);
+        return is_leaving ? next_hit(root + 1) : hit_from_inside(root + 1);
     }
     /// Order of a root relative to the end of the range.
     [[nodiscard]] std::optional<int> order_to_end(int root) const {
