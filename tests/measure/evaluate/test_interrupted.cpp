@@ -142,7 +142,7 @@ TEST_CASE("every computation stops where its own request says so") {
         INFO(what);
         CHECK_THROWS_AS(ask(), Interrupted);
     }
-    CHECK(state.tried == 0);
+    CHECK(state.floats_tried == 0);
 }
 
 }  // namespace lostbits::test::test_interrupted

@@ -69,7 +69,7 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
     CHECK(packs.outcomes == alone.outcomes);
     CHECK(packs.first_wrong == alone.first_wrong);
     CHECK(packs.last_wrong == alone.last_wrong);
-    CHECK(packs.first == alone.first);
+    CHECK(packs.first_floats == alone.first_floats);
     CHECK(packs.padding == alone.padding);
     REQUIRE(packs.worst.has_value() == alone.worst.has_value());
     if (!alone.worst) return;
