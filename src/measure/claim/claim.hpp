@@ -15,9 +15,8 @@ namespace lostbits::measure::claim {
 /// Result of a claim.
 struct ClaimResult {
     /// - `disagrees`: the measurement lies outside the expectation.
-    /// - `unmeasurable`: there was nothing to measure (no sample, no onset, a truth that was not proved). It never
-    /// counts
-    ///   as agreeing.
+    /// - `unmeasurable`: there was nothing to measure (no sample, no onset, a truth that was not proved). This never
+    ///   counts as agreeing.
     /// - `skipped`: this machine does not meet a requirement of the claim.
     enum class State { agrees, disagrees, unmeasurable, skipped };
     State state = State::unmeasurable;

@@ -133,7 +133,8 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const Exhaust
                         const std::vector<RangeFinding>& findings) {
     FloatTally tally;
     std::optional<float> onset;
-    // All floats make two ranges, from each zero outwards. The onset is that of the first range with an onset.
+    // A sweep over all floats has two ranges, from each zero outwards. The onset is that of the first range with an
+    // onset.
     for (const RangeFinding& finding : findings) {
         if (finding.row != row_index) continue;
         tally.append(finding.tally);

@@ -153,8 +153,8 @@ struct RayAtMeshEdge {
     Ray<double> ray{};
     bool at_vertex = false;
     double distance = 0;  ///< from the origin to the edge or vertex, in lengths of the edge
-    std::vector<Primitive<double>> adjacent =
-        {};  ///< triangles that share a vertex with the edge; those at the edge or the vertex first
+    /// Triangles that share a vertex with the edge; those at the edge or the vertex come first.
+    std::vector<Primitive<double>> adjacent = {};
     std::vector<Primitive<double>> others = {};  ///< all other triangles that face the ray
 };
 
@@ -168,7 +168,7 @@ double move_by_ulps(double x, int bits, rays::Random& random) {
 }
 
 /// Draws a ray from 2^-10 to 2^20 lengths of an edge away. It meets all triangles at the edge or the vertex from the
-/// front, at an angle of 7° or more, so that no light should pass. Empty if the rounded ray does not meet them so.
+/// front, at an angle of 7° or more, so that no light should pass. Empty if the rounded ray does not.
 std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::external::Contract& contract,
                                       rays::Random& random) {
     const Face& face = mesh.faces[static_cast<std::size_t>(random.below(static_cast<int>(mesh.faces.size())))];

@@ -106,8 +106,8 @@ struct SuspectAnswers {
     }
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
-    /// Text with the number of wrong answers among the rays that hit `conjunction` should hit, where `conjunction` is
-    /// "and" or "or".
+    /// Text with the number of wrong answers. `conjunction` is "and" for the rays that hit and should hit, "or" for the
+    /// rays that hit or should hit.
     [[nodiscard]] std::string count_text(const char* conjunction) const {
         if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", conjunction);
         return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(),

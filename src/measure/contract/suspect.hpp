@@ -60,8 +60,8 @@ std::string suspicion_text(const scene::file::Scene& scene, const evaluate::Test
 std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
                            const std::string& where);
 /// Puts the text about the counted rays in front of a suspicion, unless the suspicion is empty. `sampled` of `total`
-/// rays were counted; `position_text` follows their number, such as `of its rays`.
+/// rays were counted; `counted_rays_text` follows their number, such as `of its rays`.
 std::string name_counted_rays(const std::string& where, std::uint64_t sampled, std::uint64_t total,
-                              const std::string& position_text, const std::string& suspicion);
+                              const std::string& counted_rays_text, const std::string& suspicion);
 
 }  // namespace lostbits::measure::contract

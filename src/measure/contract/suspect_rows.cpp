@@ -1,4 +1,4 @@
-// Collects the answers of rows of the table, for a suspicion.
+// Collects the answers of rows of the table of forms, in which suspicions look for a mistake.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,11 +50,11 @@ AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& prim
 }
 
 std::string name_counted_rays(const std::string& where, std::uint64_t sampled, std::uint64_t total,
-                              const std::string& position_text, const std::string& suspicion) {
+                              const std::string& counted_rays_text, const std::string& suspicion) {
     if (suspicion.empty()) return "";
-    const std::string rays = sampled >= total
-                                 ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
-                                 : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, position_text);
+    const std::string rays =
+        sampled >= total ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
+                         : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, counted_rays_text);
     return rays + suspicion;
 }
 

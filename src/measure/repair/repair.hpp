@@ -62,11 +62,14 @@ struct Rewriting {
 
 /// Limits of the search for rewritten forms.
 struct SearchLimit {
-    std::size_t rounds = 8;  ///< number of rounds; each rewrites the most promising candidates once
-    std::size_t beam_width =
-        4;  ///< number of candidates rewritten for their accuracy; as many again for their little work
-    std::size_t max_children = 24;  ///< number of candidates from each form; operations that lose most bits come first
-    std::size_t max_proposals = 3;  ///< number of forms in the result
+    /// Number of rounds; each rewrites the most promising candidates once.
+    std::size_t rounds = 8;
+    /// Number of candidates that a round rewrites for their accuracy, and again for their little work.
+    std::size_t beam_width = 4;
+    /// Number of candidates from each form; operations that lose most bits come first.
+    std::size_t max_children = 24;
+    /// Number of forms in the result.
+    std::size_t max_proposals = 3;
 };
 
 /// Rewrites the form in rounds. Each round applies the rules to the most accurate forms so far and to those that meet
@@ -82,8 +85,8 @@ std::size_t estimated_work(const Tape& tape);
 
 /// Reason why the form does not meet the requirement even with every operation wider: its quality without any rounding.
 struct Obstruction {
-    RowQuality exact{};  ///< quality on some of the rays, each with the primitive that it truly hits, or with the first
-                         ///< primitive
+    /// Quality on some of the rays, each with the primitive that it truly hits, or with the first primitive.
+    RowQuality exact{};
     /// For a form that asks for directions of length one: the quality with directions of length one to 53 bits, and the
     /// largest difference of the length of a stored direction from one.
     std::optional<RowQuality> with_unit_directions = {};
@@ -95,8 +98,9 @@ struct RepairResult {
     FloatFormat wider;                              ///< the arithmetic of the wider operations
     std::size_t operations = 0;                     ///< number of operations that round, and so could be done wider
     RowQuality own_quality{}, all_wider_quality{};  ///< quality of the form as it is, and with every operation wider
-    std::optional<WiderSet> wider_set = {};  ///< null: not even with every operation wider is the requirement met;
-                                             ///< empty set: the form meets it as it is
+    /// Null if the form does not meet the requirement even with every operation wider; an empty set if the form meets
+    /// it as it is.
+    std::optional<WiderSet> wider_set = {};
     Rewriting rewriting = {};  ///< other ways of writing the form; none if the form meets the requirement as it is
     std::uint64_t tried = 0;   ///< candidates tried, each on all rays
     scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
@@ -108,8 +112,8 @@ struct RepairResult {
     std::vector<RowQuality> own_probed = {}, set_probed = {};
     std::uint64_t probed_rays = 0;               ///< number of rays of each probe
     std::optional<SymmetricSet> symmetric = {};  ///< found if the set fails exact probes
-    std::optional<Obstruction> obstruction =
-        {};  ///< found if the form does not meet the requirement even with all operations wider
+    /// Found if the form does not meet the requirement even with all operations wider.
+    std::optional<Obstruction> obstruction = {};
 };
 
 /// Repairs the form of a request. `affordable` is that of `smallest_set`. Throws InputError for a form whose operations
