@@ -39,8 +39,8 @@ struct Onset {
     bool recovers = false, good_at_end = false;
     double last_good_after = 0, bad_again = 0;
     std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer rays, a first failure is found later
-    std::vector<double> further_first_bad =
-        {};  ///< first_bad of further draws, one per seed; NaN if the event does not happen
+    /// `first_bad` of further draws, one for each seed; NaN if the event does not happen.
+    std::vector<double> further_first_bad = {};
 
     /// True if both are the same event of one row, read from the same end.
     [[nodiscard]] bool is_same_event(const Onset& other) const {
