@@ -122,7 +122,7 @@ LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::
         const auto file = folder / candidate.file;
         output::file::write_file(file, repairer.sources[k].header);
         candidate.file = file.string();
-        repairs.forms.push_back({std::move(formulas[k]), repairer.sources[k].from.format});
+        repairs.forms.push_back({std::move(formulas[k]), repairer.sources[k].original.format});
     }
     repairs.candidates = std::move(repairer.candidates);
     return repairs;

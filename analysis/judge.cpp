@@ -302,12 +302,12 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     if (const auto file_row = request.file_row_index())
         note_suspicions({request.rows[*file_row]}, common, [&](const measure::evaluate::TestedForm&) {
             const std::string suspicion_text =
-                measure::contract::suspicion(result.first_samples, measure::contract::AnswerSource::file,
-                                             result.scaled_right_misses(result.summaries[*file_row]));
+                measure::contract::suspicion_text(result.first_samples, measure::contract::AnswerSource::file,
+                                                  result.scaled_right_misses(result.summaries[*file_row]));
             const bool is_whole_file = result.has_all_samples(result.summaries[*file_row]);
-            return measure::contract::on_rays_of(options.file,
-                                                 is_whole_file ? result.rays : result.first_samples.size(), result.rays,
-                                                 "of its rays that hit or should hit", suspicion_text);
+            return measure::contract::name_counted_rays(
+                options.file, is_whole_file ? result.rays : result.first_samples.size(), result.rays,
+                "of its rays that hit or should hit", suspicion_text);
         });
     return report_unproved(result.summaries.front().count(Outcome::unresolved));
 }

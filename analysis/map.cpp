@@ -307,7 +307,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
     if (!finish_run(run_division, common)) return Exit::done;
     for (const SceneWork& work : scene_works)
         note_suspicions(work.map.rows, common, [&work](const TestedForm& form_row) {
-            return measure::contract::suspicion(*work.map.scene, form_row);
+            return measure::contract::suspicion_text(*work.map.scene, form_row);
         });
     return report_unproved(unresolved);
 }

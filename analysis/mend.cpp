@@ -73,7 +73,7 @@ void add_prices(RepairSummary& result, const MendOptions& options, const std::st
         std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
-        result.prices = prices_of(request, rows, {.stop = request.limit.stop});
+        result.prices = measure_prices(request, rows, {.stop = request.limit.stop});
     } catch (const EnvironmentError& error) {
         result.no_price_reason = error.what();
     }
@@ -136,10 +136,10 @@ public:
 
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
-        rays_ = judge(request, measure::repair::catalogue_beside(request.row));
+        rays_ = judge(request, measure::repair::comparable_forms(request.row));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
-        request.on_all = [this, &request](const std::vector<Tape>& tapes) {
+        request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
             std::vector<measure::evaluate::TestedForm> rows;
             for (const Tape& tape : tapes) {
@@ -232,7 +232,7 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     fmt::print("{}", output::repair::repair_text(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
-    const bool meets_requirement = repair.set || best_proposal(list_proposals(result), result);
+    const bool meets_requirement = repair.wider_set || best_proposal(list_proposals(result), result);
     return meets_requirement ? Exit::done : Exit::answer_is_no;
 }
 

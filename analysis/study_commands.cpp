@@ -214,7 +214,7 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
         return measure_scene<Adapter>(studies[k], run, complete);
     });
     finish_run(run_division, common);
-    return report_unproved(unproved, studies.front().limit.bits);
+    return report_unproved(unproved, studies.front().limit.max_bits);
 }
 
 template <class Adapter>

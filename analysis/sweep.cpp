@@ -42,7 +42,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
                    !onset.recovers     ? "-"
                    : onset.good_at_end ? "to the end"
                                        : fmt::format("{:.8g}", onset.last_good_after),
-                   onset.further.empty()
+                   onset.further_first_bad.empty()
                        ? ""
                        : fmt::format("{:.4g} to {:.4g}, median {:.4g}", spread.low, spread.high, spread.median));
     }
@@ -105,8 +105,8 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
             first_values.push_back(axis.values.front());
             position += fmt::format("{}{} = {}", position.empty() ? " at " : ", ", axis.name, first_values.back());
         }
-        return measure::contract::suspicion(sweep.rays(first_values), form_row,
-                                            sweep.id + position + ", the first step");
+        return measure::contract::suspicion_text(sweep.rays(first_values), form_row,
+                                                 sweep.id + position + ", the first step");
     });
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());

@@ -59,7 +59,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
 void ExhaustiveRun::resume() {
     state_file_.read([this](output::shard::BitReader& bits) {
         bits(state_);
-        state_.require_of(request_);
+        state_.require_match(request_);
     });
     resumed_ = true;
 }
@@ -67,11 +67,12 @@ void ExhaustiveRun::resume() {
 ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
     require_writable(state_file_.path());
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.rows.size();
-    const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
-    ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common, state_.tried * rays_per_float);
+    const std::uint64_t floats = measure::sweep::count_floats(sweep_, request_.share);
+    ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common,
+                                  state_.floats_tried * rays_per_float);
     request_.progress = progress.advance_callback();
     auto last_save = std::chrono::steady_clock::now();
-    request_.keep = [&](const ExhaustiveState& state) {
+    request_.store_state = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - last_save < save_interval) return;
         state_file_.write(output::shard::bits_of(state));
         last_save = std::chrono::steady_clock::now();
@@ -83,7 +84,7 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
         state_file_.write(output::shard::bits_of(state_));
         if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
-                       sweep_.id, percent(state_.tried, floats));
+                       sweep_.id, percent(state_.floats_tried, floats));
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
@@ -113,14 +114,14 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     if (result_folder) files.emplace(request_, folder_);
     const auto state = chosen_.division().result_of(
         "sweep " + sweep_.id, [&] { return try_floats(others_follow); },
-        [this](const ExhaustiveState& part) { part.require_of(request_); });
+        [this](const ExhaustiveState& part) { part.require_match(request_); });
     if (!state) return 0;
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
-    if (const std::uint64_t float_count = measure::sweep::floats_of(sweep_, {}); state->tried != float_count)
+    if (const std::uint64_t float_count = measure::sweep::count_floats(sweep_, {}); state->floats_tried != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
-            state->tried, float_count, sweep_.id));
+            state->floats_tried, float_count, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *state);
     files->finish(*state, findings);
     if (!others_follow) output::file::remove_result(state_file_.path());

@@ -44,8 +44,9 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_worst_ray});
-    result->texts = selection::suspicions_of(
-        request.rows, [&scene](const TestedForm& form_row) { return measure::contract::suspicion(scene, form_row); });
+    result->texts = selection::suspicions_of(request.rows, [&scene](const TestedForm& form_row) {
+        return measure::contract::suspicion_text(scene, form_row);
+    });
     return result;
 }
 

@@ -214,11 +214,12 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
         result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
             const auto& summary_of_file = judgement.summaries[*file_row];
             const std::string suspicion_text =
-                measure::contract::suspicion(judgement.first_samples, measure::contract::AnswerSource::file,
-                                             judgement.scaled_right_misses(summary_of_file));
+                measure::contract::suspicion_text(judgement.first_samples, measure::contract::AnswerSource::file,
+                                                  judgement.scaled_right_misses(summary_of_file));
             const bool is_whole = judgement.has_all_samples(summary_of_file);
-            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first_samples.size(),
-                                                 judgement.rays, "of its rays that hit or should hit", suspicion_text);
+            return measure::contract::name_counted_rays(
+                rays_name, is_whole ? judgement.rays : judgement.first_samples.size(), judgement.rays,
+                "of its rays that hit or should hit", suspicion_text);
         });
     return result;
 }
@@ -308,7 +309,7 @@ std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSet
                            table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
                            if (!truth.is_hit()) continue;
                            table.columns[1].numbers[first + i] =
-                               static_cast<double>(is_paired ? first + i : truth.object);
+                               static_cast<double>(is_paired ? first + i : truth.primitive);
                            std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
                                to_two_doubles(is_unit ? truth.distance : truth.t);
                        }
@@ -396,7 +397,7 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
             for (std::size_t i = first; i < first + point_count; ++i) {
                 Vec<double> point;
                 for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
-                if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
+                if (!measure::truth::is_valid(Ray<double>{point, {1, 1, 1}}))
                     throw InputError("point " + std::to_string(i) + " has a number that is not finite");
                 points_in_mesh[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = settings.stop()});
             }

@@ -84,7 +84,7 @@ void RayTable::band(const measure::evaluate::BandResult& result) {
         const measure::truth::Truth truth = result.truth(i);
         columns[0].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
         columns[1].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
-        columns[2].numbers.push_back(truth.is_hit() ? truth.object : measure::truth::missing);
+        columns[2].numbers.push_back(truth.is_hit() ? truth.primitive : measure::truth::missing);
         columns[3].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
         columns[4].numbers.push_back(
             truth.is_hit() ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)

@@ -93,7 +93,7 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     selection::refuse_generated_rays({scene}, "mend");
     MendWork work{std::move(scene), parsed.requirement, rows.front()};
     // Refuses a form that filters here, before anything is measured.
-    static_cast<void>(measure::repair::recorded({.scene = &work.scene, .row = work.row}));
+    static_cast<void>(measure::repair::record_tape({.scene = &work.scene, .row = work.row}));
     return work;
 }
 

@@ -54,7 +54,7 @@ Ray<Real> parse_ray(const RayOptions& options) {
         {"--ray", "a ray; write origin and direction, six numbers with commas between them", 6, has_own_primitives},
         rounding_format(options.format));
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-    if (!has_own_primitives && !measure::truth::is_proper(to_double_ray(ray)))
+    if (!has_own_primitives && !measure::truth::is_valid(to_double_ray(ray)))
         throw InputError("--ray " + options.ray +
                          " is not a ray; its numbers must be finite and its direction not zero");
     return ray;

@@ -41,7 +41,7 @@ struct CorrectHit {
 
     [[nodiscard]] Ray<Real> ray() const { return lift_ray<Real>(form_on_band.rays()[pixel]); }
     [[nodiscard]] Primitive<Real> primitive() const {
-        return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.object)]);
+        return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.primitive)]);
     }
     /// The computed t.
     [[nodiscard]] Real t() const { return Real(form_on_band.closest.t[pixel]); }
@@ -74,7 +74,7 @@ struct NumberStudy {
     const scene::file::Scene& scene;
     std::vector<measure::evaluate::TestedForm> rows;
     Quantity number;
-    measure::truth::TruthLimit limit{};
+    measure::truth::ProofLimit limit{};
     measure::shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
@@ -87,7 +87,8 @@ struct NumberStudy {
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
             const measure::truth::Truth truth = band.truth(i, rows[row_index].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
-            if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.object) continue;
+            if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.primitive)
+                continue;
             result.numbers[i] = number(CorrectHit{on_band, i, truth});
             summary.numbers.add(result.numbers[i]);
         }

@@ -43,7 +43,7 @@ StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow
     StudyRow row_values;
     for (const auto& column : table) {
         const output::file::Cell cell = column.value(row);
-        if (column.about.type == "string") row_values.words[column.about.name] = cell.text();
+        if (column.about.type == "string") row_values.texts[column.about.name] = cell.text();
         else row_values.numbers[column.about.name] = cell.number();
     }
     row_values.unproved = Adapter::unproved(row);
@@ -101,7 +101,7 @@ StudyNames StudiesByName::names(const std::string& study) const {
         StudyNames names;
         for (const StudyOption& option : Adapter::options()) names.options.push_back(option.name);
         for (const output::file::Column& column : Adapter::View::summary_table().columns())
-            (column.type == "string" ? names.words : names.numbers).push_back(column.name);
+            (column.type == "string" ? names.text_columns : names.number_columns).push_back(column.name);
         return names;
     });
 }

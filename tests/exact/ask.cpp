@@ -101,16 +101,16 @@ void ask_columns(Shape shape, truth::Tightness tightness, std::span<const Proble
     const Columns<S> given(shape, problems);
     truth::TruthColumns found;
     truth::find_truth_columns(given.columns, {.convention = {}, .tightness = tightness, .limit = {}}, found);
-    auto alone = found.alone.begin();
+    auto alone = found.single_truths.begin();
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Given one(shape, problems[i]);
-        if (alone != found.alone.end() && alone->first == i) {
+        if (alone != found.single_truths.end() && alone->first == i) {
             answers[i] = answer_of((alone++)->second, one, tightness);
             continue;
         }
         truth::Truth t;
         t.decision = found.decision[i];
-        if (t.is_hit()) t.t = truth::certified(found.hi[i], found.lo[i], found.bound[i]);
+        if (t.is_hit()) t.t = truth::make_certified(found.hi[i], found.lo[i], found.bound[i]);
         answers[i] = answer_of(t, one, tightness);
     }
 }

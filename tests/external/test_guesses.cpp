@@ -24,7 +24,7 @@ std::vector<measure::contract::AnswerSample> beside(double radius, double reach,
         measure::contract::AnswerSample j{.ray = {{side, 0, -from}, {0, 0, 1}},
                                           .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, radius}),
                                           .truly_hits = left >= 0};
-        if (j.truly_hits) j.true_t = j.other_measure = from - std::sqrt(left);
+        if (j.truly_hits) j.true_t = j.other_t = from - std::sqrt(left);
         j.t = told(side, from);
         j.hit = !std::isnan(j.t);
         all.push_back(j);
@@ -40,12 +40,12 @@ auto of_radius(double radius) {
 }  // namespace
 
 TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-miss answers", "[external]") {
-    using measure::contract::suspicion;
+    using measure::contract::suspicion_text;
     // A form that never hits allows no conclusion, however thin or large the primitive that it misses.
     const auto never = [](double, double) { return std::nan(""); };
     for (const double radius : {0x1p-10, 0.001, 0.1, 0.5, 1.0, 50.0, 1e6}) {
         for (const double reach : {0.9, 1.0, 3.0}) {
-            const std::string words = suspicion(beside(radius, reach * radius, never));
+            const std::string words = suspicion_text(beside(radius, reach * radius, never));
             INFO(radius << ' ' << reach << ": " << words);
             CHECK(has(words, "miss what they should hit; no known mistake"));
             CHECK_FALSE(has(words, "seem"));
@@ -58,54 +58,55 @@ TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-mi
             all.push_back(
                 {.ray = {{1e-4 * i, 0, -5}, {0, 0, 1}}, .primitive = primitive, .truly_hits = true, .true_t = 4.99});
         INFO(shape.name);
-        CHECK_FALSE(has(suspicion(all), "seem"));
+        CHECK_FALSE(has(suspicion_text(all), "seem"));
     }
     // A form that hits a sphere of another radius is recognised by its hits and its misses.
-    CHECK(has(suspicion(beside(9, 18, of_radius(3))), "the intersector seems to expect the square of the radius"));
-    CHECK(has(suspicion(beside(3, 18, of_radius(9))), "the radius seems to be squared once too often"));
-    CHECK(has(suspicion(beside(2.5, 7.5, of_radius(5))),
+    CHECK(has(suspicion_text(beside(9, 18, of_radius(3))), "the intersector seems to expect the square of the radius"));
+    CHECK(has(suspicion_text(beside(3, 18, of_radius(9))), "the radius seems to be squared once too often"));
+    CHECK(has(suspicion_text(beside(2.5, 7.5, of_radius(5))),
               "the intersector seems to get a diameter instead of the radius"));
     // Hits that fit a sphere twice as large, but stop at the rim of the sphere itself, do not suggest the larger one:
     // rays between the two are missed.
     CHECK_FALSE(
-        has(suspicion(beside(
+        has(suspicion_text(beside(
                 2, 6, [](double side, double from) { return side > 2 ? std::nan("") : of_radius(4)(side, from); })),
             "seem"));
     // Two hits in the middle of 400 misses do not suggest it either.
-    CHECK_FALSE(
-        has(suspicion(beside(50, 49, [](double side, double) { return side < 0.2 ? 1e9 : std::nan(""); })), "seem"));
+    CHECK_FALSE(has(suspicion_text(beside(50, 49, [](double side, double) { return side < 0.2 ? 1e9 : std::nan(""); })),
+                    "seem"));
 }
 
 TEST_CASE("suspicion: a guess is tested on rays that did not suggest it", "[external]") {
-    using measure::contract::suspicion;
+    using measure::contract::suspicion_text;
     // One wrong answer, for which a factor or a sign could always be found.
     auto all = beside(3, 1, of_radius(3));
     all.resize(1);
     for (const double factor : {-1.0, 1000.0, 7.5}) {
         all[0].t = factor * all[0].true_t;
-        CHECK(has(suspicion(all), "wrong on the only ray that hits or should hit: its t is off by more than 0.4%"));
+        CHECK(
+            has(suspicion_text(all), "wrong on the only ray that hits or should hit: its t is off by more than 0.4%"));
     }
 }
 
 TEST_CASE("suspicion: a factor is not guessed from a sum, from one answer or from false hits", "[external]") {
-    using measure::contract::suspicion;
+    using measure::contract::suspicion_text;
     const auto scaled = [](double from, double to, const auto& answer) {
         auto all = beside(3, 1, of_radius(3));
         for (std::size_t i = 0; i < all.size(); ++i) {
-            all[i].true_t = all[i].other_measure = from + (to - from) * static_cast<double>(i) / 400;
+            all[i].true_t = all[i].other_t = from + (to - from) * static_cast<double>(i) / 400;
             all[i].t = answer(all[i].true_t);
         }
         return all;
     };
-    CHECK_FALSE(has(suspicion(scaled(95, 105, [](double t) { return t + 1; })), "units"));
-    CHECK_FALSE(has(suspicion(scaled(99, 99.2, [](double) { return 1.0; })), "units"));
-    CHECK_FALSE(has(suspicion(scaled(99, 99.2, [](double t) { return 1.5 * t; })), "units"));
-    CHECK_FALSE(has(suspicion(scaled(1, 1, [](double) { return 1000.0; })), "units"));
-    CHECK(has(suspicion(scaled(90, 110, [](double t) { return 1.5 * t; })), "it is 1.5 times what is right"));
-    CHECK(has(suspicion(scaled(99, 99.2, [](double t) { return 1000 * t; })), "1000 times what is right"));
+    CHECK_FALSE(has(suspicion_text(scaled(95, 105, [](double t) { return t + 1; })), "units"));
+    CHECK_FALSE(has(suspicion_text(scaled(99, 99.2, [](double) { return 1.0; })), "units"));
+    CHECK_FALSE(has(suspicion_text(scaled(99, 99.2, [](double t) { return 1.5 * t; })), "units"));
+    CHECK_FALSE(has(suspicion_text(scaled(1, 1, [](double) { return 1000.0; })), "units"));
+    CHECK(has(suspicion_text(scaled(90, 110, [](double t) { return 1.5 * t; })), "it is 1.5 times what is right"));
+    CHECK(has(suspicion_text(scaled(99, 99.2, [](double t) { return 1000 * t; })), "1000 times what is right"));
     auto with_false_hits = scaled(90, 110, [](double t) { return 1.5 * t; });
     for (std::size_t i = 0; i < with_false_hits.size(); i += 5) with_false_hits[i].truly_hits = false;
-    CHECK_FALSE(has(suspicion(with_false_hits), "units"));
+    CHECK_FALSE(has(suspicion_text(with_false_hits), "units"));
 }
 
 TEST_CASE("suspicion: a dump whose rays all miss a large sphere is not explained by its radius", "[external]") {

@@ -16,7 +16,7 @@ namespace test_patches {
 using namespace lostbits::test;
 using lostbits::intersect::source_text::SourceTokens;
 using lostbits::intersect::source_text::TextSpan;
-using lostbits::measure::repair::changed_text;
+using lostbits::measure::repair::apply_changes;
 using lostbits::measure::repair::TextChange;
 
 namespace {
@@ -133,7 +133,7 @@ TEST_CASE("patches: patch makes the new text from the old one", "[external]") {
         for (std::size_t at = 0; at < old.size(); at += 1 + random() % 20)
             changes.push_back(
                 {{at, at + random() % 2}, std::string(random() % 3, '+') + (random() % 2 == 0 ? "\n" : "")});
-        const auto now = changed_text(old, changes);
+        const auto now = apply_changes(old, changes);
         if (!now || *now == old) continue;
         std::ofstream(made.path() / "own.c") << old;
         std::ofstream(made.path() / "own.patch") << lostbits::measure::repair::unified_diff("own.c", old, *now);

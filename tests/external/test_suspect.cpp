@@ -31,7 +31,7 @@ std::vector<measure::contract::AnswerSample> judged(const Answer& answer) {
                                           .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
                                           .truly_hits = true,
                                           .true_t = (from - half) / length,
-                                          .other_measure = from - half,
+                                          .other_t = from - half,
                                           .hit = true};
         j.t = answer(j.true_t, (from + half) / length, length);
         all.push_back(j);
@@ -42,30 +42,30 @@ std::vector<measure::contract::AnswerSample> judged(const Answer& answer) {
 }  // namespace
 
 TEST_CASE("suspicion: each wrong contract is recognised from its answers", "[external]") {
-    using measure::contract::suspicion;
-    CHECK(suspicion(judged([](double t, double, double) { return t; })).empty());
-    CHECK(suspicion(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
-    CHECK(has(suspicion(judged([](double t, double, double l) { return t * l; })), "directions of unit length"));
-    CHECK(has(suspicion(judged([](double, double far, double) { return far; })), "the far root"));
+    using measure::contract::suspicion_text;
+    CHECK(suspicion_text(judged([](double t, double, double) { return t; })).empty());
+    CHECK(suspicion_text(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
+    CHECK(has(suspicion_text(judged([](double t, double, double l) { return t * l; })), "directions of unit length"));
+    CHECK(has(suspicion_text(judged([](double, double far, double) { return far; })), "the far root"));
     auto by_distance = judged([](double t, double, double) { return t; });  // although a distance was promised
     for (auto& j : by_distance) {
-        j.unit = true;
-        std::swap(j.true_t, j.other_measure);
+        j.is_unit = true;
+        std::swap(j.true_t, j.other_t);
     }
-    CHECK(has(suspicion(by_distance), "the ray's parameter, not a distance"));
-    CHECK(has(suspicion(judged([](double t, double, double) { return -t; })), "wrong sign"));
+    CHECK(has(suspicion_text(by_distance), "the ray's parameter, not a distance"));
+    CHECK(has(suspicion_text(judged([](double t, double, double) { return -t; })), "wrong sign"));
     // No known mistake explains it, so only the number is reported.
-    const std::string unknown = suspicion(judged([](double, double, double) { return 17.0; }));
+    const std::string unknown = suspicion_text(judged([](double, double, double) { return 17.0; }));
     CHECK(has(unknown, " have a t that is off by more than 0.4%"));
     CHECK(has(unknown, "no known mistake explains nine in ten"));
-    const std::string none = suspicion(judged([](double, double, double) { return HUGE_VAL; }));
+    const std::string none = suspicion_text(judged([](double, double, double) { return HUGE_VAL; }));
     CHECK(has(none, "500 have a t that is not a finite number"));
 }
 
 TEST_CASE("suspicion: t in other units is recognised and the factor reported", "[external]") {
-    using measure::contract::suspicion;
+    using measure::contract::suspicion_text;
     const auto off_by = [](double factor) {
-        return suspicion(judged([factor](double t, double, double) { return factor * t; }));
+        return suspicion_text(judged([factor](double t, double, double) { return factor * t; }));
     };
     CHECK(has(off_by(1000), "t is in other units: it is 1000 times what is right: millimetres for metres?"));
     CHECK(has(off_by(0.001), "0.001 times what is right: metres for millimetres?"));
@@ -75,17 +75,17 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
     const auto with_wrong_decisions = [](double factor) {
         auto all = judged([factor](double t, double, double) { return factor * t; });
         for (std::size_t i = 0; i < all.size(); i += 6) (i % 4 == 0 ? all[i].hit : all[i].truly_hits) = false;
-        return suspicion(all);
+        return suspicion_text(all);
     };
     CHECK(has(with_wrong_decisions(1000), "wrong on 416 of the 416 rays that hit and should hit: t is in other units"));
     CHECK(has(with_wrong_decisions(-1), "wrong on 416 of the 416 rays that hit and should hit: t has the wrong sign"));
     CHECK(with_wrong_decisions(1).empty());
     // A factor that differs from ray to ray is not a factor, and neither is one answer to rays that are all alike.
     int n = 0;
-    CHECK_FALSE(has(suspicion(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
+    CHECK_FALSE(has(suspicion_text(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
     std::vector<measure::contract::AnswerSample> alike;
     for (int i = 0; i < 100; ++i) alike.push_back(judged([](double t, double, double) { return 3 * t; }).front());
-    CHECK_FALSE(has(suspicion(alike), "units"));
+    CHECK_FALSE(has(suspicion_text(alike), "units"));
     // From far away all t are nearly alike: a deliberate factor is recognised there too.
     const auto from_afar = [](double factor) {
         std::vector<measure::contract::AnswerSample> all;
@@ -94,7 +94,7 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
             all.back().true_t *= 1 + 0x1p-17 * i;
             all.back().t = factor * all.back().true_t;
         }
-        return suspicion(all);
+        return suspicion_text(all);
     };
     CHECK(has(from_afar(1000), "1000 times what is right"));
     CHECK(has(from_afar(1 / 0.0254), "inches for metres?"));
@@ -113,8 +113,8 @@ TEST_CASE("suspicion: answers that fit the ray itself do not suggest another ray
                        .hit = true,
                        .t = 5 - std::sqrt(1 - 2 * y * y)});
     }
-    CHECK(
-        has(measure::contract::suspicion(all), "wrong on 20 of the 20 rays that hit or should hit: 20 hit what they"));
+    CHECK(has(measure::contract::suspicion_text(all),
+              "wrong on 20 of the 20 rays that hit or should hit: 20 hit what they"));
 }
 
 TEST_CASE("suspicion: changes to the rays or to the primitive are recognised from the answers", "[external]") {
@@ -144,11 +144,11 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
                            .primitive = Primitive<double>(sphere),
                            .truly_hits = !std::isnan(truth),
                            .true_t = truth,
-                           .other_measure = truth,
+                           .other_t = truth,
                            .hit = hit,
                            .t = std::isnan(t) ? 0 : t});
         }
-        return measure::contract::suspicion(all, measure::contract::AnswerSource::file);
+        return measure::contract::suspicion_text(all, measure::contract::AnswerSource::file);
     };
     CHECK(asked([](R&, S&) {}).empty());
     CHECK(has(asked([](R& ray, S&) { ray.direction = -ray.direction; }),
@@ -170,7 +170,7 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
 
 TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
     using measure::contract::AnswerSource;
-    using measure::contract::suspicion;
+    using measure::contract::suspicion_text;
     // Rays from inside a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
     const auto asked = [](const auto& right, const auto& told, AnswerSource source = AnswerSource::intersector) {
         std::vector<measure::contract::AnswerSample> all;
@@ -180,12 +180,12 @@ TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
                                               .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
                                               .truly_hits = true,
                                               .true_t = right(near, far),
-                                              .other_measure = right(near, far),
+                                              .other_t = right(near, far),
                                               .hit = true};
             j.t = told(near, far);
             all.push_back(j);
         }
-        return suspicion(all, source);
+        return suspicion_text(all, source);
     };
     const auto near = [](double t, double) { return t; };
     const auto far = [](double, double t) { return t; };
@@ -215,12 +215,12 @@ TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not b
                                               .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 0.5}),
                                               .truly_hits = true,
                                               .true_t = 5 - half,
-                                              .other_measure = 5 - half,
+                                              .other_t = 5 - half,
                                               .hit = ever_hits};
             j.t = ever_hits ? (5 - std::sqrt(25 - 0.75 * d2)) / d2 : std::nan("");
             all.push_back(j);
         }
-        return measure::contract::suspicion(all);
+        return measure::contract::suspicion_text(all);
     };
     CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
     CHECK_FALSE(has(asked(false), "exchanged"));
@@ -229,8 +229,8 @@ TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not b
                                               .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
                                               .truly_hits = true,
                                               .true_t = 4,
-                                              .other_measure = 4};
-    CHECK(has(measure::contract::suspicion({one}),
+                                              .other_t = 4};
+    CHECK(has(measure::contract::suspicion_text({one}),
               "wrong on the only ray that hits or should hit: it misses what it should hit"));
 }
 
@@ -246,12 +246,12 @@ TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for
                                               .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
                                               .truly_hits = true,
                                               .true_t = t,
-                                              .other_measure = t,
+                                              .other_t = t,
                                               .hit = side < 1.5};
             j.t = t_of(t, side);
             all.push_back(j);
         }
-        return measure::contract::suspicion(all);
+        return measure::contract::suspicion_text(all);
     };
     const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
     CHECK(has(asked(of_half), "expect a diameter instead of the radius"));
@@ -273,7 +273,7 @@ TEST_CASE("suspicion: no form of the catalogue is suspected, from outside or fro
             if (!loaded.meets(form.shape) || (near_only && name == "camera-inside")) continue;
             INFO(name << ' ' << form.info->name);
             const Format format = *find_format(form.native64 ? "f64" : "f32");
-            CHECK(measure::contract::suspicion(loaded, {&form, format}).empty());
+            CHECK(measure::contract::suspicion_text(loaded, {&form, format}).empty());
         }
     }
 }

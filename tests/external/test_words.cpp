@@ -191,7 +191,7 @@ TEST_CASE("words: batches and single rays have the same truth", "[external]") {
                 const auto known = band.truth(i, asked);
                 INFO(i << ' ' << static_cast<int>(inside));
                 REQUIRE(one.decision == known.decision);
-                REQUIRE(one.object == known.object);
+                REQUIRE(one.primitive == known.primitive);
                 REQUIRE(compare(one.t, known.t) == 0);
                 const auto usual = band.truth(i, {});
                 different += usual.decision != known.decision || compare(usual.t, known.t) != 0;

@@ -13,7 +13,7 @@ bool is_same_t(double t, double other) { return t == other || (std::isnan(t) && 
 double signed_ulps(double t, double other, const FloatFormat& format) {
     if (is_same_t(t, other)) return 0;
     if (!std::isfinite(t) || !std::isfinite(other)) return HUGE_VAL;
-    return truth::ulp_error(t, truth::exactly(other), format);
+    return truth::ulp_error(t, truth::as_certified(other), format);
 }
 
 AgainstOutcome classify_against(bool hit, bool other_hit, double t, double other, bool comparable) {

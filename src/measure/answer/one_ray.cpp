@@ -9,7 +9,7 @@ namespace lostbits::measure::answer {
 using scene::file::Scene;
 using truth::Band;
 
-OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
+OneRay::OneRay(const Scene& scene, int x, int y, truth::ProofLimit limit) {
     if (x < 0 || y < 0 || x >= scene.width || y >= scene.height) {
         throw InputError("--pixel " + std::to_string(x) + "," + std::to_string(y) + ": scene " + scene.id +
                          " has columns 0 to " + std::to_string(scene.width - 1) + " and rows 0 to " +
@@ -29,7 +29,7 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
     index_ = static_cast<std::size_t>(x);
 }
 
-OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit) {
+OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::ProofLimit limit) {
     scene::rays::IdealRayBlock single_ray;
     single_ray.push(ray);
     single_ray.set_as_list();
@@ -38,14 +38,14 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit
     else make_band(scene, scene::rays::round_rays(single_ray, binary64), limit);
 }
 
-void OneRay::make_band(const Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit) {
+void OneRay::make_band(const Scene& scene, scene::rays::RayBlock ray, truth::ProofLimit limit) {
     culler_ = std::make_unique<culling::Culler>(scene, ray[0]);
     band_ = std::make_unique<Band>(scene, std::move(ray), *culler_, limit);
 }
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
 
-std::vector<OneRay> OneRay::pixels_around(const Scene& scene, int x, int y, truth::TruthLimit limit) {
+std::vector<OneRay> OneRay::pixels_around(const Scene& scene, int x, int y, truth::ProofLimit limit) {
     std::vector<OneRay> rays;
     for (const int row : {y, y - 1, y + 1}) {
         if (row < 0 || row >= scene.height) continue;

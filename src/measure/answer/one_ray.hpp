@@ -19,18 +19,18 @@ namespace lostbits::measure::answer {
 class OneRay {
 public:
     /// Takes the ray of pixel (x, y). Throws InputError if the picture has no such pixel.
-    OneRay(const scene::file::Scene& scene, int x, int y, truth::TruthLimit limit = {});
+    OneRay(const scene::file::Scene& scene, int x, int y, truth::ProofLimit limit = {});
     /// Takes a given ray among the primitives of a scene. If the scene's inputs are shared, each number of the ray is
     /// rounded once to binary64, which usually changes none of them, and the primitives are those of the scene's maps.
     /// If each format rounds its own inputs, the ray is ideal as the scene is, and the change when a format rounds it
     /// counts as an error of the input.
-    OneRay(const scene::file::Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit = {});
+    OneRay(const scene::file::Scene& scene, const Ray<Real>& ray, truth::ProofLimit limit = {});
     /// Takes the first ray of a group as it is stored, with its own primitives and constants.
     explicit OneRay(scene::rays::RayGroup group);
     /// Makes the ray of pixel (x, y) of a scene whose camera names a ray generator. The other rays of the result are
     /// those of the pixels at most `columns_around` columns and one row away.
     static std::vector<OneRay> pixels_around(const scene::file::Scene& scene, int x, int y,
-                                             truth::TruthLimit limit = {});
+                                             truth::ProofLimit limit = {});
     static constexpr int columns_around = 10;
     /// Sets the touching convention that the ray is judged by; by default each form is judged by its own.
     void set_touching(std::optional<intersect::Touching> convention) { touching_ = convention; }
@@ -50,7 +50,9 @@ public:
     }
     /// True if the format rounds none of the numbers of the ray and the primitives, so that a form gets these numbers
     /// as given.
-    [[nodiscard]] bool is_unrounded(const Inputs& inputs) const { return band_->keeps(inputs.format_inputs, index_); }
+    [[nodiscard]] bool is_unrounded(const Inputs& inputs) const {
+        return band_->is_unrounded(inputs.format_inputs, index_);
+    }
     [[nodiscard]] truth::Truth truth(const intersect::Info& info) const {
         return band_->truth(index_, convention(info));
     }
@@ -65,7 +67,7 @@ public:
                                   Outcome plain_outcome) const {
         const truth::Truth ray_truth = truth(info);
         return ray_truth.is_hit() ? outcome_in_mesh({answers, inputs.format_inputs, *band_, convention(info)}, index_,
-                                                    ray_truth.object, plain_outcome)
+                                                    ray_truth.primitive, plain_outcome)
                                   : plain_outcome;
     }
     /// True if the ray truly meets this primitive first, alone or together with others.
@@ -85,7 +87,7 @@ private:
     }
 
     /// Builds the band of a scene with shared inputs.
-    void make_band(const scene::file::Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit);
+    void make_band(const scene::file::Scene& scene, scene::rays::RayBlock ray, truth::ProofLimit limit);
 
     std::unique_ptr<culling::Culler> culler_;
     std::shared_ptr<truth::Band> band_;  ///< pixels of the same row share one

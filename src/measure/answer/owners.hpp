@@ -21,7 +21,7 @@ inline bool meets_first(const truth::Band& band, std::size_t i, std::int32_t pri
                         intersect::Convention convention) {
     const truth::Truth first = band.truth(i, convention);
     if (!first.is_hit() || primitive < 0) return false;
-    if (primitive == first.object) return true;
+    if (primitive == first.primitive) return true;
     const truth::Truth other = band.truth_of_primitive(i, static_cast<std::size_t>(primitive), convention);
     return other.is_hit() && compare(other.t, first.t) == 0;
 }

@@ -65,7 +65,7 @@ std::optional<Certified> certified_value(const Real& t) {
     int exponent = 0;
     const Real scaled = frexp(t, &exponent);
     const double hi = word_of(scaled), lo = low_word_of(scaled);
-    Certified result = truth::certified(hi, lo, std::fabs(hi) * 0x1p-70);
+    Certified result = truth::make_certified(hi, lo, std::fabs(hi) * 0x1p-70);
     result.exponent += exponent;
     return result;
 }
@@ -115,7 +115,7 @@ public:
                 steps.t[5] =
                     certified_value(exact_steps.back(maps_, exact_world_, exact_object_ray, Real(as_double(*t))));
             const double rounded_world_t = as_double(rounded_steps.back(maps, world_, object_ray, *t));
-            if (std::isfinite(rounded_world_t)) steps.t[6] = truth::exactly(rounded_world_t);
+            if (std::isfinite(rounded_world_t)) steps.t[6] = truth::as_certified(rounded_world_t);
         }
         return steps;
     }

@@ -33,7 +33,7 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
     if (part.bound.misses) observed.share = HUGE_VAL;  // the bound says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return observed;
     observed.bounded_hits = 1;
-    observed.error = std::fabs(truth::scaled_difference(truth::exactly(tape[tape.outputs.t].value), *exact, 0));
+    observed.error = std::fabs(truth::scaled_difference(truth::as_certified(tape[tape.outputs.t].value), *exact, 0));
     observed.share = observed.error == 0 ? 0 : observed.error / part.bound.error;
     if (!query.form.bounded) return observed;
     const auto running_bound =

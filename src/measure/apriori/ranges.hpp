@@ -64,7 +64,7 @@ struct RangesRequest {
     Format format = {};
     std::vector<GivenRange> given_ranges = {};
     std::size_t boxes = 4096;  ///< total number of boxes for all primitives
-    truth::TruthLimit limit = {};
+    truth::ProofLimit limit = {};
 
     [[nodiscard]] bool is_of_step() const { return std::holds_alternative<StepRays>(rays); }
     [[nodiscard]] const std::string& id() const {

@@ -217,7 +217,7 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
     result.ray_and_primitive.primitives = {in.format_inputs.primitives[index]};
     result.ray_and_primitive.rays.push_range(in.format_inputs.rays, in.index);
     const Range<double> range = in.format_inputs.rays_for(*form.info).range(in.index);
-    const FormatInputs::AimedAt aim = in.format_inputs.target_for(form, index);
+    const FormatInputs::OwnedTarget aim = in.format_inputs.target_for(form, index);
     const intersect::Target<double> target = aim;
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
@@ -339,10 +339,10 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.given_direction = given_direction;
     x.primitives = static_cast<int>(in.format_inputs.primitives.size());
     const std::size_t primitive = answer::measured_primitive(
-        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.primitive);
     x.primitive = static_cast<int>(primitive);
     x.shape = in.format_inputs.primitives[primitive].shape;
-    const FormatInputs::AimedAt aim = in.format_inputs.target_for(form, primitive);
+    const FormatInputs::OwnedTarget aim = in.format_inputs.target_for(form, primitive);
     const intersect::Target<double> target = aim;
     x.range = in.format_inputs.rays_for(*form.info).range(in.index);
     if (form.is_template()) {
@@ -381,7 +381,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const bool hits_wrong_primitive = x.returns_t() && is_primitive(form.shape) && x.hit && truth.is_hit() &&
                                       !ray.meets_first(hit_primitive, *form.info);
     if (hits_wrong_primitive && x.has_tape())
-        x.missed = missed_primitive(form, format, in, ray.recorded_ray(format), truth.object);
+        x.missed = missed_primitive(form, format, in, ray.recorded_ray(format), truth.primitive);
     if (hits_wrong_primitive) {  // distances between two primitives are not errors
         x.result.outcome = answer::Outcome::wrong_primitive;
         x.result.ulps = x.result.lost = missing;
@@ -400,7 +400,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     Explanation x = explain_alone(form, format, ray);
     if (!x.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);
-        const auto primitives = primitives_around(x, in, ray.truth(*form.info).object);
+        const auto primitives = primitives_around(x, in, ray.truth(*form.info).primitive);
         const auto neighbour_rays = neighbours_of(ray, in, format.parameters, primitives);
         compare_with_other_forms(x, ray, {neighbour_rays}, named_forms);
     } else {

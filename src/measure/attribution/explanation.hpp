@@ -103,7 +103,7 @@ Explanation explain_alone(const intersect::table::Intersector& form, const Forma
 struct ScenePixel {
     const scene::file::Scene* scene;
     int x, y;
-    truth::TruthLimit limit = {};
+    truth::ProofLimit limit = {};
 };
 
 /// Explains the form on the ray and finds forms that do better. Compares all forms that cannot end this process by a

@@ -72,7 +72,7 @@ struct ChoiceRequest {
     Requirement requirement{};
     bool times_single_rays = false;  ///< time kernels of one ray at a time instead of a register of rays
     speed::TimingPlan plan{};
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     evaluate::ShowRows show = {};  ///< receives the rows of `measure_candidates`; may be empty
     /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
     /// counts its measurements.

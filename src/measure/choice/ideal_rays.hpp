@@ -28,7 +28,7 @@ struct IdealRays {
     std::vector<Primitive<Real>> primitives;
     bool paired = false;  ///< ray i is aimed only at primitive i
 
-    [[nodiscard]] truth::Band band(truth::TruthLimit limit) const {
+    [[nodiscard]] truth::Band band(truth::ProofLimit limit) const {
         return truth::Band(rays, primitives, paired, limit);
     }
 };

@@ -199,7 +199,7 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
 }
 
 std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& form_row,
-                                        truth::TruthLimit limit, int pixels) {
+                                        truth::ProofLimit limit, int pixels) {
     constexpr std::size_t most_tests = 1 << 16;
     constexpr std::size_t most_near_triangles = 64;  // each point is tested against at most this many
     const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0,

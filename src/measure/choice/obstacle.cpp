@@ -35,7 +35,7 @@ RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm
         ++quality.rays;
         quality.hits += ideal_truth.is_hit() ? 1 : 0;
         if (stored_truth.decision != ideal_truth.decision ||
-            (stored_truth.is_hit() && !answer::meets_first(ideal, i, stored_truth.object, form_row.convention()))) {
+            (stored_truth.is_hit() && !answer::meets_first(ideal, i, stored_truth.primitive, form_row.convention()))) {
             ++quality.wrong;
         } else if (stored_truth.is_hit()) {
             const auto& [x, y] = is_unit ? std::pair(stored_truth.distance, ideal_truth.distance)

@@ -35,7 +35,7 @@ std::string unmet_requirement(const Claim& claim) {
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, has_name))
         return "no loaded library has " + claim.form + "; add --plugin, --pipe, --shader or --function";
     for (const std::string& requirement : claim.requirements) {
-        // For a shader: the driver named in its source description.
+        // The source text of a shader names its driver.
         if (requirement.starts_with("driver-")) {
             const auto row = std::ranges::find_if(rows, has_name);
             if (row == rows.end() || row->info->source.find(requirement.substr(7)) == std::string_view::npos)
@@ -72,7 +72,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
     result.measured = measured;
     if (summary) {
         result.witness = summary->worst;
-        // A wrong decision is shown by its first ray, not by the ray with the largest error of t.
+        // The witness of a wrong decision is its first ray, not the ray with the largest error of t.
         for (std::size_t k = 0; k < evaluate::wrong_decisions.size(); ++k) {
             const auto name = answer::outcome_names[static_cast<std::size_t>(evaluate::wrong_decisions[k])];
             if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
@@ -93,10 +93,10 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
 
 namespace {
 
-/// Finds the row of a table by its name in the name of a form.
+/// Finds the row of a table that the name of a form names as one of its parts.
 template <class Row>
-std::vector<const Row*> part_named(const Claim& claim, std::span<const Row> table, const std::string& name,
-                                   const std::string& kind) {
+std::vector<const Row*> find_part(const Claim& claim, std::span<const Row> table, const std::string& name,
+                                  const std::string& kind) {
     std::vector<std::string> names;
     for (const Row& row : table) names.emplace_back(row.info->name);
     const auto found = std::ranges::find(names, name);
@@ -106,7 +106,7 @@ std::vector<const Row*> part_named(const Claim& claim, std::span<const Row> tabl
     return {&table[static_cast<std::size_t>(found - names.begin())]};
 }
 
-const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form) {
+const intersect::table::Intersector& find_form(const Claim& claim, const std::string& form) {
     const auto rows = intersect::table::intersectors();
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& catalogue_row) { return catalogue_row.info->name == form; });
@@ -114,20 +114,20 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
     if (const auto composed = scene::rays::split_composed_name(form); composed && names.size() == 1) {
         return *rows_of(*composed,
-                        {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
+                        {.forms = [&](const std::string& name) { return std::vector{&find_form(claim, name)}; },
                          .transform_methods =
                              [&](const std::string& name) {
-                                 return part_named(claim, intersect::transform::transform_methods(), name,
-                                                   "transform method");
+                                 return find_part(claim, intersect::transform::transform_methods(), name,
+                                                  "transform method");
                              },
                          .ray_generators =
                              [&](const std::string& name) {
-                                 return part_named(claim, scene::camera::ray_generators(), name, "ray generator");
+                                 return find_part(claim, scene::camera::ray_generators(), name, "ray generator");
                              },
                          .box_methods =
                              [&](const std::string& name) {
-                                 return part_named(claim, intersect::bounding_box::box_methods(), name,
-                                                   "bounding-box method");
+                                 return find_part(claim, intersect::bounding_box::box_methods(), name,
+                                                  "bounding-box method");
                              },
                          .contracted = tape::contracted_row})
                     .front();
@@ -142,7 +142,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
                               scene::toml::did_you_mean(form, known_names));
     }
     std::vector<const intersect::table::Intersector*> parts;
-    for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(form_named(claim, name)));
+    for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(find_form(claim, name)));
     if (const std::string refusal = intersect::table::refusal_of_set(parts); !refusal.empty())
         scene::toml::fail(claim.where, "form \"" + form + "\": " + refusal);
     return intersect::table::set_of(parts);
@@ -151,7 +151,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
 }  // namespace
 
 TestedForm claim_row(const Claim& claim) {
-    const intersect::table::Intersector& form = form_named(claim, claim.form);
+    const intersect::table::Intersector& form = find_form(claim, claim.form);
     const Format format = claim_format(claim);
     if (!form.exists_in(format))
         scene::toml::fail(claim.where, claim.form + " does not exist in " + claim.format +
@@ -159,21 +159,21 @@ TestedForm claim_row(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several) {
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* singular_text, const char* plural_text) {
     if (unproved == 0) return;
     result.state = ClaimResult::State::unmeasurable;
-    result.reason = scene::toml::count_with_noun(unproved, one, several);
+    result.reason = scene::toml::count_with_noun(unproved, singular_text, plural_text);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {
-    result.further.push_back(draw.state == ClaimResult::State::unmeasurable ? truth::missing : draw.measured);
+    result.further_measured.push_back(draw.state == ClaimResult::State::unmeasurable ? truth::missing : draw.measured);
     if (result.state != ClaimResult::State::agrees || draw.state == ClaimResult::State::agrees) return;
     result.state = draw.state;
     result.reason = draw.reason;
     result.witness = draw.witness;
 }
 
-metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
+metric::Spread expected_interval(const Claim& claim, const ClaimResult& result) {
     metric::Spread interval = result.spread();
     const bool is_onset = !claim.onset.empty(), is_fraction = claim.metric.ends_with("fraction");
     if ((is_onset || is_fraction) && interval.low > 0) {
@@ -198,14 +198,14 @@ std::string slow_work(const Claim& claim) {
     if (claim.subject_if<scene::claim::SceneSubject>() == nullptr &&
         claim.subject_if<scene::claim::SweepSubject>() == nullptr)
         return "";
-    const metric::Metric* slow = nullptr;  // in worst_step_origin_fraction, both worst and worst_step may be metrics:
-                                           // the longer name counts
+    // Both worst and worst_step may be metrics in worst_step_origin_fraction: the longer name counts.
+    const metric::Metric* slow = nullptr;
     for (const metric::Metric& m : metric::metrics()) {
         const bool is_longer = slow == nullptr || m.name.size() > slow->name.size();
         if (!m.by_default && is_longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
     }
-    const bool runs_again = slow != nullptr && (slow->needs & metric::needs_counterfactuals) != 0;
-    if (asks_for_attribution(claim) && !runs_again) return "the tape of every ray";
+    const bool reruns_form = slow != nullptr && (slow->needs & metric::needs_counterfactuals) != 0;
+    if (asks_for_attribution(claim) && !reruns_form) return "the tape of every ray";
     return slow == nullptr ? "" : std::string(slow->name);
 }
 
@@ -215,9 +215,10 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     std::vector<ClaimResult> results(claims.size());
     std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        const Claim& c = claims[i];
-        results[i].reason = unmet_requirement(c);
-        if (results[i].reason.empty()) groups[{c.subject.index(), c.subject_name(), slow_work(c)}].push_back(i);
+        const Claim& claim = claims[i];
+        results[i].reason = unmet_requirement(claim);
+        if (results[i].reason.empty())
+            groups[{claim.subject.index(), claim.subject_name(), slow_work(claim)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;
     }
     for (const auto& [subject, indices] : groups) {

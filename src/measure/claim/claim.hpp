@@ -14,13 +14,14 @@ namespace lostbits::measure::claim {
 
 /// Result of a claim.
 struct ClaimResult {
-    /// `disagrees`: the measurement lies outside the expectation. `unmeasurable`: there was nothing to measure (no
-    /// sample, no onset, a truth that was not proved); it never counts as agreeing. `skipped`: this machine does not
-    /// meet a requirement of the claim.
+    /// - `disagrees`: the measurement lies outside the expectation.
+    /// - `unmeasurable`: there was nothing to measure (no sample, no onset, a truth that was not proved). This never
+    ///   counts as agreeing.
+    /// - `skipped`: this machine does not meet a requirement of the claim.
     enum class State { agrees, disagrees, unmeasurable, skipped };
     State state = State::unmeasurable;
     double measured = 0;
-    std::string reason;  ///< why it is unmeasurable or skipped
+    std::string reason;  ///< text: why the claim is unmeasurable or skipped
     /// The worst ray of the measurement, if there is one. For a claim about a kind of wrong decision, the first ray
     /// with it; for a claim about all kinds together, the first ray of the most frequent kind.
     evaluate::WorstRay witness;
@@ -28,18 +29,18 @@ struct ClaimResult {
     std::uint64_t samples = 0;
     /// Number of floats if every float of a range was tested; 0: the claim is of another kind.
     std::uint64_t floats = 0;
-    std::uint64_t evaluations = 0;     ///< number of rays that a search tested; 0: the claim is not about a search
-    std::vector<double> further = {};  ///< values on further draws, one for each seed; NaN where there is none
+    std::uint64_t evaluations = 0;  ///< number of rays that a search tested; 0: the claim is not about a search
+    std::vector<double> further_measured = {};  ///< values on further draws, one for each seed; NaN: no value
     /// For a claim about the 99th percentile of independent random rays (one ray per view): an interval that contains
     /// the 99th percentile of the whole ray distribution with 95 % confidence.
     std::optional<metric::Bounds> bounds = {};
     double seconds = 0;  ///< time of the measurement; claims that share a map or a sweep divide its time equally
 
     [[nodiscard]] bool is_random() const { return samples > 0; }
-    [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further); }
+    [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further_measured); }
 };
 
-/// Expected interval of a claim from its draws. If they lie in [low, high], the interval is
+/// Interval that a claim should expect, derived from its draws. If the draws lie in [low, high], the interval is
 ///
 ///     [low − (high − low)/2, high + (high − low)/2],   its lower end cut at 0 if low ≥ 0,
 ///
@@ -49,7 +50,7 @@ struct ClaimResult {
 ///
 /// The upper end of a fraction is cut at 1. A further draw leaves the range of N draws with probability 2/(N + 1), and
 /// the wider interval far more rarely.
-metric::Spread interval_of(const scene::claim::Claim& claim, const ClaimResult& result);
+metric::Spread expected_interval(const scene::claim::Claim& claim, const ClaimResult& result);
 
 /// Form and format of a claim. Throws InputError, with the claim's position, for names that do not exist.
 evaluate::TestedForm claim_row(const scene::claim::Claim& claim);
@@ -59,8 +60,8 @@ class ClaimStudies;
 struct ClaimRequest {
     std::filesystem::path data_dir;
     intersect::process::StopToken stop = {};
-    int further_draws = 0;  ///< for every claim about random rays: number of further seeds after its own
-    const ClaimStudies* studies = nullptr;  ///< must not be null if a claim is about a study
+    int further_draws = 0;                  ///< number of further seeds for each claim about random rays
+    const ClaimStudies* studies = nullptr;  ///< not null if a claim is about a study
 };
 
 /// Measures every claim. A scene or sweep that several claims share is run once for the default metrics, and once for

@@ -15,8 +15,8 @@ using scene::claim::Claim;
 
 namespace {
 
-/// Columns that hold numbers. A claim about culprits names the operations instead (`culprits`).
-std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics) {
+/// Columns of a summary that hold numbers. A claim about culprits names operations instead (`culprits`).
+std::vector<SummaryColumn> number_columns(const std::vector<const Metric*>& metrics) {
     auto columns = evaluate::summary_columns(metrics);
     std::erase_if(columns, [](const SummaryColumn& c) {
         return c.kind == SummaryColumn::Kind::category || c.name == "culprit_fraction";
@@ -25,8 +25,7 @@ std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics)
     return columns;
 }
 
-/// Adds further columns that a claim could have meant: those of all metrics, also if no claim about this subject names
-/// them.
+/// Adds the names of all other columns that a claim may have meant, for did-you-mean.
 void add_other_columns(std::vector<std::string>& names) {
     for (const Metric& m : metric::metrics()) {
         if (m.by_run) names.emplace_back("culprit_fraction");
@@ -38,19 +37,19 @@ void add_other_columns(std::vector<std::string>& names) {
 
 /// Name of an operation in the formula: `c` for `c = dot(o - centre, o - centre) - radius*radius`. Empty if the
 /// operation has no name.
-std::string label_in(const std::string& operation) {
+std::string label_of_operation(const std::string& operation) {
     const auto equals = operation.find(" = ");
     return equals == std::string::npos ? "" : operation.substr(0, equals);
 }
 
-/// Operations of a form that `text` names: the one with that expression, or those with that label. Throws InputError
-/// with did-you-mean if there are none.
-std::vector<std::string> operations_named(const std::string& text, const Claim& claim,
-                                          const attribution::Setting& setting) {
+/// Finds the operations of a form that `text` names: the operation with that expression, or the operations with that
+/// label. Throws InputError with did-you-mean if there are none.
+std::vector<std::string> find_operations(const std::string& text, const Claim& claim,
+                                         const attribution::Setting& setting) {
     const auto operations = attribution::operation_names(*claim_row(claim).form, setting);
     std::vector<std::string> matches, known_names;
     for (const std::string& operation : operations) {
-        const std::string label = label_in(operation);
+        const std::string label = label_of_operation(operation);
         if (operation == text || (!label.empty() && label == text)) matches.push_back(operation);
         if (!label.empty()) known_names.push_back(label);
     }
@@ -76,14 +75,14 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         if (m.by_default || is_named) metrics_.push_back(&m);
     }
     for (const Claim* claim : claims) {
-        for (const std::string& text : claim->operations) operations_named(text, *claim, setting_);  // throws early
-        add_labelled(*claim);
+        for (const std::string& text : claim->operations) find_operations(text, *claim, setting_);  // throws early
+        add_metric_of_label(*claim);
     }
     metrics_ = metric_set_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
 }
 
 /// Adds the metric of `contribution_c_p50` or `cancellation_disc_max`, for a label of the claim's form.
-void ClaimColumns::add_labelled(const Claim& claim) {
+void ClaimColumns::add_metric_of_label(const Claim& claim) {
     std::vector<std::string> names;
     for (const char* kind : {"contribution", "cancellation"}) {
         if (!claim.metric.starts_with(kind)) continue;
@@ -108,21 +107,22 @@ void ClaimColumns::add_labelled(const Claim& claim) {
 }
 
 double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
-    const auto categories = metrics_[m]->categories;
+    const auto culprit_index =
+        static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
+    const auto categories = metrics_[culprit_index]->categories;
     std::vector<std::size_t> category_indices;
     for (const std::string& text : claim.operations) {
-        for (const std::string& operation : operations_named(text, claim, setting_)) {
+        for (const std::string& operation : find_operations(text, claim, setting_)) {
             const auto index = static_cast<std::size_t>(std::ranges::find(categories, operation) - categories.begin());
             if (std::ranges::find(category_indices, index) == category_indices.end()) category_indices.push_back(index);
         }
     }
-    return attribution::culprit_share(summary.categories[m], category_indices);
+    return attribution::culprit_share(summary.categories[culprit_index], category_indices);
 }
 
 double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const {
     if (!claim.operations.empty()) return culprit_share(claim, summary);
-    const auto columns = columns_of(metrics_);
+    const auto columns = number_columns(metrics_);
     if (const SummaryColumn* const column = evaluate::find_column(columns, claim.metric)) return column->value(summary);
     std::vector<std::string> names;
     for (const SummaryColumn& c : columns) names.push_back(c.name);

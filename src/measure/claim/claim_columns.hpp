@@ -1,4 +1,4 @@
-// Quantities that a claim may be about: the columns of a summary by name, and the shares of culprits.
+// Finds the number that a claim is about: a column of a summary by its name, or the share of culprits.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace lostbits::measure::claim {
 /// True if a claim is about culprits, cancellation or contributions: such claims need the tape of every ray.
 bool asks_for_attribution(const scene::claim::Claim& claim);
 
-/// Columns that the claims about one subject name.
+/// Columns of summaries that the claims about one subject name.
 class ClaimColumns {
 public:
     /// Throws InputError, with the position of the claim, if a claim names an operation or label that its form does not
@@ -28,7 +28,7 @@ public:
     [[nodiscard]] double value(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
 private:
-    void add_labelled(const scene::claim::Claim& claim);
+    void add_metric_of_label(const scene::claim::Claim& claim);
     [[nodiscard]] double culprit_share(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
     attribution::Setting setting_;

@@ -21,8 +21,8 @@ using sweep::RangeFinding;
 
 namespace {
 
-/// Index of the file's ray with that name, or of its only ray if the claim names none.
-std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveFile& file) {
+/// Index of the ray that a claim names in the file; if the claim names none, the file must have only one ray.
+std::size_t ray_index(const Claim& claim, const std::string& ray, const ExhaustiveFile& file) {
     if (ray.empty() && file.rays.size() == 1) return 0;
     std::vector<std::string> names;
     for (const auto& file_ray : file.rays) names.push_back(file_ray.name);
@@ -36,7 +36,7 @@ std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveF
 
 /// Returns the file with only the range and the ray of a claim.
 ExhaustiveFile narrow_to_claim(const Claim& claim, const SweepSubject::EveryFloat& subject, ExhaustiveFile file) {
-    const std::size_t ray = ray_of(claim, subject.ray, file);
+    const std::size_t ray = ray_index(claim, subject.ray, file);
     file.rays = {file.rays[ray]};
     if (subject.from.has_value() != subject.to.has_value())
         scene::toml::fail(claim.where, "claim.given has one of from and to; write both, or neither for the whole axis");
@@ -44,12 +44,12 @@ ExhaustiveFile narrow_to_claim(const Claim& claim, const SweepSubject::EveryFloa
     return file;
 }
 
-/// A number of a tally, with its name. `wrong` counts every wrong decision.
+/// Number of a tally with its name. The number `wrong` counts every wrong decision.
 struct TallyNumber {
     std::string name;
     double value;
 };
-std::vector<TallyNumber> numbers_of(const TestedForm& form_row, const FloatTally& tally) {
+std::vector<TallyNumber> tally_numbers(const TestedForm& form_row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong())},
@@ -64,8 +64,8 @@ std::vector<TallyNumber> numbers_of(const TestedForm& form_row, const FloatTally
     return numbers;
 }
 
-double metric_of(const Claim& claim, const TestedForm& form_row, const FloatTally& tally) {
-    const auto numbers = numbers_of(form_row, tally);
+double metric_value(const Claim& claim, const TestedForm& form_row, const FloatTally& tally) {
+    const auto numbers = tally_numbers(form_row, tally);
     const auto found = std::ranges::find(numbers, claim.metric, &TallyNumber::name);
     if (found != numbers.end()) return found->value;
     std::vector<std::string> names;
@@ -75,7 +75,7 @@ double metric_of(const Claim& claim, const TestedForm& form_row, const FloatTall
                                           scene::toml::did_you_mean(claim.metric, names));
 }
 
-std::size_t event_of(const Claim& claim) {
+std::size_t onset_event(const Claim& claim) {
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
         const auto name = event.lost_bits > 0 ? std::string_view("lost_bits")
@@ -89,36 +89,37 @@ std::size_t event_of(const Claim& claim) {
                           "(threshold 1), and lost_bits (thresholds 1, 4, 8, 12)");
 }
 
-/// The float that the number comes from: an onset, the first wrong decision, or the worst error.
+/// Float behind the number of a claim: an onset, the first wrong decision, or the worst error.
 std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally& tally) {
-    if (!claim.onset.empty()) return tally.first[event_of(claim)];
+    if (!claim.onset.empty()) return tally.first_floats[onset_event(claim)];
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
         const auto name = answer::outcome_names[static_cast<std::size_t>(event.outcome)];
-        if (event.lost_bits == 0 && claim.metric.starts_with(name)) return tally.first[e];
+        if (event.lost_bits == 0 && claim.metric.starts_with(name)) return tally.first_floats[e];
     }
-    if (claim.metric == "padding_max" && tally.padding) return tally.padding->place;
-    if (claim.metric == "wrong" && tally.first_wrong) return tally.first_wrong->place;
-    if (tally.worst) return tally.worst->place;
+    if (claim.metric == "padding_max" && tally.padding) return tally.padding->float_index;
+    if (claim.metric == "wrong" && tally.first_wrong) return tally.first_wrong->float_index;
+    if (tally.worst) return tally.worst->float_index;
     return std::nullopt;
 }
 
 evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_index, std::uint32_t float_index) {
     const auto float_answer = sweep::answer_at(request, 0, row_index, float_index);
-    const auto given = std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
+    const auto ray_group =
+        std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
     return {.x = 0,
             .y = 0,
-            .ray = given->rays[0],
-            .primitive = given->primitives.front(),
+            .ray = ray_group->rays[0],
+            .primitive = ray_group->primitives.front(),
             .t = float_answer.t,
             .outcome = float_answer.outcome,
             .ulps = float_answer.ulps,
             .truth = float_answer.truth,
             .touching = request.rows[row_index].touching,
-            .given = given};
+            .given = ray_group};
 }
 
-TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
+TestedForm row_in_binary32(const Claim& claim, const ExhaustiveFile& file) {
     TestedForm form_row = row_for(claim, file);
     if (form_row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
@@ -127,20 +128,20 @@ TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
     return form_row;
 }
 
-/// Judges a row by its findings in all ranges.
+/// Compares the findings of a row in all ranges with the expectation of a claim.
 ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const ExhaustiveRequest& request,
                         const std::vector<RangeFinding>& findings) {
     FloatTally tally;
     std::optional<float> onset;
-    // If there are two ranges, of all floats from each zero outwards, the onset is that of the first range with an
+    // A sweep over all floats has two ranges, from each zero outwards. The onset is that of the first range with an
     // onset.
     for (const RangeFinding& finding : findings) {
         if (finding.row != row_index) continue;
         tally.append(finding.tally);
-        if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
-            onset = float_at(*finding.tally.first[event_of(claim)]);
+        if (!claim.onset.empty() && !onset && finding.tally.first_floats[onset_event(claim)])
+            onset = float_at(*finding.tally.first_floats[onset_event(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row_index], tally)
+    const double measured = claim.onset.empty() ? metric_value(claim, request.rows[row_index], tally)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
@@ -159,11 +160,11 @@ struct RangeClaims {
     SubjectClaims<SweepSubject> claims = {};
 };
 
-void measure_range(const RangeClaims& range_claims, truth::TruthLimit limit) {
+void measure_range(const RangeClaims& range_claims, truth::ProofLimit limit) {
     ExhaustiveRequest request{.sweep = range_claims.file, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : range_claims.claims)
-        rows.push_back(index_or_added(request.rows, float_row(subject_claim.claim, range_claims.file)));
+        rows.push_back(find_or_add_row(request.rows, row_in_binary32(subject_claim.claim, range_claims.file)));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     const auto findings = sweep::findings_of(request, state);

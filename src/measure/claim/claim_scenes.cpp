@@ -22,8 +22,8 @@ using truth::missing;
 
 namespace {
 
-/// One number of a march along the ray of the scene's first pixel, or of one step of this march.
-double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::TruthLimit limit) {
+/// Number of a march along the ray of the first pixel of a scene, or of one step of this march.
+double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::ProofLimit limit) {
     const TestedForm form_row = row_for(claim, scene);
     if (!form_row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
     const intersect::table::MarchLog log =
@@ -32,9 +32,10 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;
     if (static_cast<std::size_t>(step) >= log.steps.size()) return missing;
-    const intersect::MarchStep& s = log.steps[static_cast<std::size_t>(step)];
-    const std::map<std::string, double> columns{{"t", s.t},   {"x", s.p.x},       {"y", s.p.y},
-                                                {"z", s.p.z}, {"length", s.size}, {"d", s.d}};
+    const intersect::MarchStep& march_step = log.steps[static_cast<std::size_t>(step)];
+    const std::map<std::string, double> columns{{"t", march_step.t},         {"x", march_step.p.x},
+                                                {"y", march_step.p.y},       {"z", march_step.p.z},
+                                                {"length", march_step.size}, {"d", march_step.d}};
     const auto found = columns.find(claim.metric);
     if (found == columns.end())
         scene::toml::fail(claim.where,
@@ -44,8 +45,8 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
 }
 
 /// Summary of the pixel of a claim, as if the map had no other pixel.
-evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& form_row,
-                                       const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
+evaluate::FormSummary summarise_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& form_row,
+                                      const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit) {
     const auto [x, y] = *claim.subject_if<SceneSubject>()->pixel;
     if (x >= scene.width || y >= scene.height)
         scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "
@@ -54,12 +55,12 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
     const auto* const generator = scene::rays::generator_of(*form_row.form);
     const scene::file::Scene generated_scene = generator ? with_ray_generator(scene, *generator) : scene;
     culling::Culler culler(generated_scene);
-    truth::Band line(generated_scene, y, y + 1, limit, &culler);
-    const evaluate::SharedBandTruth shared(line, {form_row}, metrics);
-    evaluate::FormSummary line_summary(metrics), pixel_summary(metrics);
+    truth::Band row_band(generated_scene, y, y + 1, limit, &culler);
+    const evaluate::SharedBandTruth shared(row_band, {form_row}, metrics);
+    evaluate::FormSummary row_summary(metrics), pixel_summary(metrics);
     const auto column = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
-    evaluate::measure_row({form_row, metrics}, shared.of(form_row), line_summary, std::span(&pixel_subset, 1));
+    evaluate::measure_row({form_row, metrics}, shared.of(form_row), row_summary, std::span(&pixel_subset, 1));
     return pixel_summary;
 }
 
@@ -87,9 +88,9 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
     evaluate::MapStudy request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : pictures)
-        rows.push_back(index_or_added(request.rows, row_for(subject_claim.claim, scene)));
+        rows.push_back(find_or_add_row(request.rows, row_for(subject_claim.claim, scene)));
     const OwnedSetting setting(scene);
-    const ClaimColumns columns(claims_in(pictures), request.rows, setting.get());
+    const ClaimColumns columns(claim_pointers(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
     const auto is_whole_picture = [](const auto& subject_claim) { return !subject_claim.subject.pixel; };
     const auto summaries = std::ranges::any_of(pictures, is_whole_picture) ? evaluate::run_map(request)
@@ -98,7 +99,7 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
         const auto& [claim, subject, result] = pictures[k];
         const TestedForm& form_row = request.rows[rows[k]];
         const evaluate::FormSummary pixel_summary =
-            subject.pixel ? summary_of_pixel(claim, scene, form_row, request.metrics, request.limit)
+            subject.pixel ? summarise_pixel(claim, scene, form_row, request.metrics, request.limit)
                           : evaluate::FormSummary();
         const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[rows[k]];
         result = judge(claim, columns.value(claim, summary), &summary);

@@ -18,42 +18,43 @@ namespace {
 using StudyClaim = SubjectClaim<StudySubject>;
 using Texts = std::map<std::string, std::string>;
 
-bool has(const std::vector<std::string>& names, const std::string& name) {
+bool contains(const std::vector<std::string>& names, const std::string& name) {
     return std::ranges::find(names, name) != names.end();
 }
 
-/// Values of a claim's options. Options that are also columns of the summary choose a row of it, so claims with
-/// different values of these can be measured together.
-struct OptionsOfClaim {
+/// Values of the options of a claim. `row_options` are also columns of the summary, where they choose a row: one run
+/// can measure claims with different values of these. `run_options` are all others.
+struct ClaimOptions {
     Texts row_options, run_options;
 };
-OptionsOfClaim options_of(const StudyClaim& subject_claim, const StudyNames& names) {
-    OptionsOfClaim options;
+ClaimOptions split_options(const StudyClaim& subject_claim, const StudyNames& names) {
+    ClaimOptions options;
     for (const auto& [name, value] : subject_claim.subject.options)
-        (has(names.words, name) ? options.row_options : options.run_options)[name] = value;
+        (contains(names.text_columns, name) ? options.row_options : options.run_options)[name] = value;
     return options;
 }
 
+/// Throws InputError if a claim names an option, a column or a metric that the study does not have.
 void require_names(const StudyClaim& subject_claim, const StudyNames& names) {
     const auto require_known = [&](const Texts& values, const char* kind, const std::vector<std::string>& known_names) {
         for (const auto& [name, value] : values)
-            if (!has(known_names, name))
+            if (!contains(known_names, name))
                 scene::toml::fail(subject_claim.claim.where,
                                   fmt::format("study {} has no {} \"{}\"; {}", subject_claim.subject.study, kind, name,
                                               scene::toml::did_you_mean(name, known_names)));
     };
     require_known(subject_claim.subject.options, "option", names.options);
-    require_known(subject_claim.subject.where, "column of words", names.words);
-    if (!has(names.numbers, subject_claim.claim.metric))
+    require_known(subject_claim.subject.where, "text column", names.text_columns);
+    if (!contains(names.number_columns, subject_claim.claim.metric))
         scene::toml::fail(subject_claim.claim.where,
                           fmt::format("unknown metric \"{}\" of study {}; {}", subject_claim.claim.metric,
                                       subject_claim.subject.study,
-                                      scene::toml::did_you_mean(subject_claim.claim.metric, names.numbers)));
+                                      scene::toml::did_you_mean(subject_claim.claim.metric, names.number_columns)));
 }
 
-/// Texts that the row of a claim has in the summary.
-Texts row_texts_of(const StudyClaim& subject_claim, const StudyNames& names) {
-    Texts texts = options_of(subject_claim, names).row_options;
+/// Texts by which the row of a claim is found in the summary, by column.
+Texts row_texts_for(const StudyClaim& subject_claim, const StudyNames& names) {
+    Texts texts = split_options(subject_claim, names).row_options;
     texts.insert(subject_claim.subject.where.begin(), subject_claim.subject.where.end());
     texts["form"] = subject_claim.claim.form;
     texts["format"] = subject_claim.claim.format;
@@ -66,37 +67,40 @@ std::string list_text(const Texts& texts) {
     return fmt::format("{}", fmt::join(items, ", "));
 }
 
-/// The one row that a claim is about. Throws InputError if there is none or several.
-const StudyRow& row_of(const StudyClaim& subject_claim, const StudyNames& names, const std::vector<StudyRow>& rows) {
-    const Texts row_texts = row_texts_of(subject_claim, names);
+/// Finds the one row that a claim is about. Throws InputError if no row or several rows match.
+const StudyRow& find_row(const StudyClaim& subject_claim, const StudyNames& names, const std::vector<StudyRow>& rows) {
+    const Texts row_texts = row_texts_for(subject_claim, names);
     const StudyRow* found = nullptr;
-    std::set<std::string> differing;
+    std::set<std::string> differing_columns;
     for (const StudyRow& row : rows) {
         if (std::ranges::any_of(row_texts,
-                                [&](const auto& entry) { return row.words.at(entry.first) != entry.second; }))
+                                [&](const auto& entry) { return row.texts.at(entry.first) != entry.second; }))
             continue;
         if (found != nullptr)
-            for (const std::string& name : names.words) {
-                const std::string &text = found->words.at(name), &other_text = row.words.at(name);
+            for (const std::string& name : names.text_columns) {
+                const std::string &text = found->texts.at(name), &other_text = row.texts.at(name);
                 if (text != other_text && text.find(' ') == std::string::npos)
-                    differing.insert(name);  // commands have blanks
+                    differing_columns.insert(name);  // texts with spaces are commands
             }
         found = &row;
     }
     if (found == nullptr) {
-        std::set<std::string> others;
+        std::set<std::string> other_values;
         for (const auto& [name, value] : row_texts)
             for (const StudyRow& row : rows)
-                if (row.words.at(name) != value) others.insert(fmt::format("{} = \"{}\"", name, row.words.at(name)));
+                if (row.texts.at(name) != value)
+                    other_values.insert(fmt::format("{} = \"{}\"", name, row.texts.at(name)));
         scene::toml::fail(
             subject_claim.claim.where,
-            fmt::format("the summary of {} has no row with {}; {}", subject_claim.subject.study, list_text(row_texts),
-                        others.empty() ? "it is empty" : fmt::format("there is {}", fmt::join(others, ", "))));
+            fmt::format(
+                "the summary of {} has no row with {}; {}", subject_claim.subject.study, list_text(row_texts),
+                other_values.empty() ? "it is empty" : fmt::format("there is {}", fmt::join(other_values, ", "))));
     }
-    if (!differing.empty())
-        scene::toml::fail(subject_claim.claim.where,
-                          fmt::format("several rows of the summary of {} have {}; say which one is meant, by {}",
-                                      subject_claim.subject.study, list_text(row_texts), fmt::join(differing, ", ")));
+    if (!differing_columns.empty())
+        scene::toml::fail(
+            subject_claim.claim.where,
+            fmt::format("several rows of the summary of {} have {}; say which one is meant, by {}",
+                        subject_claim.subject.study, list_text(row_texts), fmt::join(differing_columns, ", ")));
     return *found;
 }
 
@@ -115,22 +119,22 @@ struct StudyRun {
 };
 
 /// Puts claims whose rows need the same options into one run. `claims` have the same study and the same `run_options`.
-std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs_of(const SubjectClaims<StudySubject>& claims,
-                                                                         const StudyNames& names) {
+std::map<std::map<std::string, std::set<std::string>>, StudyRun> group_into_runs(
+    const SubjectClaims<StudySubject>& claims, const StudyNames& names) {
     std::vector<evaluate::TestedForm> rows;
     std::vector<std::map<std::string, std::set<std::string>>> options;
     for (const StudyClaim& subject_claim : claims) {
-        const std::size_t row_index = index_or_added(rows, claim_row(subject_claim.claim));
+        const std::size_t row_index = find_or_add_row(rows, claim_row(subject_claim.claim));
         options.resize(rows.size());
-        for (const auto& [name, value] : options_of(subject_claim, names).row_options)
+        for (const auto& [name, value] : split_options(subject_claim, names).row_options)
             options[row_index][name].insert(value);
     }
     std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs;
     for (const StudyClaim& subject_claim : claims) {
         const evaluate::TestedForm form_row = claim_row(subject_claim.claim);
-        StudyRun& run = runs[options[index_or_added(rows, form_row)]];
+        StudyRun& run = runs[options[find_or_add_row(rows, form_row)]];
         run.claims.push_back(subject_claim);
-        index_or_added(run.rows, form_row);
+        find_or_add_row(run.rows, form_row);
     }
     return runs;
 }
@@ -138,7 +142,7 @@ std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs_of(const S
 /// Measures claims about one study whose `run_options` are the same.
 void measure_together(const SubjectClaims<StudySubject>& claims, const Texts& run_options, const StudyNames& names,
                       const scene::file::Scene& scene, const ClaimRequest& run) {
-    for (auto& [row_options, study_run] : runs_of(claims, names)) {
+    for (auto& [row_options, study_run] : group_into_runs(claims, names)) {
         StudyQuestion question{.scene = scene, .rows = study_run.rows, .stop = run.stop};
         for (const auto& [name, value] : run_options) question.options[name] = {value};
         for (const auto& [name, values] : row_options) question.options[name].assign(values.begin(), values.end());
@@ -147,7 +151,7 @@ void measure_together(const SubjectClaims<StudySubject>& claims, const Texts& ru
             return run.studies->measure(study_run.claims.front().subject.study, question);
         });
         for (const StudyClaim& subject_claim : study_run.claims)
-            judge_claim(subject_claim, row_of(subject_claim, names, rows));
+            judge_claim(subject_claim, find_row(subject_claim, names, rows));
     }
 }
 
@@ -163,7 +167,7 @@ void measure(const SubjectClaims<StudySubject>& claims, const ClaimRequest& run)
         if (!names.contains(study))
             names[study] = find_for_claim(subject_claim.claim, [&] { return run.studies->names(study); });
         require_names(subject_claim, names.at(study));
-        claims_by_options[{study, options_of(subject_claim, names.at(study)).run_options}].push_back(subject_claim);
+        claims_by_options[{study, split_options(subject_claim, names.at(study)).run_options}].push_back(subject_claim);
     }
     for (const auto& [key, group] : claims_by_options)
         measure_together(group, key.second, names.at(key.first), scene, run);

@@ -1,5 +1,5 @@
-// Interface through which claims use studies. The list of studies is above this folder (analysis/study), so a run
-// passes it in.
+// Interface through which claims use studies. The list of studies is in analysis/study, which this folder may not
+// include, so the caller passes an implementation.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace lostbits::measure::claim {
 
-/// A study of a scene with some rows.
+/// A study to run on a scene, with the rows to measure.
 struct StudyQuestion {
     const scene::file::Scene& scene;
     std::vector<evaluate::TestedForm> rows;
@@ -26,26 +26,29 @@ struct StudyQuestion {
 
 /// A row of the summary of a study.
 struct StudyRow {
-    std::map<std::string, std::string> words;                  ///< by column; form and format are columns too
+    std::map<std::string, std::string> texts;                  ///< by column; form and format are columns too
     std::map<std::string, double> numbers;                     ///< by column; NaN if missing
     std::map<std::string, evaluate::WorstRay> witnesses = {};  ///< by requested column
-    std::uint64_t unproved = 0;                                ///< number of its pixels without a proof
+    std::uint64_t unproved = 0;                                ///< number of pixels whose truth is not proved
 };
 
 /// Names of a study that a claim can use.
 struct StudyNames {
-    std::vector<std::string> options, words, numbers;  ///< words and numbers are columns of the summary
+    std::vector<std::string> options, text_columns, number_columns;  ///< the columns are those of the summary
 };
 
+/// Studies by name.
 class ClaimStudies {
 public:
     virtual ~ClaimStudies() = default;
-    /// Throws InputError for an unknown study.
+    /// Names of a study. Throws InputError for an unknown study.
     [[nodiscard]] virtual StudyNames names(const std::string& study) const = 0;
-    /// Throws InputError if the study does not take the scene, a form or the value of an option.
-    [[nodiscard]] virtual std::vector<StudyRow> measure(const std::string& study, const StudyQuestion& asked) const = 0;
-    /// Draws the sheet of a study. Throws as `measure`.
-    virtual void draw(const std::string& study, const StudyQuestion& asked,
+    /// Rows of the summary of a study. Throws InputError if the study does not take the scene, a form or the value of
+    /// an option.
+    [[nodiscard]] virtual std::vector<StudyRow> measure(const std::string& study,
+                                                        const StudyQuestion& question) const = 0;
+    /// Draws the contact sheet of a study into `file`. Throws as `measure` does.
+    virtual void draw(const std::string& study, const StudyQuestion& question,
                       const std::filesystem::path& file) const = 0;
 };
 

@@ -36,7 +36,7 @@ struct SubjectClaim {
 template <class Kind>
 using SubjectClaims = std::vector<SubjectClaim<Kind>>;
 
-/// One function for each kind of subject.
+/// Measures claims about one subject; there is one function for each kind of subject.
 void measure(const SubjectClaims<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::SweepSubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::StudySubject>& claims, const ClaimRequest& run);
@@ -50,12 +50,12 @@ void measure(const SubjectClaims<scene::claim::ChoiceSubject>& claims, const Cla
 void measure_exhaustive(const SubjectClaims<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
-/// Measures what changes if the nearest hit so far is passed on. The rays are seeded rays of
-/// `scene::box::BoxDistribution`, eight adjoining boxes aimed at their shared edges from `distance` sizes away. Every
-/// box in turn gets the closest t so far as the end of the ray. Returns the share of the rays on which the nearest t
-/// over all boxes, or the decision, then differs.
+/// Measures what changes if the nearest hit so far is passed on: each box in turn gets the closest t so far as the end
+/// of the ray. The rays are seeded rays of `scene::box::BoxDistribution`, aimed at the shared edges of eight adjoining
+/// boxes from `distance` sizes away. Returns the share of the rays on which the nearest t over all boxes, or the
+/// decision, then differs.
 double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
-                            truth::TruthLimit limit);
+                            truth::ProofLimit limit);
 
 /// Adds the result of a further draw: a claim holds only if it holds for every draw.
 void add_draw(ClaimResult& result, const ClaimResult& draw);
@@ -65,9 +65,9 @@ void add_draw(ClaimResult& result, const ClaimResult& draw);
 template <class Kind, class Measure>
 void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
-    const bool any_is_drawn =
+    const bool is_any_random =
         std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_random(); });
-    const auto further_draw_count = static_cast<std::size_t>(any_is_drawn ? run.further_draws : 0);
+    const auto further_draw_count = static_cast<std::size_t>(is_any_random ? run.further_draws : 0);
     std::vector<std::vector<ClaimResult>> draws(further_draw_count, std::vector<ClaimResult>(claims.size()));
     intersect::process::in_parallel(std::size_t{0}, further_draw_count, [&](std::size_t d) {
         SubjectClaims<Kind> draw_claims;
@@ -82,20 +82,21 @@ void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, c
     }
 }
 
-/// Loads the one scene of the claim's subject. Throws InputError with the claim's position.
+/// Loads the scene that is the subject of a claim. Throws InputError with the claim's position.
 scene::file::Scene one_scene(const scene::claim::Claim& claim, const ClaimRequest& run);
 
-/// Result of a claim with this measurement; `summary` (may be null) is the source of the number.
+/// Compares a measurement with the expectation of a claim. `summary` (may be null) is the source of the number.
 ClaimResult judge(const scene::claim::Claim& claim, double measured, const evaluate::FormSummary* summary);
 
-/// Marks the result as broken if some truths are not proved: "1 pixel has no proved truth", "3 pixels have …".
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several);
+/// Marks the result as unmeasurable if some truths are not proved. The reason is "1 pixel has no proved truth" or "3
+/// pixels have …".
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* singular_text, const char* plural_text);
 
 /// The format of a claim. Throws InputError for an unknown name.
 Format claim_format(const scene::claim::Claim& claim);
 
-/// Index of the row among those of several claims; adds it if it is new.
-inline std::size_t index_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& form_row) {
+/// Index of a row in `rows`, to which the row is added if it is new.
+inline std::size_t find_or_add_row(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& form_row) {
     const auto found = std::ranges::find(rows, form_row);
     if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
     rows.push_back(form_row);
@@ -103,7 +104,7 @@ inline std::size_t index_or_added(std::vector<evaluate::TestedForm>& rows, const
 }
 
 template <class Kind>
-std::vector<const scene::claim::Claim*> claims_in(const SubjectClaims<Kind>& claims) {
+std::vector<const scene::claim::Claim*> claim_pointers(const SubjectClaims<Kind>& claims) {
     std::vector<const scene::claim::Claim*> result;
     for (const SubjectClaim<Kind>& c : claims) result.push_back(&c.claim);
     return result;

@@ -29,12 +29,12 @@ using truth::missing;
 namespace {
 
 void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
-                   truth::TruthLimit limit) {
+                   truth::ProofLimit limit) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
     for (const auto& subject_claim : claims) request.rows.push_back(row_for(subject_claim.claim, file));
     const OwnedSetting setting(file.rays(0, binary64).front());
-    const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
+    const ClaimColumns columns(claim_pointers(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, subject, result] = claims[k];
@@ -47,8 +47,9 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
     }
 }
 
-std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& columns,
-                                        const evaluate::FormSummary& summary) {
+/// Bounds of the 99th percentile that a claim is about; empty for a claim about another number.
+std::optional<metric::Bounds> quantile_bounds(const Claim& claim, const ClaimColumns& columns,
+                                              const evaluate::FormSummary& summary) {
     if (!claim.metric.ends_with("_p99")) return std::nullopt;
     const auto bound = [&](const char* name) {
         Claim bound_claim = claim;
@@ -94,31 +95,31 @@ void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& 
         result = judge(claim, axes_claims.columns.value(claim, summary), &summary);
         if (!request.sweep.has_random_rays()) continue;
         result.samples = summary.views;
-        if (summary.rays == summary.views) result.bounds = bounds_of(claim, axes_claims.columns, summary);
+        if (summary.rays == summary.views) result.bounds = quantile_bounds(claim, axes_claims.columns, summary);
     }
 }
 
 void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) {
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const Claim& claim = axes_claims.claims[k].claim;
-        request.only.push_back({axes_claims.rows[k], claim.onset, claim.statistic, claim.threshold});
+        request.wanted_onsets.push_back({axes_claims.rows[k], claim.onset, claim.statistic, claim.threshold});
     }
     const auto onsets = sweep::find_onsets(request, sweep::run_sweep(request));
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const Claim& claim = axes_claims.claims[k].claim;
         ClaimResult& result = axes_claims.claims[k].result;
-        const auto found =
-            std::ranges::find_if(onsets, [&](const sweep::Onset& o) { return o.is_of_event(request.only[k]); });
-        if (found == onsets.end()) {
+        const auto onset = std::ranges::find_if(
+            onsets, [&](const sweep::Onset& candidate) { return candidate.is_same_event(request.wanted_onsets[k]); });
+        if (onset == onsets.end()) {
             scene::toml::fail(
                 claim.where,
                 "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
                     "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, "
                     "false_miss, not_a_number and, for marches, max_dist, max_steps, stagnated (count; 1)");
         }
-        result = judge(claim, found->found ? found->first_bad : missing, nullptr);
-        if (request.sweep.has_random_rays()) result.samples = found->views;
-        if (!found->found) result.reason = "it does not happen within the sweep";
+        result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
+        if (request.sweep.has_random_rays()) result.samples = onset->views;
+        if (!onset->found) result.reason = "it does not happen within the sweep";
     }
 }
 
@@ -126,16 +127,16 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
 using AxesPosition = std::optional<std::vector<double>>;
 
 void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& position,
-                  const scene::sweep::SweepFile& sweep, truth::TruthLimit limit) {
+                  const scene::sweep::SweepFile& sweep, truth::ProofLimit limit) {
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         TestedForm form_row = row_for(claim, sweep);
         if (!form_row.touching) form_row.touching = sweep.convention;
-        rows.push_back(index_or_added(request.rows, form_row));
+        rows.push_back(find_or_add_row(request.rows, form_row));
     }
     const OwnedSetting setting(sweep.first_rays());
-    const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
+    const ClaimColumns columns(claim_pointers(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
     if (position) measure_position({claims, columns, rows}, request, *position);
     else measure_onsets({claims, columns, rows}, std::move(request));
@@ -144,14 +145,14 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
 }  // namespace
 
 void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run) {
-    const Claim& first = claims.front().claim;
-    const std::string& subject_name = first.subject_name();
-    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
+    const Claim& first_claim = claims.front().claim;
+    const std::string& subject_name = first_claim.subject_name();
+    const auto path = find_for_claim(first_claim, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
         case SweepKind::edge_search:
-            scene::toml::fail(first.where,
+            scene::toml::fail(first_claim.where,
                               "sweep \"" + subject_name + "\" is a search; write `search = ` in place of `sweep = `");
         case SweepKind::every_float: return measure_exhaustive(claims, path, run);
         case SweepKind::axes: break;
@@ -178,7 +179,7 @@ void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run)
 
 namespace {
 
-/// Metric of a claim about the census of an edge search: the outcome that the metric counts, and at which targets.
+/// Metric of a claim about the census of an edge search: it counts the rays at `target` with this outcome.
 struct CensusMetric {
     std::string_view name;
     answer::Outcome outcome;
@@ -202,7 +203,7 @@ const CensusMetric& census_metric(const Claim& claim) {
 }
 
 /// Number of rays of the census that the metric counts.
-std::uint64_t count_of(const edges::EdgeFinding& finding, const CensusMetric& metric) {
+std::uint64_t count_rays(const edges::EdgeFinding& finding, const CensusMetric& metric) {
     const auto outcome = static_cast<std::size_t>(std::ranges::find(edges::searched_outcomes, metric.outcome) -
                                                   edges::searched_outcomes.begin());
     std::uint64_t sum = 0;
@@ -225,36 +226,37 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
         const evaluate::TestedForm form_row = claim_row(claim);
         if (!request.search.meets(form_row.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
-        rows.push_back(index_or_added(request.rows, form_row));
+        rows.push_back(find_or_add_row(request.rows, form_row));
     }
     const auto findings = edges::search_edges(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, subject, result] = claims[k];
-        result = judge(claim, static_cast<double>(count_of(findings[rows[k]], census_metric(claim))), nullptr);
+        result = judge(claim, static_cast<double>(count_rays(findings[rows[k]], census_metric(claim))), nullptr);
     }
 }
 
 }  // namespace
 
 void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run) {
-    const Claim& first = claims.front().claim;
-    const std::string& subject_name = first.subject_name();
-    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
+    const Claim& first_claim = claims.front().claim;
+    const std::string& subject_name = first_claim.subject_name();
+    const auto path = find_for_claim(first_claim, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
     const auto kind = scene::sweep::sweep_kind(path);
     if (kind == scene::sweep::SweepKind::edge_search) return measure_census(claims, path, run);
     if (kind != scene::sweep::SweepKind::search)
-        scene::toml::fail(first.where, "\"" + subject_name +
-                                           "\" has no [search] or [edge_search] table; write `sweep = ` for axes and "
-                                           "cases, or name a search (data/sweeps/worst)");
+        scene::toml::fail(first_claim.where,
+                          "\"" + subject_name +
+                              "\" has no [search] or [edge_search] table; write `sweep = ` for axes and "
+                              "cases, or name a search (data/sweeps/worst)");
     const scene::sweep::SearchFile file(path);
-    const metric::Metric* const searched = metric::find_metric(file.metric);
-    if (searched == nullptr)
-        scene::toml::fail(first.where, "search \"" + subject_name + "\" maximises the unknown metric \"" + file.metric +
-                                           "\"; `lostbits list metrics` shows the metrics");
+    const metric::Metric* const searched_metric = metric::find_metric(file.metric);
+    if (searched_metric == nullptr)
+        scene::toml::fail(first_claim.where, "search \"" + subject_name + "\" maximises the unknown metric \"" +
+                                                 file.metric + "\"; `lostbits list metrics` shows the metrics");
     sweep::WorstRequest request{
         .search = file,
         .rows = {},
-        .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched},
+        .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched_metric},
         .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
@@ -265,7 +267,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
         if (form_row.form->shape != file.shape)
             scene::toml::fail(claim.where, "search \"" + subject_name + "\" has other primitives than " + claim.form +
                                                " takes; name a form of its shape");
-        rows.push_back(index_or_added(request.rows, form_row));
+        rows.push_back(find_or_add_row(request.rows, form_row));
     }
     const auto results = sweep::find_worst(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {

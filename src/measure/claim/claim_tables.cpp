@@ -1,5 +1,5 @@
-// Measures claims about tables: how often the result of a sum or a difference does not depend on one of its operands,
-// and what passing on the nearest hit as the end of a ray changes.
+// Measures claims about tables. "arithmetic": how often a sum or difference does not depend on one of its operands.
+// "closest_as_tmax": what changes if the nearest hit so far is passed on as the end of the ray.
 #include <cmath>
 #include <random>
 #include <string_view>
@@ -23,21 +23,21 @@ namespace {
 struct ArithmeticRow {
     std::string_view name;
     int samples;  ///< number of significands that are drawn; 0: the row is about fixed numbers
-    double (*fraction)(const FloatFormat&, double at, std::uint64_t seed);
+    double (*fraction)(const FloatFormat&, double argument, std::uint64_t seed);
 };
 
 constexpr int sample_count = 4096;
 
-/// Share of significands in [1, 2) on which the test is true; `unit` gives further numbers in [0, 1).
+/// Share of significands in [1, 2) on which the test is true; `random_unit` gives further numbers in [0, 1).
 template <class Test>
 double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
     std::mt19937_64 engine(seed);
-    const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+    const auto random_unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     int true_count = 0;
     for (int i = 0; i < sample_count; ++i) {
         const double significand =
-            std::fmin(rounding::to_format(1 + unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
-        true_count += test(significand, unit);
+            std::fmin(rounding::to_format(1 + random_unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
+        true_count += test(significand, random_unit);
     }
     return static_cast<double>(true_count) / sample_count;
 }
@@ -57,22 +57,22 @@ double power_of_two(const FloatFormat& f, double ratio, std::uint64_t) {
 
 /// Tests f·f − r² = f·f for |f| = distance·r, with r over a binade and f in a random direction.
 double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
-    return share(f, seed, [&](double r, const auto& unit) {
-        double v[3], size = 0;
+    return share(f, seed, [&](double r, const auto& random_unit) {
+        double direction[3], squares = 0;
         do {
-            size = 0;
-            for (double& x : v) {
-                x = 2 * unit() - 1;
-                size += x * x;
+            squares = 0;
+            for (double& x : direction) {
+                x = 2 * random_unit() - 1;
+                squares += x * x;
             }
-        } while (size > 1 || size < 0.01);
-        double ff = 0;
+        } while (squares > 1 || squares < 0.01);
+        double f_squared = 0;
         for (int i = 0; i < 3; ++i) {
-            const double x = rounding::to_format(v[i] / std::sqrt(size) * distance * r, 0, f);
+            const double x = rounding::to_format(direction[i] / std::sqrt(squares) * distance * r, 0, f);
             const double square = rounding::mul(x, x, f);
-            ff = i == 0 ? square : rounding::add(ff, square, f);
+            f_squared = i == 0 ? square : rounding::add(f_squared, square, f);
         }
-        return rounding::add(ff, -rounding::mul(r, r, f), f) == ff;
+        return rounding::add(f_squared, -rounding::mul(r, r, f), f) == f_squared;
     });
 }
 
@@ -99,14 +99,14 @@ int sign_of_difference(double a, double b, double c, double d) {
     return difference > 0 ? 1 : difference < 0 ? -1 : 0;
 }
 
-/// Tests that the computed ab − cd has the opposite sign, where each product is rounded, or the first product is fused
-/// into the difference. d is one of the numbers next to ab/c, up to `max_steps` ulps away.
+/// Tests that the computed ab − cd has the wrong sign. Each product is rounded, or the first product is fused into the
+/// difference. d is one of the numbers next to ab/c, up to `max_steps` ulps away.
 template <bool fused>
 double wrong_sign(const FloatFormat& f, double max_steps, std::uint64_t seed) {
-    return share(f, seed, [&](double a, const auto& unit) {
-        const double b = rounding::to_format(1 + unit(), 0, f), c = rounding::to_format(1 + unit(), 0, f);
+    return share(f, seed, [&](double a, const auto& random_unit) {
+        const double b = rounding::to_format(1 + random_unit(), 0, f), c = rounding::to_format(1 + random_unit(), 0, f);
         const double ulp = std::ldexp(1.0, 1 - f.precision);
-        const double d = rounding::to_format(a * b / c + std::round((2 * unit() - 1) * max_steps) * ulp, 0, f);
+        const double d = rounding::to_format(a * b / c + std::round((2 * random_unit() - 1) * max_steps) * ulp, 0, f);
         const double cd = rounding::mul(c, d, f);
         const double computed = fused ? rounding::fma(a, b, -cd, f) : rounding::add(rounding::mul(a, b, f), -cd, f);
         return computed * sign_of_difference(a, b, c, d) < 0;
@@ -125,17 +125,17 @@ constexpr ArithmeticRow measured_rows[] = {
     {"fused_difference_of_products", sample_count, wrong_sign<true>},
 };
 
-/// The nearest t of each ray over the primitives, infinite for a miss. If `passes_on`, the nearest t so far ends the
-/// ray.
-std::vector<double> nearest(const evaluate::TestedForm& form_row, const FormatInputs& in, bool passes_on) {
-    const std::size_t n = in.rays.size();
-    std::vector<double> best(n, HUGE_VAL);
+/// Finds the nearest t of each ray over the primitives; infinite for a miss. If `passes_on`, the nearest t so far ends
+/// the ray.
+std::vector<double> find_nearest(const evaluate::TestedForm& form_row, const FormatInputs& in, bool passes_on) {
+    const std::size_t ray_count = in.rays.size();
+    std::vector<double> best(ray_count, HUGE_VAL);
     for (const Primitive<double>& primitive : in.primitives.listed()) {
-        FormatInputs single{
+        FormatInputs single_inputs{
             .format = in.format, .rays = in.rays, .primitives = std::vector{primitive}, .stop = in.stop};
-        if (passes_on) single.rays.tmax = best;
-        const answer::Answers answers = answer::evaluate(*form_row.form, single);
-        for (std::size_t i = 0; i < n; ++i) {
+        if (passes_on) single_inputs.rays.tmax = best;
+        const answer::Answers answers = answer::evaluate(*form_row.form, single_inputs);
+        for (std::size_t i = 0; i < ray_count; ++i) {
             if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
         }
     }
@@ -145,7 +145,7 @@ std::vector<double> nearest(const evaluate::TestedForm& form_row, const FormatIn
 }  // namespace
 
 double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
-                            truth::TruthLimit limit) {
+                            truth::ProofLimit limit) {
     if (!takes_tmax(form_row.form->shape))
         throw InputError(std::string(form_row.form->info->name) +
                          " does not take the end of a ray; name a form that does");
@@ -157,7 +157,7 @@ double differs_with_closest(const evaluate::TestedForm& form_row, double distanc
     for (scene::rays::RayGroup& group : distribution.draw()) {
         const truth::Band band(std::move(group), limit);
         const FormatInputs in = band.inputs(form_row.format, {});
-        const auto separate = nearest(form_row, in, false), passed_on = nearest(form_row, in, true);
+        const auto separate = find_nearest(form_row, in, false), passed_on = find_nearest(form_row, in, true);
         rays += separate.size();
         for (std::size_t i = 0; i < separate.size(); ++i) different += separate[i] != passed_on[i];
     }
@@ -175,7 +175,7 @@ ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& subject, st
 }
 
 ClaimResult judge_closest(const Claim& claim, const TableSubject& subject, std::uint64_t seed,
-                          truth::TruthLimit limit) {
+                          truth::ProofLimit limit) {
     Claim form_claim = claim;
     form_claim.form = subject.row;
     const double measured =

@@ -21,24 +21,24 @@ namespace {
 
 using scene::claim::Claim;
 using scene::claim::TimingSubject;
-using Works = std::vector<std::optional<TimedWork>>;
+using OptionalWorks = std::vector<std::optional<TimedWork>>;
 
 template <class Work>
-Works works_of(std::span<const TimedKernel> kernels, std::size_t bytes) {
+OptionalWorks make_works(std::span<const TimedKernel> kernels, std::size_t bytes) {
     Work work(bytes);
-    Works result;
+    OptionalWorks result;
     for (const TimedKernel& k : kernels) result.push_back(work.work_for(k));
     return result;
 }
 
-constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, std::size_t)> works[] = {
-    {"one_ray_many_boxes", works_of<speed::BoxWork>}, {"many_rays_one_primitive", works_of<speed::RayWork>}};
+constexpr std::pair<std::string_view, OptionalWorks (*)(std::span<const TimedKernel>, std::size_t)> work_kinds[] = {
+    {"one_ray_many_boxes", make_works<speed::BoxWork>}, {"many_rays_one_primitive", make_works<speed::RayWork>}};
 
 /// Makes the timed work of each kernel, on the same data.
-std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
+std::vector<TimedWork> make_timed_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
     const std::string& subject_name = claim.subject_name();
-    const auto found = std::ranges::find(works, subject_name, [](const auto& entry) { return entry.first; });
-    if (found == std::end(works))
+    const auto found = std::ranges::find(work_kinds, subject_name, [](const auto& entry) { return entry.first; });
+    if (found == std::end(work_kinds))
         scene::toml::fail(claim.where,
                           "unknown work \"" + subject_name + "\"; write one_ray_many_boxes or many_rays_one_primitive");
     std::vector<TimedWork> result;
@@ -56,19 +56,21 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
 }
 
 /// Median over interleaved repetitions of (seconds for one item of `over`)/(seconds for one item of the kernel).
-double speed_ratio(const Claim& claim, const TimingSubject& t, std::size_t bytes, intersect::process::StopToken stop) {
-    const auto work =
-        make_work(claim, {{t.over_form, t.over_kernel, claim.format}, {claim.form, t.kernel, claim.format}}, bytes);
+double speed_ratio(const Claim& claim, const TimingSubject& subject, std::size_t bytes,
+                   intersect::process::StopToken stop) {
+    const auto work = make_timed_work(
+        claim, {{subject.over_form, subject.over_kernel, claim.format}, {claim.form, subject.kernel, claim.format}},
+        bytes);
     const auto samples = speed::sample_interleaved(
         work, {.repetitions = speed::stay_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
 /// Median of (rate of all allowed processors)/(rate of one · their number); 1 is perfect.
-double speedup_per_processor(const Claim& claim, const TimingSubject& t, std::size_t bytes,
+double speedup_per_processor(const Claim& claim, const TimingSubject& subject, std::size_t bytes,
                              intersect::process::StopToken stop) {
     const auto work = [&](std::size_t) {
-        return make_work(claim, {{claim.form, t.kernel, claim.format}}, bytes).front().pass;
+        return make_timed_work(claim, {{claim.form, subject.kernel, claim.format}}, bytes).front().pass;
     };
     return speed::timing_of(speed::thread_speedups(work, {.stop = stop})).median /
            static_cast<double>(speed::allowed_processors().size());
@@ -77,14 +79,14 @@ double speedup_per_processor(const Claim& claim, const TimingSubject& t, std::si
 }  // namespace
 
 void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run) {
-    for (const auto& [claim, t, result] : claims) {
-        const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
-        if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; write l1, l2 or memory");
-        const std::string_view metric = t.all_processors ? "speedup_per_processor" : "speed_ratio";
+    for (const auto& [claim, subject, result] : claims) {
+        const std::size_t bytes = speed::working_set_bytes(subject.data, speed::cache_sizes());
+        if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + subject.data + "\"; write l1, l2 or memory");
+        const std::string_view metric = subject.all_processors ? "speedup_per_processor" : "speed_ratio";
         if (claim.metric != metric)
             scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; write " + std::string(metric));
-        const auto measured = t.all_processors ? speedup_per_processor : speed_ratio;
-        result = judge(claim, measured(claim, t, bytes, run.stop), nullptr);
+        const auto measured = subject.all_processors ? speedup_per_processor : speed_ratio;
+        result = judge(claim, measured(claim, subject, bytes, run.stop), nullptr);
     }
 }
 
@@ -106,7 +108,7 @@ TestedForm timed_row(const Claim& claim, const Scene& scene) {
 }
 
 /// The claim's row, followed by every other form that fits the scene, in the formats that the requirement names.
-std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
+std::vector<TestedForm> list_candidates(const Claim& claim, const Others& others, const Scene& scene) {
     std::vector<TestedForm> rows{timed_row(claim, scene)};
     for (const std::string& name : others.formats) {
         Claim candidate = claim;
@@ -115,14 +117,14 @@ std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, 
         for (const intersect::table::Intersector& form : intersect::table::intersectors(rows.front().form->shape)) {
             if (!form.exists_in(format)) continue;
             candidate.form = form.info->name;
-            index_or_added(rows, timed_row(candidate, scene));
+            find_or_add_row(rows, timed_row(candidate, scene));
         }
     }
     return rows;
 }
 
-ChoiceRequest request_for(const Claim& claim, const Others& others, const Scene& scene,
-                          intersect::process::StopToken stop) {
+ChoiceRequest make_request(const Claim& claim, const Others& others, const Scene& scene,
+                           intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
     request.requirement = {.bits = others.requirement.bits, .wrong = others.requirement.wrong};
     request.requirement.quantile = find_for_claim(claim, [&] { return choice::quantile_named(others.requirement.at); });
@@ -146,17 +148,17 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, c
 }
 
 /// 1 if the row meets the requirement, else 0.
-double meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
-    ChoiceRequest request = request_for(claim, others, scene, stop);
+double row_meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+    ChoiceRequest request = make_request(claim, others, scene, stop);
     request.rows = {timed_row(claim, scene)};
     return quality_of(request).front().meets(request.requirement) ? 1 : 0;
 }
 
 /// Number of other forms that fit the scene and meet the requirement, over all of the formats.
-double others_that_meet(const Claim& claim, const Others& others, const Scene& scene,
-                        intersect::process::StopToken stop) {
-    ChoiceRequest request = request_for(claim, others, scene, stop);
-    request.rows = candidates_of(claim, others, scene);
+double count_others_that_meet(const Claim& claim, const Others& others, const Scene& scene,
+                              intersect::process::StopToken stop) {
+    ChoiceRequest request = make_request(claim, others, scene, stop);
+    request.rows = list_candidates(claim, others, scene);
     std::erase_if(request.rows,
                   [&claim](const TestedForm& form_row) { return form_row.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
@@ -166,25 +168,27 @@ double others_that_meet(const Claim& claim, const Others& others, const Scene& s
 }
 
 /// 1 if the row is the cheapest that meets the requirement, else 0.
-double chosen(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
-    ChoiceRequest request = request_for(claim, others, scene, stop);
-    request.rows = candidates_of(claim, others, scene);
+double is_row_chosen(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+    ChoiceRequest request = make_request(claim, others, scene, stop);
+    request.rows = list_candidates(claim, others, scene);
     choice::TimedRays timed;
     return cheapest(measure_candidates(request, timed), request.requirement) == std::size_t{0} ? 1 : 0;
 }
 
 constexpr std::pair<std::string_view,
                     double (*)(const Claim&, const Others&, const Scene&, intersect::process::StopToken)>
-    of_requirements[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
+    requirement_metrics[] = {
+        {"meets", row_meets}, {"others_that_meet", count_others_that_meet}, {"chosen", is_row_chosen}};
 
-double chosen_value(const Claim& claim, const ChoiceSubject& subject, const ClaimRequest& run) {
+double choice_value(const Claim& claim, const ChoiceSubject& subject, const ClaimRequest& run) {
     const Scene scene = one_scene(claim, run);
     if (const auto* const over = std::get_if<ChoiceSubject::RelativeTime>(&subject.against)) {
         if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; with `over`, write time_ratio");
     }
-    const auto found = std::ranges::find(of_requirements, claim.metric, [](const auto& entry) { return entry.first; });
-    if (found == std::end(of_requirements))
+    const auto found =
+        std::ranges::find(requirement_metrics, claim.metric, [](const auto& entry) { return entry.first; });
+    if (found == std::end(requirement_metrics))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
                                            "\"; with a requirement, write meets, others_that_meet or chosen");
     return found->second(claim, std::get<Others>(subject.against), scene, run.stop);
@@ -194,7 +198,7 @@ double chosen_value(const Claim& claim, const ChoiceSubject& subject, const Clai
 
 void measure(const SubjectClaims<ChoiceSubject>& claims, const ClaimRequest& run) {
     for (const auto& [claim, subject, result] : claims)
-        result = judge(claim, chosen_value(claim, subject, run), nullptr);
+        result = judge(claim, choice_value(claim, subject, run), nullptr);
 }
 
 }  // namespace lostbits::measure::claim

@@ -89,7 +89,7 @@ void TrueLengths::resize(std::size_t rays) {
 void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction direction_kind) {
     const truth::Certified& x = direction_kind == Direction::unit ? truth.distance : truth.t;
     decision[i] = truth.decision;
-    object[i] = truth.object;
+    object[i] = truth.primitive;
     hi[i] = missing;
     if (!truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
     if (x.lo != 0 && std::fabs(x.lo) < 0x1p-200) return;
@@ -111,13 +111,13 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
     const truth::RayTruths& truths = band_->truths();
     TrueLengths& columns = cached_.emplace_back(CachedLengths{convention, direction_kind, {}}).lengths;
     columns.decision = truths.decision;
-    columns.object = truths.object;
+    columns.object = truths.primitive;
     for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
         copy_lengths(direction_kind == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(),
                      columns);
     });
-    for (const auto& [i, truth] : truths.whole) columns.set(i, truth, direction_kind);
+    for (const auto& [i, truth] : truths.complete_truths) columns.set(i, truth, direction_kind);
     if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();

@@ -33,7 +33,7 @@ FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& te
 
 scene::rays::RayGroup FormOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
-    const bool has_few = inputs.primitives.size() <= truth::Band::most_given;
+    const bool has_few = inputs.primitives.size() <= truth::Band::most_original_primitives;
     std::vector<Primitive<double>> primitives;
     if (has_few || inputs.primitives.mesh() == nullptr) primitives = inputs.primitives.all();
     if (!primitives.empty() && std::ranges::all_of(primitives, takes_tmax, &Primitive<double>::shape))

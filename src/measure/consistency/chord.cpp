@@ -80,7 +80,7 @@ struct BallOnRay {
 /// considered.
 std::optional<std::size_t> primitive_of(const FormOnBand& band_form, std::size_t i) {
     const Truth truth = band_form.band.truth(i, band_form.row.convention());
-    if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
+    if (truth.is_hit()) return static_cast<std::size_t>(truth.primitive);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
     const FormOnBand::Candidates candidates = band_form.candidates(band_form.inputs.rays[i]);
@@ -112,7 +112,7 @@ std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t 
     const ReversedRays rays{{p, difference},
                             {q, Vec<double>(-difference.x, -difference.y, -difference.z)},
                             band_form.inputs.primitives[*k]};
-    if (!truth::is_proper(rays.forth) || !truth::is_proper(rays.back)) return std::nullopt;
+    if (!truth::is_valid(rays.forth) || !truth::is_valid(rays.back)) return std::nullopt;
     return rays;
 }
 

@@ -58,7 +58,7 @@ struct ConsistencyStudy {
     const scene::file::Scene& scene;
     std::vector<evaluate::TestedForm> rows;  ///< with forms of primitives
     std::vector<const Check*> checks;
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 

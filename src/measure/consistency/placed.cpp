@@ -113,7 +113,7 @@ struct BandAmongPrimitives {
             culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives),
                                                        band_form.inputs.rays);
         scene::rays::RayGroup group{.rays = band_form.inputs.rays, .primitives = primitives};
-        band = std::make_unique<truth::Band>(std::move(group), truth::TruthLimit{.stop = band_form.form.stop},
+        band = std::make_unique<truth::Band>(std::move(group), truth::ProofLimit{.stop = band_form.form.stop},
                                              culler.get());
     }
 };
@@ -149,9 +149,9 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
             const auto &first = is_unit ? p.distance : p.t, &second = is_unit ? q.distance : q.t;
             const std::int64_t ulp = ulp_exponent(band_form.format(), first.floor_log2());
             const auto error_in_ulps = [ulp](double t, const truth::Certified& exact) {
-                return truth::scaled_difference(truth::exactly(t), exact, ulp);
+                return truth::scaled_difference(truth::as_certified(t), exact, ulp);
             };
-            out.apart[i] = std::fabs(error_in_ulps(a.t[i], truth::exactly(b.t[i])));
+            out.apart[i] = std::fabs(error_in_ulps(a.t[i], truth::as_certified(b.t[i])));
             out.excess[i] = std::fabs(error_in_ulps(a.t[i], first) - error_in_ulps(b.t[i], second));
             // The error of a correctly rounded t is at most half an ulp, so two of them differ by at most one ulp.
             result = !(out.excess[i] <= 1) ? CheckResult::other_number
@@ -161,7 +161,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
         out.set(i, result, [&] {
             TwoRays two_rays{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
                              scene::rays::group_of(band_form.inputs.rays[i])};
-            if (converted.size() <= truth::Band::most_given) two_rays.second.primitives = converted;
+            if (converted.size() <= truth::Band::most_original_primitives) two_rays.second.primitives = converted;
             return two_rays;
         });
     }

@@ -38,8 +38,8 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
     if (takes_end || !truth.is_hit()) return truth.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
-    std::optional<int> side = truth::compare(truth.t, truth::exactly(end));
-    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(truth.object)], end);
+    std::optional<int> side = truth::compare(truth.t, truth::as_certified(end));
+    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(truth.primitive)], end);
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
@@ -59,7 +59,7 @@ std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i
 }
 
 bool are_proper(const SegmentRays& s) {
-    return truth::is_proper(s.by_difference) && truth::is_proper(s.by_unit) && std::isfinite(s.unit_end);
+    return truth::is_valid(s.by_difference) && truth::is_valid(s.by_unit) && std::isfinite(s.unit_end);
 }
 
 CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRays& s, bool first, bool second) {

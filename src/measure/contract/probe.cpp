@@ -25,10 +25,10 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
-/// True for equal numbers, and for two NaN.
+/// True if both replies have equal numbers. Two NaN count as equal.
 bool are_same(const Reply& a, const Reply& b) {
-    const auto equal = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-    return a.hit == b.hit && equal(a.near, b.near) && equal(a.far, b.far);
+    const auto is_same_number = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+    return a.hit == b.hit && is_same_number(a.near, b.near) && is_same_number(a.far, b.far);
 }
 
 bool are_all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) {
@@ -36,7 +36,7 @@ bool are_all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) {
 }
 
 /// Many rays from all directions, some of which meet the primitive.
-std::vector<Question> many_questions(Shape shape) {
+std::vector<Question> scattered_questions(Shape shape) {
     std::vector<Question> questions;
     std::uint32_t state = 1;
     const auto random = [&state] {
@@ -66,24 +66,24 @@ std::string plainest_ray_text(Shape shape, const char* joint) {
                        plainest_primitive_text(shape));
 }
 
-/// The t at which the plainest ray leaves a shape for good: as far from the origin as the opposite ray enters. Infinite
-/// for solids without end.
-double last_root(Shape shape) {
+/// The t at which the plainest ray leaves a shape for the last time. By symmetry, this point is as far from the origin
+/// as the point where the opposite ray enters. Infinite for primitives without end.
+double last_root_t(Shape shape) {
     const Question q = plainest_question(shape);
     const auto opposite_ends = ends_of(question_along_z(shape, -q.ray[2], -q.ray[5]), shape);
     return opposite_ends ? 2 * std::fabs(q.ray[2]) - opposite_ends->near : std::numeric_limits<double>::infinity();
 }
 
 void try_hit_is_written(Trial& trial) {
-    const auto replies = ask(trial.form, many_questions(trial.shape));
+    const auto replies = ask(trial.form, scattered_questions(trial.shape));
     const auto unwritten = std::ranges::find_if(replies, [](const Reply& r) { return r.hit > 1; });
     if (unwritten != replies.end())
         trial.report_broken("`hit` is " + std::to_string(unwritten->hit) +
                             " for a ray of a batch; write 1 or 0 for every ray");
 }
 
-void try_again(Trial& trial) {
-    const auto questions = many_questions(trial.shape);
+void try_same_batch_again(Trial& trial) {
+    const auto questions = scattered_questions(trial.shape);
     const auto replies = ask(trial.form, questions);
     trial.check(are_all_same(replies, ask(trial.form, questions)), "the same batch gets the same answers again",
                 "the same batch gets other answers the second time: the function keeps state from the first call, or "
@@ -91,7 +91,7 @@ void try_again(Trial& trial) {
 }
 
 void try_batches(Trial& trial) {
-    const auto questions = many_questions(trial.shape);
+    const auto questions = scattered_questions(trial.shape);
     std::vector<Reply> single_replies;
     for (const Question& q : questions) single_replies.push_back(trial.ask(q));
     trial.check(are_all_same(ask(trial.form, questions), single_replies),
@@ -99,14 +99,14 @@ void try_batches(Trial& trial) {
 }
 
 void try_primitives(Trial& trial) {
-    const auto questions = many_questions(trial.shape);
+    const auto questions = scattered_questions(trial.shape);
     trial.check(are_all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
                 "one primitive for all rays, or one for each: the same answers",
                 "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
 }
 
 void try_threads(Trial& trial) {
-    const auto questions = many_questions(trial.shape);
+    const auto questions = scattered_questions(trial.shape);
     const auto expected = ask(trial.form, questions);
     std::vector<std::thread> threads;
     std::atomic<bool> is_same = true;
@@ -143,7 +143,7 @@ constexpr LengthMisuse length_misuses[]{
 /// Rays whose answers distinguish mistakes about a length: the plainest ray and some rays beside it, at two lengths.
 /// One length is not enough, since 2 doubled is 2 squared. A length of a flat shape only decides how far from the
 /// middle the shape is hit.
-std::vector<Question> questions_at_lengths(Shape shape, std::size_t index) {
+std::vector<Question> questions_about_length(Shape shape, std::size_t index) {
     std::vector<Question> questions{plainest_question(shape), plainest_question(shape, 8)};
     questions[1].ray[0] = 0.5, questions[1].ray[1] = 0.25;
     for (const double x : {0.9, 1.25, 1.75, 2.5, 3.5}) {
@@ -159,17 +159,17 @@ std::vector<Question> questions_at_lengths(Shape shape, std::size_t index) {
     return questions;
 }
 
-/// Text about a mistake about the length of a shape, and what to write instead.
+/// Texts: a mistake about the length of a shape, and what to write instead.
 struct LengthMistake {
     std::string mistake, remedy;
 };
 
-/// The mistake about a length that explains all answers of a form.
+/// Finds the mistake about a length that explains all answers of a form; empty if there is none.
 std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;
     std::vector<std::pair<Question, Reply>> answered;
-    for (const Question& q : questions_at_lengths(trial.shape, length->number_index))
+    for (const Question& q : questions_about_length(trial.shape, length->number_index))
         answered.emplace_back(q, trial.ask(q));
     const auto explains = [&](const LengthMisuse& mistake) {
         return std::ranges::all_of(answered, [&](const auto& pair) {
@@ -187,7 +187,7 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
 }
 
 /// Tests that a flat shape is hit as far from its middle as its length says, and no farther.
-void try_size(Trial& trial) {
+void try_extent(Trial& trial) {
     const auto length_mistake = is_flat(trial.shape) ? find_length_mistake(trial) : std::nullopt;
     if (length_mistake)
         trial.report_broken(length_mistake->mistake + ", which decides where it is hit" + length_mistake->remedy);
@@ -196,48 +196,50 @@ void try_size(Trial& trial) {
 /// Tests the near root that the form answers for a ray from outside.
 void try_t(Trial& trial) {
     const Question q = plainest_question(trial.shape);
-    const Reply plain = trial.ask(q);
-    const double right = ends_of(q, trial.shape)->near, far = ends_of(q, trial.shape)->far,
-                 last = last_root(trial.shape);
-    const auto is_far = [&](double t) { return is_answer(t, far) || is_answer(t, last); };
-    if (is_answer(plain.near, right))
-        return trial.report_kept("the simplest ray gets t = " + text_of(right) + ", which is right");
-    const auto where = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
-                       text_of(plain.near) + ")";
+    const Reply reply = trial.ask(q);
+    const double right_t = ends_of(q, trial.shape)->near, far_t = ends_of(q, trial.shape)->far,
+                 last_t = last_root_t(trial.shape);
+    const auto is_far = [&](double t) { return is_answer(t, far_t) || is_answer(t, last_t); };
+    if (is_answer(reply.near, right_t))
+        return trial.report_kept("the simplest ray gets t = " + text_of(right_t) + ", which is right");
+    const auto ray_text = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right_t) +
+                          " is right, it answers " + text_of(reply.near) + ")";
     if (const auto length_mistake = find_length_mistake(trial))
-        return trial.report_broken(length_mistake->mistake + where + length_mistake->remedy);
-    if (is_far(plain.near)) return trial.report_broken("the far root comes first" + where + "; write near before far");
-    if (is_answer(plain.near, -right) || is_far(-plain.near))
-        return trial.report_broken("t has the wrong sign" + where + "; is the direction reversed?");
-    if (std::isnan(plain.near))
-        return trial.report_broken("t is not a number" + where +
+        return trial.report_broken(length_mistake->mistake + ray_text + length_mistake->remedy);
+    if (is_far(reply.near))
+        return trial.report_broken("the far root comes first" + ray_text + "; write near before far");
+    if (is_answer(reply.near, -right_t) || is_far(-reply.near))
+        return trial.report_broken("t has the wrong sign" + ray_text + "; is the direction reversed?");
+    if (std::isnan(reply.near))
+        return trial.report_broken("t is not a number" + ray_text +
                                    "; compute a t for every hit, and set hit to 0 for a miss");
-    trial.report_broken("t is wrong" + where);
+    trial.report_broken("t is wrong" + ray_text);
 }
 
-/// Compares t with the form's own t for length 1: a wrong t may still halve as it should, or be a distance.
+/// Compares the t for a direction of length 2 with the form's own t for length 1. A t that is wrong for length 1 may
+/// still halve as it should, or be a distance.
 void try_direction(Trial& trial) {
     if (trial.contract.direction == Direction::unit)
         return trial.report_kept("takes unit directions; others are not tried");
     const std::string say_unit = "say LB_UNIT (unit_direction, direction=unit)";
     const Question q = plainest_question(trial.shape);
-    const Reply plain = trial.ask(q), double_reply = trial.ask(plainest_question(trial.shape, 5, 2));
-    if (double_reply.hit != 1)
+    const Reply reply = trial.ask(q), doubled_reply = trial.ask(plainest_question(trial.shape, 5, 2));
+    if (doubled_reply.hit != 1)
         return trial.report_broken("a direction twice as long misses; it should hit" +
                                    std::string(trial.tells_t ? " at half the t" : "") +
                                    ". The formula may assume length 1; if so, " + say_unit);
     if (!trial.tells_t) return trial.report_kept("takes directions of any length: one twice as long hits too");
-    if (is_answer(double_reply.near, plain.near / 2))
+    if (is_answer(doubled_reply.near, reply.near / 2))
         return trial.report_kept("takes directions of any length: one twice as long gets half the t");
     const Reply farther = trial.ask(plainest_question(trial.shape, 8));
-    const bool is_unchanged = is_answer(double_reply.near, plain.near),
-               is_distance = is_unchanged && farther.hit == 1 && is_answer(farther.near, plain.near + 3);
+    const bool is_unchanged = is_answer(doubled_reply.near, reply.near),
+               is_distance = is_unchanged && farther.hit == 1 && is_answer(farther.near, reply.near + 3);
     if (is_distance)
         return trial.report_broken(
             "t is a distance: a direction twice as long changes nothing. Divide t by its length, or " + say_unit);
-    const std::string result_text = "a direction twice as long gives t = " + text_of(double_reply.near);
+    const std::string result_text = "a direction twice as long gives t = " + text_of(doubled_reply.near);
     const double right = ends_of(q, trial.shape)->near;
-    if (!is_answer(plain.near, right)) return trial.report_note(result_text + "; the t for length 1 is wrong already");
+    if (!is_answer(reply.near, right)) return trial.report_note(result_text + "; the t for length 1 is wrong already");
     trial.report_broken(result_text + " where " + text_of(right / 2) + " is right" +
                         (is_unchanged
                              ? ""
@@ -246,7 +248,7 @@ void try_direction(Trial& trial) {
                                    say_unit));
 }
 
-void try_far(Trial& trial) {
+void try_far_root(Trial& trial) {
     const Question q = plainest_question(trial.shape);
     const Reply outside = trial.ask(q);
     const double right = ends_of(q, trial.shape)->far;
@@ -259,9 +261,9 @@ void try_far(Trial& trial) {
         "only one root");
 }
 
-/// A ray that has its primitive behind it: from above, or from below if the primitive fills all that is above. Empty if
-/// the primitive fills both sides.
-std::optional<Question> away_from(Shape shape) {
+/// Finds a ray along z whose primitive lies behind it. The ray starts above the primitive, or below it if the primitive
+/// fills everything above. Empty if the primitive fills both sides.
+std::optional<Question> find_question_behind(Shape shape) {
     for (const double sign : {1.0, -1.0}) {
         const Question q = question_along_z(shape, 5 * sign, sign);
         if (const auto ends = ends_of(q, shape); ends && ends->far < 0) return q;
@@ -270,7 +272,7 @@ std::optional<Question> away_from(Shape shape) {
 }
 
 void try_behind(Trial& trial) {
-    const std::optional<Question> q = away_from(trial.shape);
+    const std::optional<Question> q = find_question_behind(trial.shape);
     if (!q) return trial.report_note("no ray along the z axis has " + with_article(trial.shape) + " behind it");
     const Reply reply = trial.ask(*q);
     if (trial.contract.roots == Roots::near_only && reply.hit == 1 && reply.near < 0)
@@ -308,17 +310,17 @@ void try_end(Trial& trial) {
     q.end = 2;
     const bool is_hit = trial.ask(q).hit == 1;
     const ShapeRow& shape_row = row_of(trial.shape);
-    const std::string ends = "a ray that ends before the " + std::string(shape_row.name);
+    const std::string ray_text = "a ray that ends before the " + std::string(shape_row.name);
     if (!shape_row.takes_tmax && !trial.has_flag(LB_RANGE)) {
         if (!is_hit)
-            trial.report_note(ends + " misses; maps and sweeps give " + std::string(shape_row.plural) + " no ends");
+            trial.report_note(ray_text + " misses; maps and sweeps give " + std::string(shape_row.plural) + " no ends");
         return;
     }
     if (trial.has_flag(LB_NO_END))
         return trial.report_kept(trial.tells_t ? "the table checks the ends of rays, not the form"
                                                : "the rays that it gets have no ends");
-    trial.check(!is_hit, ends + " misses",
-                ends +
+    trial.check(!is_hit, ray_text + " misses",
+                ray_text +
                     " hits; say LB_NO_END (ignores_end, flags=no_end) if it ignores the ends of rays (for a shader: "
                     "float tmax)");
 }
@@ -342,12 +344,13 @@ void try_range(Trial& trial) {
     };
     const Shape shape = trial.shape;
     const Ends<double> ends = *ends_of(plainest_question(shape), shape);
-    const std::string first = "the first root, t = " + text_of(ends.near) + ", ";
-    const std::string both = "both ends of a range belong to it, start <= t <= end";
-    check_range(with_range(shape, ends.near, infinity), "a range that begins at " + first, both);
-    const bool open = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
-    check_range(with_range(shape, 0, ends.near), "a range that ends at " + first,
-                open ? "if touching is a miss, only the inside counts, and this ray does not reach it" : both);
+    const std::string first_root_text = "the first root, t = " + text_of(ends.near) + ", ";
+    const std::string closed_ends_text = "both ends of a range belong to it, start <= t <= end";
+    check_range(with_range(shape, ends.near, infinity), "a range that begins at " + first_root_text, closed_ends_text);
+    const bool only_inside_counts = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
+    check_range(with_range(shape, 0, ends.near), "a range that ends at " + first_root_text,
+                only_inside_counts ? "if touching is a miss, only the inside counts, and this ray does not reach it"
+                                   : closed_ends_text);
     if (ends.far < 8)
         check_range(with_range(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
                     "`starts` says where each ray begins");
@@ -356,8 +359,8 @@ void try_range(Trial& trial) {
                     "otherwise say what it answers from inside");
 }
 
-/// A probe that the form only has to survive.
-void try_odd(Trial& trial, const char* name, const std::string& description, const Question& q) {
+/// Runs a probe in which any answer is allowed: the form only has to return.
+void try_unusual_question(Trial& trial, const char* name, const std::string& description, const Question& q) {
     trial.probe(name, [&](Trial&) {
         Reply r;
         try {
@@ -372,32 +375,33 @@ void try_odd(Trial& trial, const char* name, const std::string& description, con
     });
 }
 
-void try_odd_numbers(Trial& trial) {
+void try_unusual_numbers(Trial& trial) {
     const Shape shape = trial.shape;
-    const bool unit = trial.contract.direction == Direction::unit;
-    if (!unit) {  // a form that takes unit directions may insist on them
-        try_odd(trial, "zero-direction", "a direction of length 0", question_along_z(shape, -5, 0));
-        try_odd(trial, "nan-direction", "a direction of NaN", question_along_z(shape, -5, nan));
+    const bool takes_unit = trial.contract.direction == Direction::unit;
+    if (!takes_unit) {  // a form that takes unit directions may insist on them
+        try_unusual_question(trial, "zero-direction", "a direction of length 0", question_along_z(shape, -5, 0));
+        try_unusual_question(trial, "nan-direction", "a direction of NaN", question_along_z(shape, -5, nan));
     }
-    try_odd(trial, "nan-origin", "an origin of NaN", question_along_z(shape, nan, 1));
-    try_odd(trial, "infinite-origin", "an origin at infinity", question_along_z(shape, -infinity, 1));
-    try_odd(trial, "point", std::string(row_of(shape).texts.degenerate), question_along_z(shape, -5, 1, 0, 0));
+    try_unusual_question(trial, "nan-origin", "an origin of NaN", question_along_z(shape, nan, 1));
+    try_unusual_question(trial, "infinite-origin", "an origin at infinity", question_along_z(shape, -infinity, 1));
+    try_unusual_question(trial, "point", std::string(row_of(shape).texts.degenerate),
+                         question_along_z(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
-    try_odd(
-        trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
-        question_along_z(shape, -std::ldexp(1, scale), unit ? 1 : std::ldexp(1, scale), 0, std::ldexp(1, scale - 20)));
-    try_odd(trial, "tiny", "numbers of 2^-" + power + ", whose squares are 0 in " + format,
-            question_along_z(shape, -std::ldexp(1, -scale), unit ? 1 : std::ldexp(1, -scale), 0,
-                             std::ldexp(1, -scale - 1)));
+    try_unusual_question(trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
+                         question_along_z(shape, -std::ldexp(1, scale), takes_unit ? 1 : std::ldexp(1, scale), 0,
+                                          std::ldexp(1, scale - 20)));
+    try_unusual_question(trial, "tiny", "numbers of 2^-" + power + ", whose squares are 0 in " + format,
+                         question_along_z(shape, -std::ldexp(1, -scale), takes_unit ? 1 : std::ldexp(1, -scale), 0,
+                                          std::ldexp(1, -scale - 1)));
 }
 
 /// Runs every probe on one form.
-std::vector<Observation> try_all(const ForeignForm& form) {
+std::vector<Observation> run_all_probes(const ForeignForm& form) {
     Trial trial(form);
     const bool has_both_roots = trial.contract.roots == Roots::both;
     trial.probe("answers", try_hit_is_written);
-    trial.probe("again", try_again);
+    trial.probe("again", try_same_batch_again);
     if (trial.breaks("again")) {
         trial.report_note("the probes batches, primitives and threads compare repeated answers, so they are left out");
     } else {
@@ -413,48 +417,48 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
-    if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_size);
+    if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
     const bool t_is_right = !trial.breaks("t") && !trial.breaks("hit");
     std::string skipped_probes;
-    const auto probe_of_t = [&](const char* name, const auto& probe, bool applies = true) {
+    const auto probe_if_right = [&](const char* name, const auto& probe, bool applies = true) {
         if (!applies) return;
         if (t_is_right) trial.probe(name, probe);
         else skipped_probes += (skipped_probes.empty() ? "" : ", ") + std::string(name);
     };
     trial.probe("direction", try_direction);
-    probe_of_t("far", try_far, has_both_roots);
-    probe_of_t("inside", try_inside, is_crossed_twice(trial.shape));
-    if (trial.contract.roots == Roots::near_only) probe_of_t("behind", try_behind);
+    probe_if_right("far", try_far_root, has_both_roots);
+    probe_if_right("inside", try_inside, is_crossed_twice(trial.shape));
+    if (trial.contract.roots == Roots::near_only) probe_if_right("behind", try_behind);
     else trial.probe("behind", try_behind);
     trial.probe("aside", try_passing_ray);
     if (is_flat(trial.shape)) trial.probe("facing", try_facing);
-    probe_of_t("touching", try_touching);
-    if (is_flat(trial.shape)) trial.probe("within", try_within);
-    probe_of_t("at-origin", try_at_origin);
-    probe_of_t("close", try_close, trial.tells_t);
+    probe_if_right("touching", try_touching);
+    if (is_flat(trial.shape)) trial.probe("within", try_in_plane);
+    probe_if_right("at-origin", try_at_origin);
+    probe_if_right("close", try_just_ahead, trial.tells_t);
     trial.probe("end", try_end);
-    probe_of_t("range", try_range, trial.has_flag(LB_RANGE));
-    probe_of_t("scale", try_scale);
+    probe_if_right("range", try_range, trial.has_flag(LB_RANGE));
+    probe_if_right("scale", try_scale);
     if (!trial.has_broken_promise()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     // Half of the rays of this probe come from behind.
-    probe_of_t("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
+    probe_if_right("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
     if (!skipped_probes.empty())
         trial.probe("t", [&](Trial& t) {
             t.report_note(std::string(t.breaks("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
                           " is not judged: " + skipped_probes);
         });
-    try_odd_numbers(trial);
+    try_unusual_numbers(trial);
     return std::move(trial.findings);
 }
 
 }  // namespace
 
-std::vector<Observation> try_contract(const ForeignForm& form, const ForeignForm* first) {
+std::vector<Observation> try_contract(const ForeignForm& form, const ForeignForm* first_root_form) {
     using enum Observation::Verdict;
-    std::vector<Observation> findings = try_all(form);
-    if (first == nullptr) return findings;
+    std::vector<Observation> findings = run_all_probes(form);
+    if (first_root_form == nullptr) return findings;
     bool is_kept = true;
-    for (const Observation& t_observation : try_all(*first)) {
+    for (const Observation& t_observation : run_all_probes(*first_root_form)) {
         if (t_observation.verdict != broken) continue;
         is_kept = false;
         if (std::ranges::none_of(findings, [&t_observation](const Observation& f) {

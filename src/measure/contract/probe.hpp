@@ -21,15 +21,19 @@ struct Observation {
     std::string text;  ///< what the form does and, if that breaks a promise, what to write
 };
 
-/// Probes a form. Repeats rays alone, in batches, with one primitive for each ray, and from several threads. Tests its
-/// directions, roots and ends of rays. Tests rays that touch, run in a plane, or start on the surface, inside or
-/// beyond. Tests all sizes, many rays at primitives in random positions, and huge, zero and NaN numbers.
+/// Probes a form with:
+///
+/// - the same rays alone, in batches, with one primitive for each ray, and from several threads;
+/// - directions, roots and ends of rays;
+/// - rays that touch, run in a plane, or start on the surface, inside or beyond;
+/// - all sizes, many rays at primitives in random positions, and huge, zero and NaN numbers.
 ///
 /// The right answer is the truth by the form's own properties, to within 2^-10 of itself or of 1, whichever is larger.
-/// If a form cannot answer at all, its exception is passed on. A formula of both roots also has a t of its own: `first`
-/// is the form that answers this t (`external::first_root_form_of`), and every probe tests that form too.
+/// If a form cannot answer at all, its exception is passed on. A formula of both roots also has a t of its own.
+/// `first_root_form` is the form that answers this t (`external::first_root_form_of`), and every probe tests that form
+/// too.
 std::vector<Observation> try_contract(const intersect::external::ForeignForm& form,
-                                      const intersect::external::ForeignForm* first = nullptr);
+                                      const intersect::external::ForeignForm* first_root_form = nullptr);
 
 /// Tests that the calls of the form so far left the processor's floating-point state unchanged, and reports the state
 /// in which they ran.

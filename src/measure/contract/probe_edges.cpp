@@ -28,47 +28,49 @@ bool is_off_surface(const Primitive<double>& primitive, const Vec<double>& p) {
            half_extent_of(primitive) / 16;
 }
 
-/// Sets lengths that may be 0 to 0: such a cone has an apex.
-Primitive<double> with_apex(Primitive<double> primitive) {
+/// Sets each length that may be 0 to 0, so that a cone has an apex.
+Primitive<double> shrink_to_apex(Primitive<double> primitive) {
     for_each_key(primitive.shape, [&primitive](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::not_negative) primitive.numbers[k] = 0;
     });
     return primitive;
 }
 
-/// Rays at one kind of place of random primitives. Half of the rays are aimed at the place itself, the others miss it
-/// by up to 2^-10 of the size of the primitive. All rays are benign. A ray that misses counts only if the place is not
-/// on the surface: a ray that touches an edge from outside would pass for benign, because few rays near it hit.
-std::vector<AnsweredQuestion> rays_at(const Trial& trial, const scene::sweep::DistributionRow& distribution, int aim,
-                                      bool upright) {
+/// Returns rays at one kind of place of random primitives, such as a rim. Half of the rays are aimed at the place
+/// itself, the others miss it by up to 2^-10 of the size of the primitive. All rays are benign. A ray that misses
+/// counts only if the place is not on the surface: a ray that touches an edge from outside would pass for benign,
+/// because few rays near it hit.
+std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene::sweep::DistributionRow& distribution,
+                                                 int aim, bool is_upright) {
     constexpr int attempts = 320, changes = 32;
     constexpr std::size_t max_questions = 64;
     RandomNumbers random;
     rays::Random place_random(1);
     std::vector<Question> questions;
     for (int i = 0; i < attempts && questions.size() < max_questions; ++i) {
-        const Primitive<double> any_primitive = random_primitive(trial.shape, upright, random);
-        const Primitive<double> primitive = i % 4 < 2 ? any_primitive : with_apex(any_primitive);
+        const Primitive<double> any_primitive = random_primitive(trial.shape, is_upright, random);
+        const Primitive<double> primitive = i % 4 < 2 ? any_primitive : shrink_to_apex(any_primitive);
         const rays::AimedPlace target = distribution.aimed_at(place_random, primitive, aim);
-        const Vec<double> random_direction = random.unit(), d = target.along.value_or(random_direction);
-        const double half = half_extent_of(primitive), offset = i % 2 == 0 ? 0 : half * std::ldexp(1, -10 - i % 16);
-        const Vec<double> origin = target.point + offset * random.unit() - 4 * half * d;
-        Question q = question_of(origin, d, primitive);
+        const Vec<double> random_direction = random.unit(), direction = target.along.value_or(random_direction);
+        const double half_extent = half_extent_of(primitive),
+                     offset = i % 2 == 0 ? 0 : half_extent * std::ldexp(1, -10 - i % 16);
+        const Vec<double> origin = target.point + offset * random.unit() - 4 * half_extent * direction;
+        Question q = make_question(origin, direction, primitive);
         for (int k = 0; k < 3 && trial.contract.bits == 64; ++k)  // nearer to the place than floats are
-            q.ray[static_cast<std::size_t>(k)] = origin[k], q.ray[static_cast<std::size_t>(k) + 3] = d[k];
+            q.ray[static_cast<std::size_t>(k)] = origin[k], q.ray[static_cast<std::size_t>(k) + 3] = direction[k];
         if ((trial.truth(q).hit || is_off_surface(primitive, target.point)) && is_benign(trial, q, random, changes))
             questions.push_back(q);
     }
-    return with_truth(trial, questions);
+    return add_truths(trial, questions);
 }
 
 /// Rays at all places of a shape, by the name of the place.
 using Places = std::vector<std::pair<std::string_view, std::vector<AnsweredQuestion>>>;
 
-Places places_of(const Trial& trial, const scene::sweep::DistributionRow& distribution, bool upright) {
+Places questions_at_places(const Trial& trial, const scene::sweep::DistributionRow& distribution, bool is_upright) {
     Places places;
     for (const auto& [name, aim] : distribution.aims)
-        places.emplace_back(name, rays_at(trial, distribution, aim, upright));
+        places.emplace_back(name, questions_at_place(trial, distribution, aim, is_upright));
     return places;
 }
 
@@ -76,7 +78,7 @@ WrongCount count_wrong_at_scale(const Trial& trial, const Places& places, int po
     WrongCount total;
     for (const auto& [name, answered] : places) {
         WrongCount count(trial, answered, power);
-        if (!count.first.empty()) count.first = fmt::format("aimed at its {}, {}", name, count.first);
+        if (!count.first_text.empty()) count.first_text = fmt::format("aimed at its {}, {}", name, count.first_text);
         total.add(count);
     }
     return total;
@@ -97,7 +99,7 @@ std::string scale_text(int power, std::size_t wrong, std::size_t tested) {
         "number, or its products leave the range of the format",
         power_text(power), wrong, tested);
 }
-/// Reports that all answers are right, at all scales or up to the limit that `scale_text` wrote.
+/// Reports that all answers are right: at all scales, or up to the scale in `scale_limit`, which `scale_text` wrote.
 void report_right(Trial& trial, const std::string& text, const std::string& scale_limit) {
     if (scale_limit.empty()) trial.report_kept(text + ", at nine scales from 2^-60 to 2^60");
     else trial.report_note(text + scale_limit);
@@ -108,17 +110,17 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
     std::size_t tested = 0;
     std::string names, scale_limit;
     for (const auto& [name, aim] : distribution.aims) names += (names.empty() ? "" : ", ") + std::string(name);
-    for (const bool upright : {true, false}) {
-        if (upright && !has_axis(trial.shape)) continue;
-        const Places places = places_of(trial, distribution, upright);
+    for (const bool is_upright : {true, false}) {
+        if (is_upright && !has_axis(trial.shape)) continue;
+        const Places places = questions_at_places(trial, distribution, is_upright);
         const WrongCount unscaled = count_wrong_at_scale(trial, places, 0);
         tested += unscaled.tested;
         if (unscaled.wrong > 0) {
-            const bool is_oblique = !upright && has_axis(trial.shape);
+            const bool is_oblique = !is_upright && has_axis(trial.shape);
             const std::string text = fmt::format(
                 "{} of {} rays are answered wrongly that cross the surface near a place where its parts meet; the "
                 "first is {}{}",
-                unscaled.wrong, unscaled.tested, unscaled.first,
+                unscaled.wrong, unscaled.tested, unscaled.first_text,
                 is_oblique ? "; where axes lie along x, y or z it is right" : "");
             return unscaled.is_many() && !is_oblique ? trial.report_broken(text) : trial.report_warning(text);
         }
@@ -133,7 +135,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
         scale_limit);
 }
 
-Vec<double> in_format(const Vec<double>& v, int bits) { return bits == 32 ? rays::stored(v) : v; }
+Vec<double> round_to_bits(const Vec<double>& v, int bits) { return bits == 32 ? rays::stored(v) : v; }
 
 /// A closed convex mesh: an icosphere, stretched and turned at random, in numbers of the format.
 Mesh random_mesh(int bits, rays::Random& random) {
@@ -141,7 +143,7 @@ Mesh random_mesh(int bits, rays::Random& random) {
     const Vec<double> x = random.between(0.5, 2) * rays::draw_direction(random);
     const Vec<double> y = random.between(0.5, 2) * rays::draw_across(random, x);
     const Vec<double> z = cross((1 / length(x)) * x, y);
-    for (Vec<double>& v : mesh.vertices) v = in_format(v.x * x + v.y * y + v.z * z, bits);
+    for (Vec<double>& v : mesh.vertices) v = round_to_bits(v.x * x + v.y * y + v.z * z, bits);
     tidy(mesh, [](std::size_t) { return std::string(); });
     return mesh;
 }
@@ -150,17 +152,17 @@ Mesh random_mesh(int bits, rays::Random& random) {
 struct RayAtMeshEdge {
     Ray<double> ray{};
     bool at_vertex = false;
-    double distance = 0;                           ///< from the origin to the point, in lengths of the edge
-    std::vector<Primitive<double>> adjacent = {};  ///< triangles around it; those at the edge or the vertex first
-    std::vector<Primitive<double>> others = {};    ///< all other triangles that face the ray
+    double distance = 0;  ///< from the origin to the edge or vertex, in lengths of the edge
+    /// Triangles that share a vertex with the edge; those at the edge or the vertex come first.
+    std::vector<Primitive<double>> adjacent = {};
+    std::vector<Primitive<double>> others = {};  ///< all other triangles that face the ray
 };
 
 /// Moves a number by up to two ulps of the format, at random.
-double moved_number(double x, int bits, rays::Random& random) {
+double move_by_ulps(double x, int bits, rays::Random& random) {
     for (int k = random.below(3); k > 0; --k) {
-        const double towards = random.sign() * std::numeric_limits<float>::max();
-        x = bits == 32 ? std::nextafter(static_cast<float>(x), static_cast<float>(towards))
-                       : std::nextafter(x, towards);
+        const double limit = random.sign() * std::numeric_limits<float>::max();
+        x = bits == 32 ? std::nextafter(static_cast<float>(x), static_cast<float>(limit)) : std::nextafter(x, limit);
     }
     return x;
 }
@@ -181,11 +183,11 @@ std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::externa
                                                             : -1.0 * random_direction;  // the mesh is around the origin
     const int octave = random.below(30);
     edge_ray.distance = std::ldexp(1 + random.unit(), octave - 10);
-    const Vec<double> origin = in_format(target - (edge_ray.distance * length(b - a)) * d, contract.bits),
-                      towards = target - origin;
-    Vec<double> direction = in_format((1 / length(towards)) * towards, contract.bits);
+    const Vec<double> origin = round_to_bits(target - (edge_ray.distance * length(b - a)) * d, contract.bits),
+                      to_target = target - origin;
+    Vec<double> direction = round_to_bits((1 / length(to_target)) * to_target, contract.bits);
     if (contract.direction == intersect::Direction::any && random.below(4) != 0)
-        for (int i = 0; i < 3; ++i) direction[i] = moved_number(direction[i], contract.bits, random);
+        for (int i = 0; i < 3; ++i) direction[i] = move_by_ulps(direction[i], contract.bits, random);
     edge_ray.ray = {origin, direction};
     bool is_met = false;
     for (const Face& f : mesh.faces) {
@@ -211,20 +213,20 @@ Question question_at(const Ray<double>& ray, const Primitive<double>& primitive)
     return q;
 }
 
-/// Number of rays at edges and vertices of meshes, and of those that pass.
+/// Counts of rays at edges and vertices of meshes: how many were tested, and how many pass between the triangles.
 struct EdgeRayCounts {
     std::array<std::size_t, 2> tested{}, passed{};  ///< at edges, at vertices
-    std::string first;
+    std::string first_text;
 
     void add(const EdgeRayCounts& other) {
         for (std::size_t k = 0; k < 2; ++k) tested[k] += other.tested[k], passed[k] += other.passed[k];
-        if (first.empty()) first = other.first;
+        if (first_text.empty()) first_text = other.first_text;
     }
     [[nodiscard]] std::size_t all_tested() const { return tested[0] + tested[1]; }
     [[nodiscard]] std::size_t all_passed() const { return passed[0] + passed[1]; }
 };
 
-/// The ray and each of the triangles, at a scale.
+/// Returns a question for the ray and each of the triangles, with all lengths multiplied by 2^power.
 std::vector<Question> questions_at(const Trial& trial, const Ray<double>& ray,
                                    const std::vector<Primitive<double>>& triangles, int power) {
     std::vector<Question> questions;
@@ -232,7 +234,7 @@ std::vector<Question> questions_at(const Trial& trial, const Ray<double>& ray,
         // Forms for one side see the mesh from inside: `ask` mirrors questions for forms that only see fronts.
         if (trial.contract.facing != intersect::Facing::both)
             std::swap_ranges(primitive.numbers.begin(), primitive.numbers.begin() + 3, primitive.numbers.begin() + 3);
-        questions.push_back(scaled_by(question_at(ray, primitive), trial.shape, power));
+        questions.push_back(scale_question(question_at(ray, primitive), trial.shape, power));
     }
     return questions;
 }
@@ -244,9 +246,9 @@ bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<
 }
 
 /// Counts the rays of a scale that pass: light passes if the form claims no triangle that faces the ray. The triangles
-/// around the edge or vertex are tested in one batch, the others only if the form claims none of these. Each scale has
-/// rays of its own.
-EdgeRayCounts light_at_scale(const Trial& trial, std::size_t scale) {
+/// around the edge or vertex are tested in one batch. The other triangles are tested only if the form claims none of
+/// these. Each scale has rays of its own.
+EdgeRayCounts count_passing_rays(const Trial& trial, std::size_t scale) {
     constexpr int attempts = 768, rays_of_mesh = 16;
     rays::Random random(scale + 1);
     std::vector<RayAtMeshEdge> rays_at_edges;
@@ -261,33 +263,33 @@ EdgeRayCounts light_at_scale(const Trial& trial, std::size_t scale) {
         questions.insert(questions.end(), adjacent.begin(), adjacent.end());
     }
     const std::vector<Reply> replies = ask(trial.form, questions);
-    EdgeRayCounts light;
+    EdgeRayCounts counts;
     std::size_t first = 0;
     for (const RayAtMeshEdge& edge_ray : rays_at_edges) {
         const auto adjacent = std::span(questions).subspan(first, edge_ray.adjacent.size());
-        bool is_stopped = any_hit(trial, adjacent, std::span(replies).subspan(first, edge_ray.adjacent.size()));
+        bool is_hit = any_hit(trial, adjacent, std::span(replies).subspan(first, edge_ray.adjacent.size()));
         first += edge_ray.adjacent.size();
-        if (!is_stopped) {
-            const auto further_triangles = questions_at(trial, edge_ray.ray, edge_ray.others, scale_powers[scale]);
-            is_stopped = any_hit(trial, further_triangles, ask(trial.form, further_triangles));
+        if (!is_hit) {
+            const auto further_questions = questions_at(trial, edge_ray.ray, edge_ray.others, scale_powers[scale]);
+            is_hit = any_hit(trial, further_questions, ask(trial.form, further_questions));
         }
-        ++light.tested[edge_ray.at_vertex];
-        light.passed[edge_ray.at_vertex] += !is_stopped;
-        if (!is_stopped && light.first.empty())
-            light.first = fmt::format("ray {} at {} of triangles {} and {}, {:.3g} edge lengths away",
-                                      numbers_text(adjacent[0].ray), edge_ray.at_vertex ? "a vertex" : "the edge",
-                                      numbers_text(std::span(adjacent[0].primitive).first(9)),
-                                      numbers_text(std::span(adjacent[1].primitive).first(9)), edge_ray.distance);
+        ++counts.tested[edge_ray.at_vertex];
+        counts.passed[edge_ray.at_vertex] += !is_hit;
+        if (!is_hit && counts.first_text.empty())
+            counts.first_text = fmt::format("ray {} at {} of triangles {} and {}, {:.3g} edge lengths away",
+                                            numbers_text(adjacent[0].ray), edge_ray.at_vertex ? "a vertex" : "the edge",
+                                            numbers_text(std::span(adjacent[0].primitive).first(9)),
+                                            numbers_text(std::span(adjacent[1].primitive).first(9)), edge_ray.distance);
     }
-    return light;
+    return counts;
 }
 
 void try_mesh(Trial& trial) {
-    const EdgeRayCounts unscaled = light_at_scale(trial, 0);
+    const EdgeRayCounts unscaled = count_passing_rays(trial, 0);
     EdgeRayCounts total = unscaled;
     std::string scale_limit;
     for (std::size_t scale = 1; scale < scale_powers.size(); ++scale) {
-        const EdgeRayCounts counts = light_at_scale(trial, scale);
+        const EdgeRayCounts counts = count_passing_rays(trial, scale);
         if (20 * counts.all_passed() > counts.all_tested() + 60 * unscaled.all_passed()) {
             scale_limit = scale_text(scale_powers[scale], counts.all_passed(), counts.all_tested());
             break;
@@ -299,7 +301,7 @@ void try_mesh(Trial& trial) {
             "{} rays at edges and {} at vertices of closed meshes pass between the triangles: it claims none of them; "
             "the first is {}{}",
             count_and_percent(total.passed[0], total.tested[0]), count_and_percent(total.passed[1], total.tested[1]),
-            total.first, scale_limit));
+            total.first_text, scale_limit));
     report_right(trial,
                  fmt::format("no ray passes between triangles, of {} at edges and {} at vertices of closed meshes",
                              total.tested[0], total.tested[1]),

@@ -1,5 +1,5 @@
-// Probes the answers of a form from inside, where a ray touches, and from the surface itself, and the state in which it
-// leaves the processor.
+// Probes the answers of a form to rays that start inside, touch, or start on the surface. Also probes the state in
+// which the form leaves the processor.
 #include "intersect/external/guard.hpp"
 #include "measure/contract/random_questions.hpp"
 #include "measure/contract/trial.hpp"
@@ -27,7 +27,7 @@ RightAnswer answer_of(const Reply& r, double near, double far) {
 
 /// A ray from inside along z, with its reply and the t at which the line enters and leaves.
 struct RayFromInside {
-    RayFromInside(const Trial& trial, double z) : from(z), reply(trial.ask(question_along_z(trial.shape, z, 1))) {
+    RayFromInside(const Trial& trial, double z) : start_z(z), reply(trial.ask(question_along_z(trial.shape, z, 1))) {
         intersect::external::Contract exits = trial.contract;
         exits.inside = Inside::exit, exits.roots = Roots::first_only, exits.facing = Facing::both;
         far = truth_by(exits, question_along_z(trial.shape, z, 1)).t;
@@ -35,13 +35,13 @@ struct RayFromInside {
     }
     [[nodiscard]] RightAnswer answer() const { return answer_of(reply, near, far); }
     [[nodiscard]] bool far_is_right() const { return is_answer(reply.far, far); }
-    [[nodiscard]] std::string reply_text(bool both) const {
+    [[nodiscard]] std::string reply_text(bool with_far) const {
         if (reply.hit != 1) return "a miss";
-        return text_of(reply.near) + (both ? " and " + text_of(reply.far) : "");
+        return text_of(reply.near) + (with_far ? " and " + text_of(reply.far) : "");
     }
     [[nodiscard]] std::string roots() const { return text_of(near) + " and " + text_of(far); }
 
-    double from;
+    double start_z;
     Reply reply;
     double near = 0, far = 0;
 };
@@ -53,9 +53,9 @@ struct RaysFromInside {
 
     [[nodiscard]] RightAnswer answer() const { return up.answer() == down.answer() ? up.answer() : RightAnswer::other; }
     [[nodiscard]] bool far_is_right() const { return up.far_is_right() && down.far_is_right(); }
-    [[nodiscard]] std::string text(bool both) const {
-        return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + up.reply_text(both) + ", and " +
-               down.reply_text(both);
+    [[nodiscard]] std::string text(bool with_far) const {
+        return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + up.reply_text(with_far) +
+               ", and " + down.reply_text(with_far);
     }
     [[nodiscard]] std::string roots() const { return up.roots() + ", and " + down.roots(); }
 };
@@ -73,35 +73,35 @@ std::string mistake_beside_centre(const Trial& trial) {
            answer_text(trial, answer) + "; " + answer_text(trial, right) + " is right";
 }
 
-void try_interval(Trial& trial, const RaysFromInside& inside) {
-    const RightAnswer answer = inside.answer();
-    const bool clipped = trial.has_flag(LB_CLIPPED), right = inside.far_is_right();
+void try_interval(Trial& trial, const RaysFromInside& rays) {
+    const RightAnswer answer = rays.answer();
+    const bool is_clipped = trial.has_flag(LB_CLIPPED), is_far_right = rays.far_is_right();
     const bool zero_is_right = inside_returns_zero(trial.shape) && trial.contract.inside != Inside::exit;
     if (answer == RightAnswer::miss) {
         trial.check(trial.contract.inside == Inside::miss, "a ray from inside misses",
                     "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
-    } else if (answer == RightAnswer::near && right) {
-        if (clipped) trial.report_note("from inside, near is behind: it is not clipped to the ray");
+    } else if (answer == RightAnswer::near && is_far_right) {
+        if (is_clipped) trial.report_note("from inside, near is behind: it is not clipped to the ray");
         else trial.report_kept("from inside, near is behind and far ahead");
-    } else if (answer == RightAnswer::zero && right) {
-        if (clipped || zero_is_right) trial.report_kept("from inside, near is 0 and far ahead: clipped to the ray");
+    } else if (answer == RightAnswer::zero && is_far_right) {
+        if (is_clipped || zero_is_right) trial.report_kept("from inside, near is 0 and far ahead: clipped to the ray");
         else
             trial.report_broken(
                 "from inside, near is clipped to 0; say LB_CLIPPED and LB_EXIT (clipped; flags=clipped, "
                 "at_origin=exit)");
     } else {
-        trial.report_broken(inside.text(true) + "; " + inside.roots() + " are right");
+        trial.report_broken(rays.text(true) + "; " + rays.roots() + " are right");
     }
 }
 
 /// Property to write for this answer; empty if no property describes it.
 std::string property_for_answer(RightAnswer answer, Roots roots) {
-    const bool near = roots == Roots::near_only;
+    const bool is_near_only = roots == Roots::near_only;
     switch (answer) {
         case RightAnswer::miss: return "LB_INSIDE_MISS (inside_misses, inside=miss)";
         case RightAnswer::zero: return "LB_INSIDE_ZERO (inside_zero, inside=zero)";
         case RightAnswer::exit:
-            return near ? "LB_FIRST (first_root, roots=first)" : "LB_INSIDE_EXIT (inside_exit, inside=exit)";
+            return is_near_only ? "LB_FIRST (first_root, roots=first)" : "LB_INSIDE_EXIT (inside_exit, inside=exit)";
         case RightAnswer::near: return "LB_NEAR (near_root, roots=near)";
         case RightAnswer::unsigned_near:
         case RightAnswer::other: break;
@@ -109,7 +109,7 @@ std::string property_for_answer(RightAnswer answer, Roots roots) {
     return "";
 }
 
-RightAnswer promised_inside(const intersect::external::Contract& c) {
+RightAnswer promised_answer_inside(const intersect::external::Contract& c) {
     switch (c.inside) {
         case Inside::exit: return RightAnswer::exit;
         case Inside::zero: return RightAnswer::zero;
@@ -121,7 +121,7 @@ RightAnswer promised_inside(const intersect::external::Contract& c) {
     return inside_returns_zero(c.shape) ? RightAnswer::zero : RightAnswer::exit;
 }
 
-constexpr std::array<const char*, 6> answer_words{"misses",
+constexpr std::array<const char*, 6> answer_texts{"misses",
                                                   "is answered with 0",
                                                   "is answered with the near root, behind it",
                                                   "is answered with the exit",
@@ -135,34 +135,34 @@ std::string property_for_facing(Facing facing) {
 
 /// Contract properties for a surface at the origin.
 constexpr std::array<AtOrigin, 3> all_at_origin{AtOrigin::hit, AtOrigin::miss, AtOrigin::exit};
-constexpr std::array<const char*, 3> at_origin_words{
+constexpr std::array<const char*, 3> at_origin_texts{
     "LB_HIT (at_origin=hit)", "LB_MISS (origin_misses, at_origin=miss)", "LB_EXIT (origin_exits, at_origin=exit)"};
 
 }  // namespace
 
 void try_inside(Trial& trial) {
-    const RaysFromInside inside(trial);
-    const intersect::external::Contract& c = trial.contract;
-    if (c.roots == Roots::both) return try_interval(trial, inside);
-    const RightAnswer answer = inside.answer(), promised_answer = promised_inside(c);
+    const RaysFromInside rays(trial);
+    const intersect::external::Contract& contract = trial.contract;
+    if (contract.roots == Roots::both) return try_interval(trial, rays);
+    const RightAnswer answer = rays.answer(), promised_answer = promised_answer_inside(contract);
     if (!trial.tells_t) {
         const bool hits = promised_answer != RightAnswer::miss;
-        return trial.check((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
+        return trial.check((rays.up.reply.hit == 1) == hits && (rays.down.reply.hit == 1) == hits,
                            hits ? "a ray from inside hits" : "a ray from inside misses",
                            hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
                                 : "a ray from inside hits; leave out inside=miss");
     }
-    const std::string text = std::string("a ray from inside ") + answer_words[static_cast<std::size_t>(answer)];
-    const bool are_both_misses = c.roots == Roots::near_only &&
+    const std::string text = std::string("a ray from inside ") + answer_texts[static_cast<std::size_t>(answer)];
+    const bool are_both_misses = contract.roots == Roots::near_only &&
                                  (answer == RightAnswer::near || answer == RightAnswer::miss) &&
                                  (promised_answer == RightAnswer::near || promised_answer == RightAnswer::miss);
     if (answer == promised_answer || are_both_misses) {
         const std::string mistake = mistake_beside_centre(trial);
         return mistake.empty() ? trial.report_kept(text) : trial.report_broken(mistake);
     }
-    const std::string property = property_for_answer(answer, c.roots);
-    trial.report_broken(text + (property.empty() ? ": " + inside.text(false) + "; the roots are " + inside.roots()
-                                                 : "; say " + property));
+    const std::string property = property_for_answer(answer, contract.roots);
+    trial.report_broken(
+        text + (property.empty() ? ": " + rays.text(false) + "; the roots are " + rays.roots() : "; say " + property));
 }
 
 void try_facing(Trial& trial) {
@@ -225,7 +225,7 @@ void try_touching(Trial& trial) {
                                    : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
 
-void try_within(Trial& trial) {
+void try_in_plane(Trial& trial) {
     // Rays in the plane of the primitive: through its centre from either side, off the centre, from inside it and
     // beside it. Two further rays run beside the plane.
     constexpr double rays[][4]{{-5, 0, -2, 1}, {5, 0, -2, -1}, {-5, 0.5, -2, 1}, {-5, -1, -2, 1},
@@ -244,14 +244,14 @@ void try_within(Trial& trial) {
 
 namespace {
 
-/// A ray from a point of the surface, along z, with a description of the answer.
+/// A ray along z from a point of the surface, with the reply of the form.
 struct RayFromSurface {
-    Question q;
+    Question question;
     Reply reply;
     bool goes_in;
 
     [[nodiscard]] std::string text(const Trial& trial) const {
-        const HitOrMiss answer = read_reply(trial.contract, reply, q);
+        const HitOrMiss answer = read_reply(trial.contract, reply, question);
         return !answer.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(answer.t) : "hits";
     }
 };
@@ -261,14 +261,14 @@ struct RayFromSurface {
 /// `at_origin`.
 std::vector<RayFromSurface> rays_from_surface(const Trial& trial) {
     std::vector<RayFromSurface> rays;
-    const bool one_sided = is_flat(trial.shape) && trial.contract.facing == Facing::both;
+    const bool may_be_one_sided = is_flat(trial.shape) && trial.contract.facing == Facing::both;
     const auto add = [&](double z, double direction, bool goes_in) {
-        if (one_sided && trial.ask(question_along_z(trial.shape, -5 * direction, direction)).hit != 1) return;
+        if (may_be_one_sided && trial.ask(question_along_z(trial.shape, -5 * direction, direction)).hit != 1) return;
         const Question q = question_along_z(trial.shape, z, direction);
         rays.push_back({q, trial.ask(q), goes_in});
     };
-    const double in = entry_sign(trial.shape);
-    add(-2, in, true), add(-2, -in, false);
+    const double inward = entry_sign(trial.shape);
+    add(-2, inward, true), add(-2, -inward, false);
     if (is_crossed_twice(trial.shape)) add(2, -1, true), add(2, 1, false);
     return rays;
 }
@@ -277,12 +277,12 @@ std::vector<RayFromSurface> rays_from_surface(const Trial& trial) {
 /// The form only has to answer both roots.
 bool is_right_from_surface(const Trial& trial, const RayFromSurface& r,
                            const intersect::external::Contract& other_contract) {
-    if (other_contract.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.q, other_contract).hit;
-    return trial.is_right(r.q, r.reply, other_contract);
+    if (other_contract.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.question, other_contract).hit;
+    return trial.is_right(r.question, r.reply, other_contract);
 }
 
-bool all_right(const Trial& trial, const std::vector<RayFromSurface>& rays,
-               const intersect::external::Contract& other_contract) {
+bool are_all_right(const Trial& trial, const std::vector<RayFromSurface>& rays,
+                   const intersect::external::Contract& other_contract) {
     return std::ranges::all_of(
         rays, [&](const RayFromSurface& r) { return is_right_from_surface(trial, r, other_contract); });
 }
@@ -291,31 +291,34 @@ bool all_right(const Trial& trial, const std::vector<RayFromSurface>& rays,
 
 void try_at_origin(Trial& trial) {
     const std::vector<RayFromSurface> rays = rays_from_surface(trial);
-    const bool flat = is_flat(trial.shape);
-    const std::string surface = "a surface at the origin ";
-    const std::string in = "a ray that starts on the surface and goes in ", out = ", one that goes out ";
-    const bool hits = std::ranges::any_of(rays, [](const RayFromSurface& r) { return r.reply.hit == 1; });
+    const bool is_flat_shape = is_flat(trial.shape);
+    const std::string surface_text = "a surface at the origin ";
+    const std::string inward_text = "a ray that starts on the surface and goes in ",
+                      outward_text = ", one that goes out ";
+    const bool any_hits = std::ranges::any_of(rays, [](const RayFromSurface& r) { return r.reply.hit == 1; });
     // If a form answers only the near root, the table drops a t of 0. A form that answers the first root has to drop a
     // t of 0 itself.
-    const bool counts = hits && trial.contract.roots != Roots::near_only, is_dropped = hits && !counts;
-    const std::string behaviour = flat && is_dropped && trial.contract.at_origin == AtOrigin::miss
-                                      ? surface + "gets t = 0, which counts as a miss"
-                                  : flat ? surface + (hits ? "counts" : "is passed over")
-                                         : in + rays[0].text(trial) + out + rays[1].text(trial);
-    const bool is_denied = flat && counts && trial.contract.at_origin == AtOrigin::miss;
-    if (!is_denied && all_right(trial, rays, trial.contract)) return trial.report_kept(behaviour);
+    const bool hits_count = any_hits && trial.contract.roots != Roots::near_only,
+               are_hits_dropped = any_hits && !hits_count;
+    const std::string behaviour = is_flat_shape && are_hits_dropped && trial.contract.at_origin == AtOrigin::miss
+                                      ? surface_text + "gets t = 0, which counts as a miss"
+                                  : is_flat_shape
+                                      ? surface_text + (any_hits ? "counts" : "is passed over")
+                                      : inward_text + rays[0].text(trial) + outward_text + rays[1].text(trial);
+    const bool contradicts_miss = is_flat_shape && hits_count && trial.contract.at_origin == AtOrigin::miss;
+    if (!contradicts_miss && are_all_right(trial, rays, trial.contract)) return trial.report_kept(behaviour);
     for (const AtOrigin property : all_at_origin) {
         intersect::external::Contract other = trial.contract;
         other.at_origin = property;
-        if (is_consistent(other) && all_right(trial, rays, other))
-            return trial.report_broken(behaviour + "; say " + at_origin_words[static_cast<std::size_t>(property)]);
+        if (is_consistent(other) && are_all_right(trial, rays, other))
+            return trial.report_broken(behaviour + "; say " + at_origin_texts[static_cast<std::size_t>(property)]);
     }
     for (const RayFromSurface& r : rays) {
         if (is_right_from_surface(trial, r, trial.contract)) continue;
-        const HitOrMiss right = trial.truth(r.q);
-        return trial.report_broken((flat        ? surface
-                                    : r.goes_in ? in
-                                                : "a ray that starts on the surface and goes out ") +
+        const HitOrMiss right = trial.truth(r.question);
+        return trial.report_broken((is_flat_shape ? surface_text
+                                    : r.goes_in   ? inward_text
+                                                  : "a ray that starts on the surface and goes out ") +
                                    r.text(trial) + "; " +
                                    (!right.hit      ? "a miss is right"
                                     : trial.tells_t ? text_of(right.t) + " is right"
@@ -323,25 +326,28 @@ void try_at_origin(Trial& trial) {
     }
 }
 
-void try_close(Trial& trial) {
-    const double ahead = trial.contract.bits == 32 ? 0x1p-15 : 0x1p-30;
-    const double in = entry_sign(trial.shape);
-    const Reply r = trial.ask(question_along_z(trial.shape, -2 - in * ahead, in));
-    const std::string surface = "a surface " + text_of(ahead) + " ahead ";
-    if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.report_kept(surface + "is met");
+void try_just_ahead(Trial& trial) {
+    const double gap = trial.contract.bits == 32 ? 0x1p-15 : 0x1p-30;
+    const double inward = entry_sign(trial.shape);
+    const Reply r = trial.ask(question_along_z(trial.shape, -2 - inward * gap, inward));
+    const std::string surface_text = "a surface " + text_of(gap) + " ahead ";
+    if (r.hit == 1 && std::fabs(r.near) <= 4 * gap) return trial.report_kept(surface_text + "is met");
     trial.report_broken(
-        surface + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
+        surface_text + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
         ": it seems to have a least t, such as a tmin or an epsilon. No property declares that; leave it to the "
         "caller");
 }
 
 Observation observe_state(const intersect::external::ForeignForm& form) {
-    const std::string& loaded = form.contract.state;
-    const std::string where =
-        loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it runs in that state";
-    const std::string note = intersect::external::noted_change_of(intersect::external::name_in_messages(form));
-    if (!note.empty()) return {"state", Observation::Verdict::broken, note + (where.empty() ? "" : "; " + where)};
-    if (!where.empty()) return {"state", Observation::Verdict::noted, where + ", as for its users; nothing else does"};
+    const std::string& state_after_load = form.contract.state;
+    const std::string load_text = state_after_load.empty() ? ""
+                                                           : "loading its library leaves the processor with " +
+                                                                 state_after_load + ", and it runs in that state";
+    const std::string change_text = intersect::external::noted_change_of(intersect::external::name_in_messages(form));
+    if (!change_text.empty())
+        return {"state", Observation::Verdict::broken, change_text + (load_text.empty() ? "" : "; " + load_text)};
+    if (!load_text.empty())
+        return {"state", Observation::Verdict::noted, load_text + ", as for its users; nothing else does"};
     return {"state", Observation::Verdict::kept, "it computes with rounding to nearest and with subnormal numbers"};
 }
 

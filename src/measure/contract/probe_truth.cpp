@@ -23,7 +23,7 @@ int greatest_power(const intersect::external::Contract& contract) {
     return (contract.bits == 32 ? 112 : 960) / (shape_row.is_ball || shape_row.is_flat || shape_row.has_edges ? 4 : 10);
 }
 
-/// Plain rays at a primitive of half-width 2·size: straight, off its centre, from inside, past it.
+/// Simple rays at a primitive of half-width 2·size: through its centre, off its centre, from inside, and past it.
 std::vector<Question> questions_of_size(Shape shape, double size) {
     std::vector<Question> questions{
         question_along_z(shape, -5 * size, 1, 0, 2 * size), question_along_z(shape, -8 * size, 1, 0, 2 * size),
@@ -52,48 +52,48 @@ constexpr Aim aims[]{
     {"at it",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> d = random.unit();
-         return question_of(point_of(primitive, random) - 4 * half_extent_of(primitive) * d, d, primitive);
+         return make_question(point_of(primitive, random) - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"at its middle",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> d = random.unit(), aside = 0.125 * half_extent_of(primitive) * random.vector();
-         return question_of(middle_of(primitive) + aside - 4 * half_extent_of(primitive) * d, d, primitive);
+         return make_question(middle_of(primitive) + aside - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"from around its middle",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
-         const Vec<double> m = middle_of(primitive), p = point_of(primitive, random);
+         const Vec<double> middle = middle_of(primitive), point = point_of(primitive, random);
          const double share = random.between(0, 1);
-         return question_of(m + share * (p - m), random.unit(), primitive);
+         return make_question(middle + share * (point - middle), random.unit(), primitive);
      }},
     {"past it",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
-         const Vec<double> m = middle_of(primitive), d = random.unit(), p = point_of(primitive, random);
-         const Vec<double> target = m + random.between(1, 2.5) * (p - m);
-         return question_of(target - 4 * half_extent_of(primitive) * d, d, primitive);
+         const Vec<double> middle = middle_of(primitive), d = random.unit(), point = point_of(primitive, random);
+         const Vec<double> target = middle + random.between(1, 2.5) * (point - middle);
+         return make_question(target - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"away from it",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> d = random.unit();
-         return question_of(point_of(primitive, random) + 4 * half_extent_of(primitive) * d, d, primitive);
+         return make_question(point_of(primitive, random) + 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"along an axis",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
-         const double half = half_extent_of(primitive);
-         Vec<double> d{0, 0, 0}, origin = middle_of(primitive) + 1.5 * half * random.vector();
+         const double half_extent = half_extent_of(primitive);
+         Vec<double> d{0, 0, 0}, origin = middle_of(primitive) + 1.5 * half_extent * random.vector();
          const int axis = static_cast<int>(random.between(0, 2.999));
          d[axis] = random() < 0 ? -1 : 1;
-         origin[axis] -= 4 * half * d[axis];
-         return question_of(origin, d, primitive);
+         origin[axis] -= 4 * half_extent * d[axis];
+         return make_question(origin, d, primitive);
      }},
 };
 
 /// Rays of one method of aiming, at primitives as in scenes, and at the primitive around the origin with half-width 2.
-std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool upright) {
+std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool is_upright) {
     RandomNumbers random;
     std::vector<Question> questions;
     for (int i = 0; i < 320 && questions.size() < 96; ++i) {
         const Primitive<double> primitive = i % 4 == 0 ? primitive_around<double>(trial.shape, {0, 0, 0}, 2)
-                                                       : random_primitive(trial.shape, upright, random);
+                                                       : random_primitive(trial.shape, is_upright, random);
         Question q = aim.make(primitive, random);
         if (trial.contract.direction == Direction::any && i % 2 == 1)
             for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
@@ -102,12 +102,12 @@ std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool u
     return questions;
 }
 
-/// Names an optional length, such as an inner radius, if all answers are right for primitives without it.
-std::string ignored_length(const Trial& trial, const std::vector<Question>& questions) {
+/// Text that names an optional length, such as an inner radius, if all answers are right for primitives without it.
+std::string ignored_length_text(const Trial& trial, const std::vector<Question>& questions) {
     std::string text;
     for_each_key(trial.shape, [&](const Key& key, std::size_t k) {
         if (!key.is_optional || !text.empty()) return;
-        std::vector<AnsweredQuestion> without_length = with_truth(trial, questions);
+        std::vector<AnsweredQuestion> without_length = add_truths(trial, questions);
         for (AnsweredQuestion& answered : without_length) {
             Question q = answered.question;
             q.primitive[k] = 0;
@@ -131,21 +131,21 @@ bool has_axis(Shape shape) {
     });
 }
 
-Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& random) {
+Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& random) {
     for (;;) {
-        const double half = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
+        const double half_width = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
         const Vec<double> centre = 4.0 * random.vector();
         const int first_axis = static_cast<int>(random.between(0, 2.999));
-        const auto permuted = [&first_axis](const Vec<double>& v) {
+        const auto rotate_axes = [&first_axis](const Vec<double>& v) {
             return Vec<double>(v[first_axis], v[(first_axis + 1) % 3], v[(first_axis + 2) % 3]);
         };
-        Primitive<double> primitive = primitive_around<double>(shape, {0, 0, 0}, half);
+        Primitive<double> primitive = primitive_around<double>(shape, {0, 0, 0}, half_width);
         for_each_key(shape, [&](const Key& key, std::size_t k) {
             const bool is_length = key.is_length(), is_point = key.kind == Key::Kind::point;
             const Vec<double> point = is_length ? Vec<double>(0, 0, 0) : primitive.point(k);
-            if (!is_length && upright)
-                primitive.set_point(k, stretch * permuted(point) + (is_point ? centre : Vec<double>(0, 0, 0)));
-            else if (is_point) primitive.set_point(k, point + centre + (0.5 * half) * random.vector());
+            if (!is_length && is_upright)
+                primitive.set_point(k, stretch * rotate_axes(point) + (is_point ? centre : Vec<double>(0, 0, 0)));
+            else if (is_point) primitive.set_point(k, point + centre + (0.5 * half_width) * random.vector());
             else if (!is_length) primitive.set_point(k, 2.0 * random.vector());
             for (const std::size_t end = k + key.count(); k < end; ++k) {
                 double& x = primitive.numbers[k];
@@ -158,7 +158,7 @@ Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& ran
     }
 }
 
-Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive) {
+Question make_question(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive) {
     Question q{.ray = {}, .primitive = {}};
     for (int k = 0; k < 3; ++k) {
         q.ray[static_cast<std::size_t>(k)] = static_cast<float>(origin[k]);
@@ -180,8 +180,8 @@ bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int
         Question changed = q;
         for (std::size_t k = 0; k < 3; ++k) changed.ray[k] += 0x1p-5 * size * random();
         for (std::size_t k = 3; k < 6; ++k) changed.ray[k] += 0x1p-6 * length * random();
-        const HitOrMiss changed_answer = trial.truth(changed);
-        if (changed_answer.hit != right.hit || std::fabs(changed_answer.t - right.t) * length > size / 4) return false;
+        const HitOrMiss changed_truth = trial.truth(changed);
+        if (changed_truth.hit != right.hit || std::fabs(changed_truth.t - right.t) * length > size / 4) return false;
     }
     return true;
 }
@@ -195,18 +195,18 @@ std::string numbers_text(std::span<const double> numbers) {
     return text;
 }
 
-std::string answer_text(const Trial& trial, const HitOrMiss& d) {
-    return !d.hit ? "a miss" : trial.tells_t ? "t = " + text_of(d.t) : "a hit";
+std::string answer_text(const Trial& trial, const HitOrMiss& answer) {
+    return !answer.hit ? "a miss" : trial.tells_t ? "t = " + text_of(answer.t) : "a hit";
 }
 
-Question scaled_by(const Question& q, Shape shape, int power) {
+Question scale_question(const Question& q, Shape shape, int power) {
     Question result = q;
     for (std::size_t k = 0; k < 3; ++k) result.ray[k] = std::ldexp(q.ray[k], power);
     std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).shape_numbers(), result.primitive.begin());
     return result;
 }
 
-std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Question>& questions) {
+std::vector<AnsweredQuestion> add_truths(const Trial& trial, const std::vector<Question>& questions) {
     std::vector<AnsweredQuestion> rays;
     for (const Question& q : questions) rays.push_back({q, trial.truth(q)});
     return rays;
@@ -214,7 +214,8 @@ std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Q
 
 WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : tested(rays.size()) {
     std::vector<Question> questions;
-    for (const AnsweredQuestion& answered : rays) questions.push_back(scaled_by(answered.question, trial.shape, power));
+    for (const AnsweredQuestion& answered : rays)
+        questions.push_back(scale_question(answered.question, trial.shape, power));
     const std::vector<Reply> replies = ask(trial.form, questions);
     for (std::size_t i = 0; i < tested; ++i) {
         const auto& [plain, right] = rays[i];
@@ -225,13 +226,13 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
         if (right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= tolerance))
             continue;
         if (wrong++ > 0) continue;
-        const Question q = from_its_side(questions[i], trial.contract);
-        const auto text_of_answer = [&](const HitOrMiss& d) {
-            return answer_text(trial, {d.hit, std::ldexp(d.t, power)});
+        const Question q = mirror_for_facing(questions[i], trial.contract);
+        const auto scaled_answer_text = [&](const HitOrMiss& unscaled) {
+            return answer_text(trial, {unscaled.hit, std::ldexp(unscaled.t, power)});
         };
-        first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-                numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + text_of_answer(right) +
-                " is right, it answers " + text_of_answer(answer);
+        first_text = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
+                     numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " +
+                     scaled_answer_text(right) + " is right, it answers " + scaled_answer_text(answer);
     }
 }
 
@@ -271,16 +272,16 @@ void try_scale(Trial& trial) {
 void try_rays(Trial& trial) {
     const std::string plural(row_of(trial.shape).plural);
     std::size_t tested = 0;
-    for (const bool upright : {true, false}) {
-        if (upright && !has_axis(trial.shape)) continue;
+    for (const bool is_upright : {true, false}) {
+        if (is_upright && !has_axis(trial.shape)) continue;
         for (const Aim& aim : aims) {
-            const std::vector<Question> questions = aimed_questions(trial, aim, upright);
+            const std::vector<Question> questions = aimed_questions(trial, aim, is_upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
-            const WrongCount count(trial, with_truth(trial, questions));
+            const WrongCount count(trial, add_truths(trial, questions));
             tested += count.tested;
             if (count.wrong == 0) continue;
-            const bool is_oblique = !upright && has_axis(trial.shape);
-            const std::string text = wrong_count_text(count, aim) + ignored_length(trial, questions);
+            const bool is_oblique = !is_upright && has_axis(trial.shape);
+            const std::string text = wrong_count_text(count, aim) + ignored_length_text(trial, questions);
             if (count.is_many() && !is_oblique) return trial.report_broken(text);
             trial.report_note(text + (is_oblique ? "; where axes lie along x, y or z it is right" : ""));
             if (is_oblique) return;

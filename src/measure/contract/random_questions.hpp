@@ -22,6 +22,7 @@ public:
     /// A number in [low, high).
     double between(double low, double high) { return low + (high - low) * ((*this)() + 1) / 2; }
     Vec<double> vector() { return {(*this)(), (*this)(), (*this)()}; }
+    /// A vector of length one.
     Vec<double> unit() {
         for (;;) {
             const Vec<double> v = vector();
@@ -36,37 +37,37 @@ private:
 /// True for shapes with an axis, which may lie along x, y or z, or at an angle.
 bool has_axis(Shape shape);
 
-/// A primitive of random position and shape, in numbers that floats can represent. An upright one has its axis along x,
-/// y or z.
-Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& random);
+/// Draws a primitive of random position and shape, in numbers that floats can represent. If `is_upright`, its axis lies
+/// along x, y or z.
+Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& random);
 
-/// The ray and the primitive, in numbers that floats can represent.
-Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);
+/// Question about a ray and a primitive, in numbers that floats can represent.
+Question make_question(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);
 
 /// Half of the primitive's extent, at most 4, since a plane is infinite.
 double half_extent_of(const Primitive<double>& primitive);
 
 /// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
-Question scaled_by(const Question& q, Shape shape, int power);
+Question scale_question(const Question& q, Shape shape, int power);
 
 /// True if none of `changes` small random changes of the ray changes the answer much. Every usual formula answers such
 /// a question correctly.
 bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes = 6);
 
 std::string numbers_text(std::span<const double> numbers);
-std::string answer_text(const Trial& trial, const HitOrMiss& d);
+std::string answer_text(const Trial& trial, const HitOrMiss& answer);
 
-/// A question with its right answer.
+/// Question with its right answer.
 struct AnsweredQuestion {
     Question question;
     HitOrMiss right;
 };
-std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Question>& questions);
+std::vector<AnsweredQuestion> add_truths(const Trial& trial, const std::vector<Question>& questions);
 
 /// Number of wrong answers among some rays, and a description of the first.
 struct WrongCount {
     std::size_t tested = 0, wrong = 0;
-    std::string first = {};
+    std::string first_text = {};
 
     WrongCount() = default;
     /// Tests the form on these rays, with all lengths multiplied by 2^power.
@@ -76,7 +77,7 @@ struct WrongCount {
     [[nodiscard]] bool is_many() const { return 20 * wrong > tested; }
     void add(const WrongCount& other) {
         tested += other.tested, wrong += other.wrong;
-        if (first.empty()) first = other.first;
+        if (first_text.empty()) first_text = other.first_text;
     }
 };
 

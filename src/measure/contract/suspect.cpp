@@ -34,7 +34,7 @@ std::string factor_text(double factor) {
     return fmt::format("{:.3g} times what is right", factor);
 }
 
-/// True for a factor between known units, and for a large power of two or ten: such factors are written on purpose.
+/// True for a factor between known units, and for a large power of two or ten: people write such factors on purpose.
 bool is_round(double factor) {
     const auto is_power = [factor](double base) {
         return is_about(factor, std::pow(base, std::round(std::log(factor) / std::log(base))));
@@ -48,11 +48,11 @@ bool is_round(double factor) {
 /// answer.
 std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
     const bool is_single = wrong.size() == 1;
-    std::size_t missed = 0, hit = 0, no_number = 0;
+    std::size_t false_misses = 0, false_hits = 0, not_finite = 0;
     for (const AnswerSample& sample : wrong) {
-        missed += !sample.hit;
-        hit += sample.hit && !sample.truly_hits;
-        no_number += sample.hit && sample.truly_hits && !std::isfinite(sample.t);
+        false_misses += !sample.hit;
+        false_hits += sample.hit && !sample.truly_hits;
+        not_finite += sample.hit && sample.truly_hits && !std::isfinite(sample.t);
     }
     std::string text;
     const auto add = [&](std::size_t n, const char* single_text, const char* one_text, const char* many_text) {
@@ -60,11 +60,11 @@ std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
         if (is_single) text = single_text;
         else text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? one_text : many_text);
     };
-    add(hit, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
-    add(missed, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
-    add(no_number, "its t is not a finite number", "has a t that is not a finite number",
+    add(false_hits, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
+    add(false_misses, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
+    add(not_finite, "its t is not a finite number", "has a t that is not a finite number",
         "have a t that is not a finite number");
-    add(wrong.size() - hit - missed - no_number, "its t is off by more than 0.4%",
+    add(wrong.size() - false_hits - false_misses - not_finite, "its t is off by more than 0.4%",
         "has a t that is off by more than 0.4%", "have a t that is off by more than 0.4%");
     return fmt::format("{}; no known mistake explains {}", text, is_single ? "it" : "nine in ten of them");
 }
@@ -106,11 +106,12 @@ struct SuspectAnswers {
     }
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
-    /// Text with the number of wrong answers among the rays that hit `joined` should hit, where `joined` is "and" or
-    /// "or".
-    [[nodiscard]] std::string count_text(const char* joined) const {
-        if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", joined);
-        return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(), joined);
+    /// Text with the number of wrong answers. `conjunction` is "and" for the rays that hit and should hit, "or" for the
+    /// rays that hit or should hit.
+    [[nodiscard]] std::string count_text(const char* conjunction) const {
+        if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", conjunction);
+        return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(),
+                           conjunction);
     }
     /// True if a reason explains nine in ten of the wrong answers. A reason that would change right answers too has to
     /// explain nine in ten of all answers and of the hits, and right misses count against it.
@@ -133,10 +134,10 @@ private:
     /// it truly does". A guess that does no better explains nothing.
     [[nodiscard]] std::size_t unexplained_by_constants(const std::vector<AnswerSample>& hits, bool decides) const {
         const std::size_t misses = all.size() - hits.size() + right_misses.size() + more_right_misses;
-        const auto is_no_more_than_a_hit = [decides](const AnswerSample& sample) {
+        const auto needs_no_t = [decides](const AnswerSample& sample) {
             return decides || std::isnan(sample.t) || is_right(sample);
         };
-        return std::min(hits.size(), misses + count_unexplained(hits, is_no_more_than_a_hit));
+        return std::min(hits.size(), misses + count_unexplained(hits, needs_no_t));
     }
 };
 
@@ -165,31 +166,31 @@ std::string units_text(const std::array<SuspectAnswers, 2>& halves) {
         return std::ranges::all_of(halves,
                                    [&test](const SuspectAnswers& half) { return explains_most(half.wrong, test); });
     };
-    const auto scales = [factor](const AnswerSample& sample) {
+    const auto is_off_by_factor = [factor](const AnswerSample& sample) {
         return sample.hit && sample.truly_hits && is_about(sample.t, factor * sample.true_t);
     };
-    const auto adds = [offset](const AnswerSample& sample) {
+    const auto is_off_by_offset = [offset](const AnswerSample& sample) {
         return sample.hit && sample.truly_hits && is_about(sample.t, sample.true_t + offset);
     };
-    if (!holds_in_both(scales)) return "";
+    if (!holds_in_both(is_off_by_factor)) return "";
     std::vector<double> truths, answers;
     for (const SuspectAnswers& half : halves) {
         for (const AnswerSample& sample : half.wrong) {
-            if (!scales(sample)) continue;
+            if (!is_off_by_factor(sample)) continue;
             truths.push_back(sample.true_t);
             answers.push_back(sample.t);
         }
     }
     const auto [smallest, largest] = std::ranges::minmax(truths);
     const auto [lowest, highest] = std::ranges::minmax(answers);
-    const bool is_not_offset = largest > 1.05 * smallest && !holds_in_both(adds);
+    const bool is_not_offset = largest > 1.05 * smallest && !holds_in_both(is_off_by_offset);
     if (lowest == highest || !(is_round(factor) || is_not_offset)) return "";
     return "t is in other units: it is " + factor_text(factor);
 }
 
 }  // namespace
 
-std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_misses) {
+std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_misses) {
     SuspectAnswers suspects(rays);
     suspects.more_right_misses = more_misses;
     // If enough rays both hit and should hit, mistakes about t are tested on those rays only.
@@ -197,14 +198,14 @@ std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source
     const SuspectAnswers hits(rays, [](const AnswerSample& sample) { return sample.hit; });
     const bool mostly_both_hit = 2 * both_hit.all.size() >= suspects.all.size();
     if (!suspects.is_mostly_wrong()) return "";
-    const std::array<SuspectAnswers, 2> halves = suspects.halves(), halves_of_both = both_hit.halves();
+    const std::array<SuspectAnswers, 2> halves = suspects.halves(), both_hit_halves = both_hit.halves();
     for (const Reason& reason : reasons()) {
-        const bool about_t = reason.scope == Reason::Scope::t;
-        if (about_t && !(mostly_both_hit && both_hit.is_mostly_wrong())) continue;
-        const auto explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
-        if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
-        return fmt::format("{}{}; {}", about_t ? both_hit.count_text("and") : suspects.count_text("or"), reason.mistake,
-                           source == AnswerSource::file ? reason.file_remedy : reason.library_remedy);
+        const bool is_about_t = reason.scope == Reason::Scope::t;
+        if (is_about_t && !(mostly_both_hit && both_hit.is_mostly_wrong())) continue;
+        const auto is_explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
+        if (!std::ranges::all_of(is_about_t ? both_hit_halves : halves, is_explained)) continue;
+        return fmt::format("{}{}; {}", is_about_t ? both_hit.count_text("and") : suspects.count_text("or"),
+                           reason.mistake, source == AnswerSource::file ? reason.file_remedy : reason.library_remedy);
     }
     if (const std::string units = mostly_both_hit && both_hit.is_mostly_wrong() ? units_text(hits.halves()) : "";
         !units.empty())

@@ -16,9 +16,9 @@ struct AnswerSample {
     Ray<double> ray;
     Primitive<double> primitive;
     bool truly_hits = false;
-    bool unit = false;         ///< by contract, directions have unit length and t is a distance
-    double true_t = 0;         ///< in the unit that the contract declares
-    double other_measure = 0;  ///< t in the other unit: the parameter for a distance, and the other way round
+    bool is_unit = false;  ///< by contract, directions have unit length and t is a distance
+    double true_t = 0;     ///< in the unit that the contract declares
+    double other_t = 0;    ///< t in the other unit: the parameter for a distance, and vice versa
     bool hit = false;
     double t = 0;
 };
@@ -40,23 +40,28 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// unexplained as the better of the guesses "always a miss" and "always a hit". Every guess must hold on each of two
 /// halves of the rays. Known mistakes:
 ///
-/// a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
-/// near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or
-/// replaced by the end of the ray, or exchanged with the origin · hits behind the ray · y and z exchanged · the
-/// primitive, or t, in other units · hit inverted
+/// - t is a distance, or the parameter in place of a distance;
+/// - the radius is squared, halved, doubled, or replaced by its root;
+/// - from inside, the answer is 0, the exit or the near root, with its sign or without;
+/// - the answer is the far root, or has the wrong sign;
+/// - the direction is reversed, replaced by the end of the ray, or exchanged with the origin;
+/// - an intersection behind the ray is answered as a hit;
+/// - y and z are exchanged;
+/// - the primitive, or t, is in other units;
+/// - hit is inverted.
 ///
 /// `more_misses`: number of right misses in addition to those in `rays`.
-std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
-                      std::uint64_t more_misses = 0);
+std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
+                           std::uint64_t more_misses = 0);
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
 /// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
-std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& form_row);
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
-                      const std::string& where);
+std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& form_row);
+std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
+                           const std::string& where);
 /// Puts the text about the counted rays in front of a suspicion, unless the suspicion is empty. `sampled` of `total`
-/// rays were counted; `which` follows their number in the text, such as `of its rays`.
-std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uint64_t total, const std::string& which,
-                       const std::string& suspicion);
+/// rays were counted; `counted_rays_text` follows their number, such as `of its rays`.
+std::string name_counted_rays(const std::string& where, std::uint64_t sampled, std::uint64_t total,
+                              const std::string& counted_rays_text, const std::string& suspicion);
 
 }  // namespace lostbits::measure::contract

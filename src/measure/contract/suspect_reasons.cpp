@@ -20,15 +20,15 @@ std::optional<Line> line_through(const Ray<double>& ray, const Primitive<double>
 
 bool is_answer_of(const AnswerSample& sample, const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto line = line_through(ray, primitive);
-    const bool ahead = line && line->far >= 0;
-    if (!ahead || !sample.hit || std::isnan(sample.t)) return ahead == sample.hit;
+    const bool is_ahead = line && line->far >= 0;
+    if (!is_ahead || !sample.hit || std::isnan(sample.t)) return is_ahead == sample.hit;
     return is_about(sample.t, line->near >= 0 ? line->near : line->far);
 }
 
 /// True if the answer is that for another ray or another primitive. A wrong answer that fits the ray's own line does
 /// not count: its error concerns the end of the ray, a touch or a side. If the two rays are nearly the same, such an
 /// answer would fit any exchange.
-bool fits(const AnswerSample& sample, const Ray<double>& ray, const Primitive<double>& primitive) {
+bool fits_instead(const AnswerSample& sample, const Ray<double>& ray, const Primitive<double>& primitive) {
     return is_answer_of(sample, ray, primitive) &&
            (is_right(sample) || !is_answer_of(sample, sample.ray, sample.primitive));
 }
@@ -41,21 +41,21 @@ bool fits_length(const AnswerSample& sample, const ShapeRow& shape_row, double (
     double& length = other.numbers[length_key(shape_row.shape)->number_index];
     const double old_length = length;
     length = change(old_length);
-    return is_about(length, old_length) ? is_right(sample) : fits(sample, sample.ray, other);
+    return is_about(length, old_length) ? is_right(sample) : fits_instead(sample, sample.ray, other);
 }
 
 /// True if the answer is that for a primitive whose numbers are `factor` times as large.
 bool fits_scaled(const AnswerSample& sample, double factor) {
     Primitive<double> other = sample.primitive;
     for (std::size_t k = 0; k < other.shape_numbers().size(); ++k) other.numbers[k] *= factor;
-    return fits(sample, sample.ray, other);
+    return fits_instead(sample, sample.ray, other);
 }
 
-Vec<double> y_for_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
+Vec<double> swap_y_and_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
 
-bool is_in_other_measure(const AnswerSample& sample) {
-    return sample.hit && sample.truly_hits && !is_about(sample.other_measure, sample.true_t) &&
-           is_about(sample.t, sample.other_measure);
+bool is_other_t(const AnswerSample& sample) {
+    return sample.hit && sample.truly_hits && !is_about(sample.other_t, sample.true_t) &&
+           is_about(sample.t, sample.other_t);
 }
 
 /// The t at which the line enters and leaves, for a hit of a ray that starts in between; otherwise empty.
@@ -86,9 +86,9 @@ void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
         return fmt::format(fmt::runtime(pattern), length->key->name, length->key->letter, shape_row.name,
                            shape_row.plural);
     };
-    for (const LengthErrorCase& m : length_error_cases)
-        list.push_back({text(m.mistake), text(m.library_remedy), text(m.file_remedy),
-                        [&shape_row, change = m.change](const AnswerSample& sample) {
+    for (const LengthErrorCase& error_case : length_error_cases)
+        list.push_back({text(error_case.mistake), text(error_case.library_remedy), text(error_case.file_remedy),
+                        [&shape_row, change = error_case.change](const AnswerSample& sample) {
                             return fits_length(sample, shape_row, change);
                         },
                         Reason::Scope::all});
@@ -99,10 +99,9 @@ std::vector<Reason> all_reasons() {
     std::vector<Reason> list{
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
-         [](const AnswerSample& sample) { return !sample.unit && is_in_other_measure(sample); }},
+         [](const AnswerSample& sample) { return !sample.is_unit && is_other_t(sample); }},
         {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
-         "leave --direction unit out",
-         [](const AnswerSample& sample) { return sample.unit && is_in_other_measure(sample); }},
+         "leave --direction unit out", [](const AnswerSample& sample) { return sample.is_unit && is_other_t(sample); }},
     };
     for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
     const Reason other_reasons[] = {
@@ -142,7 +141,8 @@ std::vector<Reason> all_reasons() {
         {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
          "write -dx, -dy, -dz",
          [](const AnswerSample& sample) {
-             return !std::isnan(sample.t) && fits(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
+             return !std::isnan(sample.t) &&
+                    fits_instead(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
          },
          Scope::all},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
@@ -155,19 +155,21 @@ std::vector<Reason> all_reasons() {
         {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
          "look at the names of the columns: ox, oy, oz are the origin",
          [](const AnswerSample& sample) {
-             return fits(sample, {sample.ray.direction, sample.ray.origin}, sample.primitive);
+             return fits_instead(sample, {sample.ray.direction, sample.ray.origin}, sample.primitive);
          },
          Scope::all},
         {"the direction seems to be the point where the ray ends: the answers are those for d - o",
          "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
          [](const AnswerSample& sample) {
-             return fits(sample, {sample.ray.origin, sample.ray.direction - sample.ray.origin}, sample.primitive);
+             return fits_instead(sample, {sample.ray.origin, sample.ray.direction - sample.ray.origin},
+                                 sample.primitive);
          },
          Scope::all},
         {"y and z of the rays seem to be exchanged, compared with those of the primitive",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
          [](const AnswerSample& sample) {
-             return fits(sample, {y_for_z(sample.ray.origin), y_for_z(sample.ray.direction)}, sample.primitive);
+             return fits_instead(sample, {swap_y_and_z(sample.ray.origin), swap_y_and_z(sample.ray.direction)},
+                                 sample.primitive);
          },
          Scope::all},
     };

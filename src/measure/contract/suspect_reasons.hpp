@@ -11,6 +11,7 @@
 
 namespace lostbits::measure::contract {
 
+/// True if x and y are equal to 2^-8 of y.
 inline bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }
 
 /// True if an answer has the right decision, and t to 2^-8 of itself.
@@ -19,7 +20,7 @@ inline bool is_right(const AnswerSample& sample) {
     return !sample.hit || std::isnan(sample.t) || sample.t == sample.true_t || is_about(sample.t, sample.true_t);
 }
 
-/// A mistake that a contract may contain, with a test whether it explains an answer.
+/// Mistake that a contract may contain, with a test: does the mistake explain an answer?
 struct Reason {
     /// Answers that the mistake affects and has to explain.
     enum class Scope : std::uint8_t {
@@ -36,6 +37,7 @@ struct Reason {
     Scope scope = Scope::t;
 };
 
+/// Factor between two units of length.
 struct KnownUnits {
     double factor;
     const char* text;

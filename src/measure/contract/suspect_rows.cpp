@@ -1,4 +1,4 @@
-// Collects the answers of rows of the table, for suspicion.
+// Collects the answers of rows of the table of forms, in which suspicions look for a mistake.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& form_r
         const truth::Truth& truth = band.truth(i, form_row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
-            answer::measured_primitive(in, i, truth.is_hit() ? truth.object : answers.object[i]);
+            answer::measured_primitive(in, i, truth.is_hit() ? truth.primitive : answers.object[i]);
         rays.push_back(answer_sample(in.rays_for(*form_row.form->info)[i], in.primitives[primitive], truth, form_row,
                                      answers.hit[i] != 0, answers.t[i]));
     }
@@ -33,45 +33,45 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& form_r
 
 AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
                            const evaluate::TestedForm& form_row, bool hit, double t) {
-    const bool unit = form_row.form->info->direction == intersect::Direction::unit;
+    const bool is_unit = form_row.form->info->direction == intersect::Direction::unit;
     const FloatFormat& format = form_row.format.parameters;
     if (form_row.form->info->roots == intersect::Roots::none) t = std::nan("");
     AnswerSample sample{
-        .ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
+        .ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .is_unit = is_unit, .hit = hit, .t = t};
     const auto to_double = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
     if (truth.is_hit()) {
-        sample.true_t = to_double(unit ? truth.distance : truth.t);
-        sample.other_measure = to_double(unit ? truth.t : truth.distance);
+        sample.true_t = to_double(is_unit ? truth.distance : truth.t);
+        sample.other_t = to_double(is_unit ? truth.t : truth.distance);
         // The format has no better answer than infinity.
-        if (hit && std::isinf(t) && truth::ulp_error(t, unit ? truth.distance : truth.t, format) == 0)
+        if (hit && std::isinf(t) && truth::ulp_error(t, is_unit ? truth.distance : truth.t, format) == 0)
             sample.true_t = t;
     }
     return sample;
 }
 
-std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uint64_t total, const std::string& which,
-                       const std::string& suspicion) {
+std::string name_counted_rays(const std::string& where, std::uint64_t sampled, std::uint64_t total,
+                              const std::string& counted_rays_text, const std::string& suspicion) {
     if (suspicion.empty()) return "";
-    const std::string rays = sampled >= total
-                                 ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
-                                 : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, which);
+    const std::string rays =
+        sampled >= total ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
+                         : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, counted_rays_text);
     return rays + suspicion;
 }
 
-std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& form_row) {
-    const scene::file::Scene small = evaluate::small_picture_of(scene, 64);
-    culling::Culler culler(small);
+std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& form_row) {
+    const scene::file::Scene small_scene = evaluate::small_picture_of(scene, 64);
+    culling::Culler culler(small_scene);
     std::vector<AnswerSample> rays;
-    collect_samples(truth::Band(small, 0, small.height, {}, &culler), form_row, rays);
-    const std::string text = suspicion(rays);
-    if (text.empty() || small.pixels() == scene.pixels())
-        return on_rays_of(scene.id, small.pixels(), small.pixels(), "", text);
-    return fmt::format("on a sample of {}, a picture of {}x{} with {} rays: {}", scene.id, small.width, small.height,
-                       small.pixels(), text);
+    collect_samples(truth::Band(small_scene, 0, small_scene.height, {}, &culler), form_row, rays);
+    const std::string text = suspicion_text(rays);
+    if (text.empty() || small_scene.pixels() == scene.pixels())
+        return name_counted_rays(scene.id, small_scene.pixels(), small_scene.pixels(), "", text);
+    return fmt::format("on a sample of {}, a picture of {}x{} with {} rays: {}", scene.id, small_scene.width,
+                       small_scene.height, small_scene.pixels(), text);
 }
 
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
-                      const std::string& where) {
+std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
+                           const std::string& where) {
     std::vector<AnswerSample> rays;
     std::uint64_t total = 0, sampled = 0;
     for (scene::rays::RayGroup& group : groups) {
@@ -80,7 +80,7 @@ std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate:
         sampled += std::min(group.rays.size(), max_rays - rays.size());
         collect_samples(truth::Band(std::move(group)), form_row, rays);
     }
-    return on_rays_of(where, sampled, total, "of its rays", suspicion(rays));
+    return name_counted_rays(where, sampled, total, "of its rays", suspicion_text(rays));
 }
 
 }  // namespace lostbits::measure::contract

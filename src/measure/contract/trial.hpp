@@ -31,15 +31,16 @@ struct Question {
     double start = 0;
 };
 
+/// Answer of a form to one question. `near` and `far` are 0 if the form does not answer them.
 struct Reply {
     std::uint8_t hit = 0;
     double near = 0, far = 0;
     friend bool operator==(const Reply&, const Reply&) = default;
 };
 
-/// Returns the question for the side that the form sees. A flat primitive around a point shows its back to rays that go
-/// up. For a form that only sees fronts, the question is mirrored, z → −z, so that the ray meets the front.
-inline Question from_its_side(Question q, const intersect::external::Contract& contract) {
+/// Mirrors the question in z if the form only sees fronts, so that the ray meets the front. A flat primitive around a
+/// point shows its back to rays that go up.
+inline Question mirror_for_facing(Question q, const intersect::external::Contract& contract) {
     if (contract.facing != intersect::Facing::front) return q;
     for (const std::size_t z : {2, 5}) q.ray[z] = -q.ray[z];
     std::size_t first = 0;
@@ -55,19 +56,19 @@ inline Question from_its_side(Question q, const intersect::external::Contract& c
 template <class S>
 std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::span<const Question> questions,
                           bool one_primitive) {
-    const std::size_t n = questions.size(), numbers = row_of(form.contract.shape).numbers;
-    const bool ranged = (form.contract.flags & LB_RANGE) != 0;
-    std::vector<S> rays, starts, ends, primitives, near_far(2 * n);
-    std::vector<std::uint8_t> hit(n);
+    const std::size_t count = questions.size(), numbers = row_of(form.contract.shape).numbers;
+    const bool has_ranges = (form.contract.flags & LB_RANGE) != 0;
+    std::vector<S> rays, starts, ends, primitives, near_far(2 * count);
+    std::vector<std::uint8_t> hit(count);
     for (const Question& question : questions) {
-        const Question q = from_its_side(question, form.contract);
+        const Question q = mirror_for_facing(question, form.contract);
         for (const double x : q.ray) rays.push_back(static_cast<S>(x));
         starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));
         for (std::size_t k = 0; k < numbers; ++k) primitives.push_back(static_cast<S>(q.primitive[k]));
     }
     intersect::external::mark_unwritten<S>(near_far, hit);
-    form.answer({.size = n,
+    form.answer({.size = count,
                  .rays = rays.data(),
                  .ends = ends.data(),
                  .primitives = primitives.data(),
@@ -75,9 +76,9 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
                  .near_far = near_far.data(),
                  .hit = hit.data(),
                  .own = nullptr,
-                 .starts = ranged ? starts.data() : nullptr});
+                 .starts = has_ranges ? starts.data() : nullptr});
     std::vector<Reply> replies;
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         const bool has_t = hit[i] == 1 && form.contract.roots != intersect::Roots::none;
         const bool has_both_roots = has_t && form.contract.roots == intersect::Roots::both;
         replies.push_back({hit[i], has_t ? static_cast<double>(near_far[2 * i]) : 0,
@@ -106,7 +107,7 @@ inline Primitive<double> primitive_of(const Question& q, Shape shape) {
     return primitive;
 }
 
-/// A hit with its t, or a miss: the truth, or the table's reading of an answer.
+/// A hit with its t, or a miss: the truth, or an answer as the table of forms reads it.
 struct HitOrMiss {
     bool hit = false;
     double t = 0;
@@ -122,7 +123,7 @@ inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Q
     return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
 }
 
-/// Reads a reply as the table does, by a contract.
+/// Reads a reply by a contract, as the table of forms does.
 inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& r, const Question& question) {
     const std::array<double, 2> near_far{r.near, r.far};
     const double end = takes_tmax(contract.shape) ? question.end : std::numeric_limits<double>::infinity();
@@ -130,6 +131,7 @@ inline HitOrMiss read_reply(const intersect::external::Contract& contract, const
     return {hit.hit, hit.t};
 }
 
+/// True if the properties of a contract do not contradict each other.
 inline bool is_consistent(const intersect::external::Contract& contract) {
     try {
         intersect::external::require_valid(contract, "");
@@ -139,6 +141,7 @@ inline bool is_consistent(const intersect::external::Contract& contract) {
     }
 }
 
+/// True if x is `right` to 2^-10 of itself or of 1, whichever is larger.
 inline bool is_answer(double x, double right) {
     return x == right || (std::isfinite(right) && std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right)));
 }
@@ -151,8 +154,8 @@ inline std::string text_of(double x) {
 
 /// A primitive of half-width `half` around (0, 0, z), and a ray along the z axis. A ray from (0, 0, -5) enters at 3 and
 /// leaves at 7 if the half-width is 2 and z is 0.
-inline Question question_along_z(Shape shape, double from, double direction, double z = 0, double half = 2) {
-    Question q{.ray = {0, 0, from, 0, 0, direction}, .primitive = {}};
+inline Question question_along_z(Shape shape, double start_z, double direction, double z = 0, double half = 2) {
+    Question q{.ray = {0, 0, start_z, 0, 0, direction}, .primitive = {}};
     std::ranges::copy(primitive_around<double>(shape, {0, 0, z}, half).shape_numbers(), q.primitive.begin());
     return q;
 }
@@ -164,8 +167,8 @@ inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
-/// True for shapes that a line enters and leaves. These include a tube, although it has no inside, and excludes flat
-/// shapes and solids without end, such as a half space.
+/// True for shapes that a line enters and leaves. They include the tube, although it has no inside, and exclude flat
+/// shapes and shapes without end, such as a half space.
 inline bool is_crossed_twice(Shape shape) {
     const auto ends = ends_of(question_along_z(shape, 1, 1), shape);
     return ends && std::isfinite(ends->near) && std::isfinite(ends->far) && ends->near < ends->far;
@@ -193,7 +196,7 @@ public:
           shape(contract.shape),
           tells_t(contract.roots != intersect::Roots::none) {}
 
-    /// Runs one probe. Its findings, and the errors that end it, carry its name.
+    /// Runs one probe. The findings and errors of the probe carry its name.
     template <class Probe>
     void probe(const char* name, const Probe& run) {
         name_ = name;
@@ -228,7 +231,7 @@ public:
     /// Truth by the trial's contract, or by another contract for the same question.
     [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
     [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::external::Contract& other_contract) const {
-        return truth_by(other_contract, from_its_side(q, contract));
+        return truth_by(other_contract, mirror_for_facing(q, contract));
     }
     /// True if a reply is the true answer by a contract.
     [[nodiscard]] bool is_right(const Question& q, const Reply& r,
@@ -256,9 +259,10 @@ void try_facing(Trial& trial);
 bool try_other_side(Trial& trial);
 void try_touching(Trial& trial);
 /// Probes with rays in the plane of a flat primitive, which they do not cross.
-void try_within(Trial& trial);
+void try_in_plane(Trial& trial);
 void try_at_origin(Trial& trial);
-void try_close(Trial& trial);
+/// Probes with a surface just ahead of the origin.
+void try_just_ahead(Trial& trial);
 
 /// Probes that compare with the truth on many rays (probe_truth.cpp).
 void try_scale(Trial& trial);

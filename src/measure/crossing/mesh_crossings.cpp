@@ -13,8 +13,8 @@
 
 namespace lostbits::measure::crossing {
 
-using truth::by_rising_precision, truth::find_truth, truth::is_proper, truth::sign;
-using truth::Truth, truth::TruthLimit;
+using truth::by_rising_precision, truth::find_truth, truth::is_valid, truth::sign;
+using truth::Truth, truth::ProofLimit;
 
 namespace {
 
@@ -44,7 +44,7 @@ std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<doub
 
 /// Returns nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
 std::optional<Passage> passage_of(const Ray<double>& ray, const Primitive<double>& triangle) {
-    if (!is_proper(triangle)) return Passage{};
+    if (!is_valid(triangle)) return Passage{};
     if (const auto fast_result = find_passage<number::wide::Running<double>>(ray, triangle)) return fast_result;
     return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
 }
@@ -101,7 +101,7 @@ Vec<double> direction_of_attempt(int k) {
 }
 
 /// Counts the crossings of one ray from a point. Nothing if the ray meets a rim or lies in the plane of a triangle.
-std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& triangles, TruthLimit limit) {
+std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& triangles, ProofLimit limit) {
     PointInMesh found;
     bool is_clear = true;
     for (const std::uint32_t k : candidates_of(ray, triangles)) {
@@ -123,9 +123,9 @@ std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangl
 }  // namespace
 
 MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range,
-                           TruthLimit limit) {
+                           ProofLimit limit) {
     MeshCrossings found;
-    if (!is_proper(ray)) return found;
+    if (!is_valid(ray)) return found;
     for (const std::uint32_t k : candidates_of(ray, triangles)) {
         limit.stop.check();
         const Primitive<double> triangle = triangles.primitives[k];
@@ -182,9 +182,9 @@ bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle,
     return false;
 }
 
-PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, TruthLimit limit) {
+PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, ProofLimit limit) {
     constexpr int attempts = 64;
-    if (is_proper(Ray<double>{point, {1, 1, 1}}))
+    if (is_valid(Ray<double>{point, {1, 1, 1}}))
         for (int k = 0; k < attempts; ++k)
             if (const auto found = count_crossings({point, direction_of_attempt(k)}, triangles, limit)) return *found;
     return {.is_resolved = false};

@@ -36,7 +36,7 @@ struct MeshCrossings {
 /// Finds every crossing with t in `range`. Decisions and the order of t are signs of dyadic polynomials, so that a tie
 /// is a tie of the exact numbers. A ray in the plane of a triangle does not cross it.
 MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range = {},
-                           truth::TruthLimit limit = {});
+                           truth::ProofLimit limit = {});
 
 /// Side from which a line crosses the plane of a triangle: 1 for the front, −1 for the back, 0 if the line does not
 /// cross the plane. Exact, by rising precision. Nothing if no precision decides.
@@ -70,6 +70,6 @@ struct PointInMesh {
 /// whose corners run counter-clockwise seen from outside, and −1 if they run clockwise. If every edge has an even
 /// number of faces (`MeshEdges::odd` = 0), the same holds modulo 2 for the number of crossings, however the faces are
 /// turned.
-PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, truth::TruthLimit limit = {});
+PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, truth::ProofLimit limit = {});
 
 }  // namespace lostbits::measure::crossing

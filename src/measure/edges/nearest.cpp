@@ -100,7 +100,7 @@ const SharedEdge* edge_with_outcome(Outcome outcome, const SearchedMesh& mesh, c
                                     const evaluate::BandResult& result, std::size_t i) {
     const truth::Truth truth = result.truth(i);
     if (!truth.is_hit() || result.outcomes[i] != outcome) return nullptr;
-    const SharedEdge* const edge = mesh.edge_at(aimed_ray, static_cast<std::uint32_t>(truth.object));
+    const SharedEdge* const edge = mesh.edge_at(aimed_ray, static_cast<std::uint32_t>(truth.primitive));
     return edge != nullptr && outcome == Outcome::double_hit && is_tie(result, i) ? nullptr : edge;
 }
 

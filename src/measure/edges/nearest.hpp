@@ -47,7 +47,7 @@ struct EdgeFinding {
 struct EdgeRequest {
     scene::sweep::EdgeSearchFile search;
     std::vector<evaluate::TestedForm> rows;  ///< with forms for triangles
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     shard::Share share = {};   ///< share of the rows
     bool census_only = false;  ///< runs the census, but does not search for the nearest ray
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

@@ -23,11 +23,12 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows
     if (metric_needs & metric::needs_condition) band.find_condition();
     std::map<std::string, BandNeeds> needs_by_format;
     for (const TestedForm& form_row : rows) {
-        BandNeeds& needs = needs_by_format.try_emplace(form_row.format.name, BandNeeds{.no_forms = true}).first->second;
+        BandNeeds& needs =
+            needs_by_format.try_emplace(form_row.format.name, BandNeeds{.without_forms = true}).first->second;
         for (const intersect::table::Intersector* form : {form_row.form, form_row.against}) {
             if (form == nullptr) continue;
             needs.unit_rays |= form->info->direction == intersect::Direction::unit;
-            needs.no_forms &= !form->exists_in(form_row.format);  // a row of a file's answers exists in no format
+            needs.without_forms &= !form->exists_in(form_row.format);  // a row of a file's answers exists in no format
         }
         needs.stored_truth = (metric_needs & metric::needs_stored_truth) != 0;
         const truth::Length length = truth::length_of(form_row.form->info->direction);
@@ -170,7 +171,7 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
 
 /// Measures rows on the rays of one group, into the summaries with the same indices.
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
-                   const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
+                   const std::vector<const Metric*>& metrics, truth::ProofLimit limit,
                    const std::vector<FormSummary*>& summaries) {
     for (const FormsOfGenerator& forms : by_generator(rows)) {
         std::vector<TestedForm> generator_rows;
@@ -197,7 +198,7 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
 }  // namespace
 
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
-                                        const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
+                                        const std::vector<const Metric*>& metrics, truth::ProofLimit limit) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     // Forms that march are not joined: a distance field contains all primitives of a group, for every ray.

@@ -139,7 +139,7 @@ void measure_row(const RowRequest& request, const truth::Band& band, const truth
 
 /// Measures every row over all groups of rays; one summary for each row, with sealed distributions.
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
-                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
+                                        const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit);
 
 /// Flags of what must be computed for the metrics: their `Needs`, combined with or.
 unsigned needs_of(const std::vector<const metric::Metric*>& metrics);

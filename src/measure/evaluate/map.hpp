@@ -26,7 +26,7 @@ struct MapStudy {
     const scene::file::Scene* scene = nullptr;
     std::vector<TestedForm> rows;
     std::vector<const metric::Metric*> metrics;
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     /// Receives the number of truths that each stage settled; may be null.
     truth::StageCounts* stages = nullptr;
     shard::Share share = {};

@@ -168,7 +168,7 @@ private:
         const bool has_true_ray = (needs_ & metric::needs_true_ray) != 0;
         const std::optional<Ray<Real>> true_ray =
             has_true_ray ? std::optional(result_.band->true_ray(i)) : std::nullopt;
-        if (has_true_ray) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
+        if (has_true_ray) sample.true_ray = &*true_ray, sample.frame = result_.band->camera_frame();
         const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
         const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired &&
                                     result_.inputs->primitives.size() > 1;
@@ -204,10 +204,11 @@ private:
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded =
                 result_.band->rounded_truth(i, row_.format.parameters, info.direction, row_.convention());
-        const Truth stored =
-            (needs_ & metric::needs_stored_truth) && !in.ideal ? in.find_stored_truth(i, row_.convention()) : Truth{};
+        const Truth stored = (needs_ & metric::needs_stored_truth) && !in.is_ideal
+                                 ? in.find_stored_truth(i, row_.convention())
+                                 : Truth{};
         if (needs_ & metric::needs_stored_truth)
-            sample.stored_truth = in.ideal ? sample.truth : in_unit_of(stored, info);
+            sample.stored_truth = in.is_ideal ? sample.truth : in_unit_of(stored, info);
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
         const auto reach = [&](truth::Perturbed inputs) {
             return result_.band->reach(i, row_.convention(), info.direction, in, inputs);

@@ -84,14 +84,14 @@ std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
 bool keeps_bits(double t, const truth::Certified& truth, int bits) {
     if (!std::isfinite(t)) return false;
     const long ulp = ulp_exponent({bits, binary64.emin, binary64.emax}, truth.floor_log2());
-    return std::fabs(truth::scaled_difference(truth::exactly(t), truth, ulp)) <= 0.5;
+    return std::fabs(truth::scaled_difference(truth::as_certified(t), truth, ulp)) <= 0.5;
 }
 
 bool suffices(const Truth& truth, const intersect::Info& form, int width, Answer form_answer, int bits) {
     switch (answer::classify(truth.decision, form_answer.hit, form_answer.t)) {
         case answer::Outcome::agree_miss: return true;
         case answer::Outcome::agree_hit:
-            return width >= bits && (form_answer.object < 0 || form_answer.object == truth.object) &&
+            return width >= bits && (form_answer.object < 0 || form_answer.object == truth.primitive) &&
                    keeps_bits(form_answer.t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
         default: return false;
     }

@@ -86,7 +86,7 @@ struct NeededStudy {
     const scene::file::Scene& scene;
     std::vector<const intersect::table::Intersector*> rows;  ///< each with `rounded` kernels
     int bits = 12;                                           ///< B, 1 to 52
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     shard::Share share = {};
     /// Called with the number of (pixel, form, width) triples done, `units()` in all; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

@@ -132,7 +132,7 @@ void RowSums::add(const RaySubset& part) const {
 WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, tells_t = row_.form->info->roots != intersect::Roots::none;
     const Truth truth = result_.truth(i);
-    const int object = hit ? result_.answers->object[i] : truth.object;
+    const int object = hit ? result_.answers->object[i] : truth.primitive;
     const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, object);
     // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
@@ -153,9 +153,9 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     std::set<int> deciding;
     if (is_primitive(row_.form->shape)) {
         if (hit) deciding.insert(object);
-        if (truth.is_hit()) deciding.insert(truth.object);
+        if (truth.is_hit()) deciding.insert(truth.primitive);
     }
-    w.given = result_.band->given(i, deciding);
+    w.given = result_.band->original_group(i, deciding);
     return w;
 }
 

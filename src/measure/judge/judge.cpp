@@ -194,7 +194,7 @@ private:
         if (primitives_.size() == 1) return 0;
         if (!chunk.object.empty() && chunk.object[i] >= 0) return chunk.object[i];
         const truth::Truth& truth = piece.band->truth(i, file_row().convention());
-        if (truth.is_hit()) return truth.object;
+        if (truth.is_hit()) return truth.primitive;
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
         const auto distance = [this, &p](std::size_t s) {
             return std::fabs(intersect::table::distance(primitives_[s], p));
@@ -264,7 +264,7 @@ private:
             const truth::Truth truth = piece.band->truth(i, form_row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
-            const int primitive = truth.is_hit() ? truth.object : piece.answers.object[i];
+            const int primitive = truth.is_hit() ? truth.primitive : piece.answers.object[i];
             result_.first_samples.push_back(contract::answer_sample(
                 inputs.rays_for(*form_row.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)], truth,
                 form_row, hit, piece.answers.t[i]));

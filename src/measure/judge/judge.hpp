@@ -48,7 +48,7 @@ struct JudgeRequest {
     std::optional<std::pair<int, int>> picture = {};  ///< numbers of columns and lines; absent: the rays are a list
     /// Index of the column by whose values rays are grouped, among the columns that the dump keeps.
     std::optional<std::size_t> group_column = {};
-    truth::TruthLimit limit = {};
+    truth::ProofLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< receives the counts of stages; may be null
     /// The pieces of the file to measure, see `count_pieces`; absent: all pieces.
     std::optional<shard::UnitRange> pieces = {};

@@ -18,7 +18,7 @@ namespace lostbits::measure::judge {
 struct MeshAnswersRequest {
     std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< in the format of the dump
     MeshContract contract = {};
-    truth::TruthLimit limit = {};
+    truth::ProofLimit limit = {};
     /// Receives the number of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t bytes)> progress = [](std::uint64_t) {};
 };

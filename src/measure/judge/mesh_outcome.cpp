@@ -117,10 +117,10 @@ private:
         const auto& surfaces = surfaces_.all();
         const auto distance = [&](std::size_t s) {
             const MeshCrossing& owner = *surfaces[s].owners.front();
-            return contract_.has_t
-                       ? std::fabs(truth::scaled_difference(truth::exactly(std::isfinite(hits_[i].t) ? hits_[i].t : 0),
-                                                            contract_.unit ? owner.distance : owner.t, 0))
-                       : 0;
+            return contract_.has_t ? std::fabs(truth::scaled_difference(
+                                         truth::as_certified(std::isfinite(hits_[i].t) ? hits_[i].t : 0),
+                                         contract_.unit ? owner.distance : owner.t, 0))
+                                   : 0;
         };
         for (std::size_t s = 0; s < surfaces.size(); ++s) {
             if (facing != 0 && (facing > 0) != surfaces[s].is_front) continue;

@@ -13,12 +13,12 @@ ReportedRay WorstRays::reported_ray(std::uint64_t first, std::size_t i, const ev
     std::set<int> deciding;
     if (result.answers->march.empty()) {
         if (result.answers->hit[i] != 0) deciding.insert(result.answers->object[i]);
-        if (result.truth(i).is_hit()) deciding.insert(result.truth(i).object);
+        if (result.truth(i).is_hit()) deciding.insert(result.truth(i).primitive);
     }
     return {.ray_index = first + i,
             .outcome = result.outcomes[i],
             .ulps = result.metrics[ulp_error_][i],
-            .ray_group = result.band->given(i, deciding)};
+            .ray_group = result.band->original_group(i, deciding)};
 }
 
 bool WorstRays::is_among_worst(double error) const {

@@ -104,13 +104,13 @@ double herbie(const Sample& s) {
 
 double absolute_error(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, 0));
+    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.truth, 0));
 }
 
 double relative_error(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
     if (s.truth->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, s.truth->exponent) /
+    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.truth, s.truth->exponent) /
                      (s.truth->hi + s.truth->lo));
 }
 
@@ -126,7 +126,7 @@ double model_error(const Sample& s) {
 double rounding_error(const Sample& s) {
     if (!s.unrounded) return missing;
     if (std::isinf(s.t)) return truth::may_round_to(*s.unrounded, s.t, s.format->parameters) ? 0 : s.t;
-    return in_ulps(s, truth::exactly(s.t), *s.unrounded);
+    return in_ulps(s, truth::as_certified(s.t), *s.unrounded);
 }
 
 std::span<const Metric> metrics_of_t() { return rows_of_t; }

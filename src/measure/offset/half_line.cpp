@@ -197,7 +197,7 @@ FarSide far_side_of(const QuarticSpan<double>& s) {
 
 }  // namespace
 
-bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(tmin) && tmin >= 0; }
+bool HalfLine::is_proper() const { return truth::is_valid(ray) && std::isfinite(tmin) && tmin >= 0; }
 
 Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive) {
     return escalate([&]<class E>() { return meeting_of<E>(line, primitive); });

@@ -109,7 +109,7 @@ struct OffsetStudy {
     const scene::file::Scene& scene;
     std::vector<OffsetRow> rows;  ///< rows whose forms are of primitives and report t
     std::vector<const Strategy*> strategies;
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     /// True to search for the smallest quiet offset as well, which takes as long as all the rest.
     bool finds_quiet_offset = true;
     shard::Share share = {};

@@ -42,7 +42,7 @@ SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t prim
     if (hit && std::isnan(t)) return SeenContent::not_a_number;
     if (!truth.is_hit()) return hit ? SeenContent::extra_sphere : SeenContent::background;
     if (!hit) return SeenContent::lost_sphere;
-    return primitive == truth.object ? SeenContent::same_sphere : SeenContent::other_sphere;
+    return primitive == truth.primitive ? SeenContent::same_sphere : SeenContent::other_sphere;
 }
 
 /// Returns the angle between n as computed (of any length) and the true unit normal N: atan2(|n × N|, n·N). The
@@ -118,7 +118,7 @@ private:
         const metric::Metric& residual = *metric::find_metric("residual");
         for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             const Truth& truth = band_.truth(i, intersect::Touching::hit);
-            result_.true_primitive[i] = truth.is_hit() ? truth.object : -1;
+            result_.true_primitive[i] = truth.is_hit() ? truth.primitive : -1;
             result_.seen[i] = content_of(truth, has_hit(i), answers_.t[i], answers_.object[i]);
             if (!has_hit(i)) return;
             const Ray<double> ray = rays_[i];

@@ -143,11 +143,11 @@ public:
         }
         const auto try_precision = [&]<class E>(int bits) {
             pixel.bits = bits;
-            return truth.is_hit() ? find_surface_pixel<E>(i, static_cast<std::size_t>(truth.object), pixel)
+            return truth.is_hit() ? find_surface_pixel<E>(i, static_cast<std::size_t>(truth.primitive), pixel)
                                   : find_background_pixel<E>(i, pixel);
         };
         if (try_precision.template operator()<Ball>(106)) return pixel;
-        for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit_.bits; bits *= 2) {
+        for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit_.max_bits; bits *= 2) {
             const Interval::Precision precision(bits);
             if (try_precision.template operator()<Interval>(bits)) return pixel;
         }

@@ -17,8 +17,8 @@ namespace lostbits::measure::picture {
 /// on its edge (a shadow ray that touches, N·L = 0, a channel on the edge between two bytes), unless the enclosure has
 /// no width. Such a decision stays `unresolved` and is counted.
 struct PictureLimit {
-    int bits = 3072;
-    intersect::process::StopToken stop = {};  ///< as in `TruthLimit`
+    int max_bits = 3072;
+    intersect::process::StopToken stop = {};  ///< as in `ProofLimit`
 };
 
 /// Absolute error bound of channels and of components of normals: 2^-72, which is 2^-64 of an 8-bit step.

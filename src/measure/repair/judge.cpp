@@ -27,7 +27,7 @@ namespace {
 /// Number of tapes that are measured together; more would only cost memory.
 constexpr std::size_t tapes_per_call = 48;
 
-/// Hash over the bits of all answers of a row, in order.
+/// Hash of the bits of all answers of a row, in order.
 class AnswerHash {
 public:
     void band(const evaluate::BandResult& result) {
@@ -45,7 +45,8 @@ private:
     std::uint64_t hash_ = 0xcbf29ce484222325U;
 };
 
-TestedForm row_like(const TestedForm& form_row, const TapeForm& form) {
+/// Row that runs a tape, with the format and convention of another row.
+TestedForm make_row(const TestedForm& form_row, const TapeForm& form) {
     return {.form = &form.row(), .format = form_row.format, .touching = form_row.touching};
 }
 
@@ -54,11 +55,11 @@ TestedForm row_like(const TestedForm& form_row, const TapeForm& form) {
 /// some hundred rays.
 template <class S>
 void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
-    constexpr std::size_t rays_at_once = 512;
+    constexpr std::size_t rays_per_call = 512;
     const scene::rays::RayBlock& rays = in.rays_for(*form.row().info);
     answers.claimed.resize(in.candidates->pair_count());
-    for (std::size_t begin = 0; begin < rays.size(); begin += rays_at_once) {
-        answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_at_once, rays.size()));
+    for (std::size_t begin = 0; begin < rays.size(); begin += rays_per_call) {
+        answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_per_call, rays.size()));
         pairs.evaluate_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {
             form.program().run<S>(batch, target, hits);
             intersect::table::limit_batch_to_range(*form.row().info, form.row().shape, batch, hits);
@@ -67,23 +68,25 @@ void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, an
     }
 }
 
-std::optional<answer::Answers> answers_of_candidates(const TapeForm& form, const truth::FormatInputs& in) {
+std::optional<answer::Answers> evaluate_candidate_pairs(const TapeForm& form, const truth::FormatInputs& in) {
     if (!in.candidates) return std::nullopt;
-    const std::size_t n = in.rays_for(*form.row().info).size();
-    answer::Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
+    const std::size_t ray_count = in.rays_for(*form.row().info).size();
+    answer::Answers answers{std::vector<double>(ray_count), std::vector<std::uint8_t>(ray_count),
+                            std::vector<std::int32_t>(ray_count, -1)};
     if (in.format.engine == Format::Engine::native32) evaluate_candidates<float>(form, in, answers);
     else evaluate_candidates<double>(form, in, answers);
     return answers;
 }
 
+/// Quality of a form, and whether its answers are those of a tape, to the bit.
 struct Comparison {
-    RowQuality quality;  ///< of the form
+    RowQuality quality;
     bool is_same;
 };
 Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
-    const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
+    const TapeForm tape_form(*request.row.form, request.row.format, tape, "tape", "");
     std::array<AnswerHash, 2> hashes;
-    const auto quality = judge.quality_of({form, row_like(form, other)}, evaluate::show_to_each(hashes));
+    const auto quality = judge.quality_of({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
     return {quality.front(), hashes[0] == hashes[1]};
 }
 
@@ -91,7 +94,7 @@ Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const Rep
 
 const std::string& RepairRequest::id() const { return scene ? scene->id : rays->id; }
 
-/// Some of the rays, with their truth and everything that rows with the contract and format of the request's row share.
+/// Part of the rays, with their truth and everything that rows with the contract and format of the request's row share.
 class Judge::Part {
 public:
     Part(const RepairRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
@@ -153,7 +156,7 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, c
         intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto candidate_answers =
-                tapes.empty() ? std::nullopt : answers_of_candidates(*tapes[r], part.rows().inputs);
+                tapes.empty() ? std::nullopt : evaluate_candidate_pairs(*tapes[r], part.rows().inputs);
             evaluate::RowRequest row_request{rows[r], metrics};
             if (show) row_request.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
             if (candidate_answers) row_request.answers = &*candidate_answers;
@@ -175,7 +178,7 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
         for (std::size_t k = begin; k < end; ++k) {
             forms.push_back(
                 std::make_unique<TapeForm>(*request_.row.form, request_.row.format, tapes[k], "candidate", ""));
-            rows.push_back(row_like(request_.row, *forms.back()));
+            rows.push_back(make_row(request_.row, *forms.back()));
         }
         const auto quality = quality_of(rows, {}, forms);
         qualities.insert(qualities.end(), quality.begin(), quality.end());
@@ -193,7 +196,7 @@ bool is_more_accurate(const RowQuality& a, const RowQuality& b) {
                                                     : known_bits(a) > known_bits(b);
 }
 
-bool answers_as(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
+bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     return compare_with_tape(form, tape, request, judge).is_same;
 }
 
@@ -206,7 +209,7 @@ RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& ju
         "form that does the same operations for every ray");
 }
 
-std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& form_row) {
+std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& form_row) {
     std::vector<evaluate::TestedForm> rows;
     const auto parts = intersect::transform::transformed_parts_of(*form_row.form);
     for (const auto& form : intersect::table::catalogue()) {
@@ -220,9 +223,9 @@ std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& f
     return rows;
 }
 
-std::vector<Ranked> ranked_catalogue(const RepairRequest& request) {
+std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
     choice::ChoiceRequest choice_request{
-        .scene = request.scene, .rows = catalogue_beside(request.row), .requirement = request.requirement};
+        .scene = request.scene, .rows = comparable_forms(request.row), .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
     std::vector<Ranked> ranked;

@@ -1,6 +1,6 @@
 // Request of a repair, and the quality of tapes on all rays of a scene, or on a sample of the rays of files. Also finds
-// the catalogue's forms for the same primitives, to compare a repaired form with, and the ranges in which a repaired
-// form holds.
+// the forms of the catalogue to compare a repaired form with, and the ranges in which a repaired form meets the
+// requirement.
 #pragma once
 
 #include <cstdint>
@@ -23,23 +23,23 @@ struct RepairRequest {
     const choice::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
     evaluate::TestedForm row;                ///< in f32 or f64
     Requirement requirement{};
-    bool two_words = false;  ///< two floats in place of a double; for double always
-    truth::TruthLimit limit{};
-    /// Receives the number of candidates tried so far; may throw to stop.
+    bool two_words = false;  ///< wider arithmetic is two floats in place of a double; for double always two doubles
+    truth::ProofLimit limit{};
+    /// Receives the number of candidates just tried; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
-    /// Quality of tapes on all rays of the files. Set for files only: they have no other pixels that could be held out.
-    std::function<std::vector<RowQuality>(const std::vector<Tape>&)> on_all = nullptr;
+    /// Quality of tapes on all rays of the files. Set for files only, since files have no other pixels to hold out.
+    std::function<std::vector<RowQuality>(const std::vector<Tape>&)> quality_on_all_rays = nullptr;
 
     /// Name of the results: the id of the scene, or of the files.
     [[nodiscard]] const std::string& id() const;
 };
 
-/// Rays in place of those of a request: stored numbers, or ideal ones that each format rounds.
+/// Rays that replace those of a request: stored numbers, or ideal rays that each format rounds.
 using MovedRays = std::variant<scene::rays::RayGroup, choice::IdealRays>;
 
-/// Measures the quality of tapes on the rays of a request. The truth of at most `max_kept_rays` rays is found once and
-/// kept; for more rays it is found again in every call.
+/// Measures the quality of tapes on the rays of a request. If there are at most `max_kept_rays` rays, their truth is
+/// found once and kept; otherwise it is found again in every call.
 class Judge {
 public:
     explicit Judge(const RepairRequest& request) : Judge(request, request.scene) {}
@@ -82,21 +82,24 @@ bool is_more_accurate(const RowQuality& a, const RowQuality& b);
 /// Quality of the form itself. Throws InputError if its tape answers differently on some ray.
 RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
 
-/// True if a form with the contract of the request's form answers like a tape, to the bit, on all rays of the request.
-bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge);
+/// True if a form with the contract of the request's form has the same answers as a tape, to the bit, on all rays of
+/// the request.
+bool has_answers_of_tape(const evaluate::TestedForm& form, const Tape& tape, const RepairRequest& request,
+                         Judge& judge);
 
-/// All forms of the catalogue for the same primitives and format. Under matrices, every form is taken through the
-/// transform method of the row, and the form itself through all methods.
-std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& form_row);
+/// All forms of the catalogue for the same primitives and format. Under matrices, every form is combined with
+/// the transform method of the row, and the form itself with all methods.
+std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& form_row);
 
+/// Form of the catalogue with its quality.
 struct Ranked {
     evaluate::TestedForm row;
     RowQuality quality;
 };
-/// The forms of `catalogue_beside` with their quality on the request's rays, the most accurate first.
-std::vector<Ranked> ranked_catalogue(const RepairRequest& request);
+/// The forms of `comparable_forms` with their quality on the request's rays, the most accurate first.
+std::vector<Ranked> rank_catalogue(const RepairRequest& request);
 
-/// Number of rays on which `margins_of_tape` and probes measure, at most.
+/// Largest number of rays on which `margins_of_tape` and probes measure.
 inline constexpr int few_rays = 4096;
 
 /// Ranges in which the requirement holds for a form that has the contract of the request's form and the operations of

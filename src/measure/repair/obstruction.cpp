@@ -10,12 +10,12 @@ namespace lostbits::measure::repair {
 
 namespace {
 
-double length_of(const std::vector<double>& inputs) { return std::hypot(inputs[3], inputs[4], inputs[5]); }
+double direction_length(const std::vector<double>& inputs) { return std::hypot(inputs[3], inputs[4], inputs[5]); }
 
 /// Rays with directions divided by their length, in double.
-std::vector<std::vector<double>> with_unit_directions(std::vector<std::vector<double>> rays) {
+std::vector<std::vector<double>> normalise_directions(std::vector<std::vector<double>> rays) {
     for (auto& inputs : rays) {
-        const double length = length_of(inputs);
+        const double length = direction_length(inputs);
         for (std::size_t k = 3; k < 6; ++k) inputs[k] /= length;
     }
     return rays;
@@ -32,7 +32,7 @@ RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vec
         const auto& [decision, correct_t, range] = correct_answers_[i];
         if (decision == truth::Truth::Decision::unresolved) continue;
         limit_.stop.check();
-        const Tape exact = with_inputs(tape, inputs[i], false);
+        const Tape exact = run_with_inputs(tape, inputs[i], false);
         if (divides_by_zero(exact)) continue;
         const double t = exact[exact.outputs.t].value;
         const bool hit = exact[exact.outputs.hit].value != 0 && !range.is_before(t) && !range.is_after(t);
@@ -51,18 +51,20 @@ RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vec
         }
     }
     quality.kept_bits = format.precision - lost.quantile(requirement_.quantile);
-    const bool mostly_hits = 2 * false_hits > quality.wrong;
-    if (quality.wrong > 0) quality.main_fault = mostly_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
-    quality.main_fault_count = mostly_hits ? false_hits : quality.wrong - false_hits;
+    const bool are_mostly_false_hits = 2 * false_hits > quality.wrong;
+    if (quality.wrong > 0)
+        quality.main_fault = are_mostly_false_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
+    quality.main_fault_count = are_mostly_false_hits ? false_hits : quality.wrong - false_hits;
     return quality;
 }
 
-Obstruction RaySample::without_rounding(const Tape& tape) const {
+Obstruction RaySample::compare_without_rounding(const Tape& tape) const {
     Obstruction obstruction{.exact = exact_quality(tape, inputs_)};
     if (row_.form->info->direction != intersect::Direction::unit) return obstruction;
     for (const auto& inputs : inputs_)
-        obstruction.off_unit = std::max(obstruction.off_unit, std::fabs(length_of(inputs) - 1));
-    obstruction.with_unit = exact_quality(tape, with_unit_directions(inputs_));
+        obstruction.largest_length_error =
+            std::max(obstruction.largest_length_error, std::fabs(direction_length(inputs) - 1));
+    obstruction.with_unit_directions = exact_quality(tape, normalise_directions(inputs_));
     return obstruction;
 }
 

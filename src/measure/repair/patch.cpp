@@ -38,8 +38,8 @@ struct NotWritten : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Finds nodes of an old tape whose replacement turns it into a new tape of the same form. Of the nodes that can be
-/// replaced, takes those as far from the answer as possible.
+/// Finds nodes of an old tape whose replacement turns it into a new tape of the same form. Prefers nodes that are far
+/// from the answer.
 class Matcher {
 public:
     Matcher(const Tape& old_tape, const Tape& new_tape, const std::function<bool(NodeId)>& can_replace)
@@ -53,12 +53,14 @@ public:
     std::optional<std::map<NodeId, NodeId>> find_replacements() {
         for (int round = 0; round < 12; ++round) {
             replacements_.clear(), failed_pairs_.clear(), matched_pairs_.clear(), step_count_ = 0;
-            const auto &a = old_tape_.outputs, &b = new_tape_.outputs;
-            if (!match(a.t, b.t) || !match(a.hit, b.hit) || !match(a.near, b.near) || !match(a.far, b.far)) return {};
+            const auto &old_outputs = old_tape_.outputs, &new_outputs = new_tape_.outputs;
+            if (!match(old_outputs.t, new_outputs.t) || !match(old_outputs.hit, new_outputs.hit) ||
+                !match(old_outputs.near, new_outputs.near) || !match(old_outputs.far, new_outputs.far))
+                return {};
             const std::vector<int> changed_values = values_with(replacements_);
-            const NodeId wrong = first_wrong(changed_values);
-            if (wrong == no_node) return replacements_;
-            forbid_below(wrong);
+            const NodeId wrong_node = find_wrong_node(changed_values);
+            if (wrong_node == no_node) return replacements_;
+            forbid_below(wrong_node);
         }
         return {};
     }
@@ -72,16 +74,18 @@ public:
     [[nodiscard]] SharedNodes& shared() { return shared_; }
 
 private:
-    bool match(NodeId o, NodeId n) {
-        if (++step_count_ > 200'000 || failed_pairs_.contains({o, n})) return false;
-        matched_pairs_.emplace_back(o, n);
-        if (old_values_[static_cast<std::size_t>(o)] == value_of_new(n)) return true;
-        if (const auto found = replacements_.find(o); found != replacements_.end())
-            return value_of_new(found->second) == value_of_new(n);
-        const TapeNode &a = old_tape_[o], &b = new_tape_[n];
-        const bool same_format = is_decision(a.op)
-                                     ? is_decision(b.op)
-                                     : !is_decision(b.op) && old_tape_.format_of(o) == new_tape_.format_of(n);
+    /// Matches an old node with a new node, and the operands of both. Where they differ, adds a replacement. Returns
+    /// false if the old node cannot become the new node.
+    bool match(NodeId old_node, NodeId new_node) {
+        if (++step_count_ > 200'000 || failed_pairs_.contains({old_node, new_node})) return false;
+        matched_pairs_.emplace_back(old_node, new_node);
+        if (old_values_[static_cast<std::size_t>(old_node)] == value_of_new(new_node)) return true;
+        if (const auto found = replacements_.find(old_node); found != replacements_.end())
+            return value_of_new(found->second) == value_of_new(new_node);
+        const TapeNode &a = old_tape_[old_node], &b = new_tape_[new_node];
+        const bool same_format =
+            is_decision(a.op) ? is_decision(b.op)
+                              : !is_decision(b.op) && old_tape_.format_of(old_node) == new_tape_.format_of(new_node);
         if (a.op == b.op && !is_given(a.op) && same_format) {
             const auto saved_replacements = replacements_;
             const std::size_t matched_count = matched_pairs_.size();
@@ -96,31 +100,31 @@ private:
                 matched_pairs_.resize(matched_count);
             }
         }
-        if (same_format && !forbidden_.contains(o) && can_replace_(o)) {
-            replacements_[o] = n;
+        if (same_format && !forbidden_.contains(old_node) && can_replace_(old_node)) {
+            replacements_[old_node] = new_node;
             return true;
         }
-        failed_pairs_.emplace(o, n);
+        failed_pairs_.emplace(old_node, new_node);
         return false;
     }
-    /// A node that should have the value of its counterpart in the new tape, and does not: an operation that it uses
-    /// was replaced for the sake of another node.
-    [[nodiscard]] NodeId first_wrong(const std::vector<int>& changed_values) const {
+    /// Finds a node that does not have the value of its counterpart in the new tape, because an operation that it uses
+    /// was replaced for another node.
+    [[nodiscard]] NodeId find_wrong_node(const std::vector<int>& changed_values) const {
         for (const auto& [o, n] : matched_pairs_)
             if (changed_values[static_cast<std::size_t>(o)] != value_of_new(n)) return o;
         return no_node;
     }
-    void forbid_below(NodeId wrong) {
-        std::vector<NodeId> pending{wrong};
+    void forbid_below(NodeId wrong_node) {
+        std::vector<NodeId> pending{wrong_node};
         std::set<NodeId> visited;
         while (!pending.empty()) {
             const NodeId i = pending.back();
             pending.pop_back();
             if (!visited.insert(i).second) continue;
-            if (i != wrong && replacements_.contains(i)) forbidden_.insert(i);
+            if (i != wrong_node && replacements_.contains(i)) forbidden_.insert(i);
             for (const NodeId k : old_tape_.operands_of(i)) pending.push_back(k);
         }
-        if (replacements_.contains(wrong)) forbidden_.insert(wrong);
+        if (replacements_.contains(wrong_node)) forbidden_.insert(wrong_node);
     }
 
     SharedNodes shared_;
@@ -134,9 +138,9 @@ private:
     std::size_t step_count_ = 0;
 };
 
-/// A name that has a value from an offset of the text on.
+/// Name of a value, valid from the offset `begin` of the text on.
 struct VisibleName {
-    std::size_t from;
+    std::size_t begin;
     std::string text;
     int value;
 };
@@ -159,7 +163,7 @@ public:
     Writer(const RepairRequest& request, const Tape& old_tape, const UserFunction& function)
         : request_(request), old_tape_(old_tape), function_(function), text_(function.source), tokens_(text_) {
         for (std::size_t position = 0; position != std::string::npos && position < text_.size();) {
-            lines_.push_back(position);
+            line_begins_.push_back(position);
             position = text_.find('\n', position);
             if (position != std::string::npos) ++position;
         }
@@ -169,8 +173,8 @@ public:
         locate_nodes();
     }
 
-    Patch patch_of(const Tape& new_tape) {
-        Patch patch{.diff = {}, .why_not = {}, .file = function_.path};
+    Patch make_patch(const Tape& new_tape) {
+        Patch patch{.diff = {}, .reason = {}, .file = function_.path};
         try {
             if (function_.language == FileLanguage::other)
                 throw NotWritten("it is not a file of C, C++, Rust, GLSL or HLSL");
@@ -179,12 +183,12 @@ public:
                 throw NotWritten(fmt::format("the function computes in {}, and this is a change in {}",
                                              is_double ? "float" : "double", request_.row.format.name));
             for (const bool shares_values : {true, false}) {
-                patch.diff = diff_of(new_tape, shares_values);
+                patch.diff = make_diff(new_tape, shares_values);
                 if (!patch.diff.empty()) return patch;
             }
             throw NotWritten("the changed file does not compute these operations where the old one did");
         } catch (const NotWritten& reason) {
-            patch.why_not = reason.what();
+            patch.reason = reason.what();
         }
         return patch;
     }
@@ -193,35 +197,37 @@ private:
     [[nodiscard]] bool is_in_file(int place_index) const {
         if (place_index < 0) return false;
         const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
-        return p.file == function_.path && p.line > 0 && static_cast<std::size_t>(p.line) <= lines_.size();
+        return p.file == function_.path && p.line > 0 && static_cast<std::size_t>(p.line) <= line_begins_.size();
     }
-    /// The place in the function itself from which the code at this place was called; −1 if there is none in the file.
-    [[nodiscard]] int outermost(int place_index) const {
+    /// Index of the place in the function itself from which the code at this place was called; −1 if that is not in the
+    /// file.
+    [[nodiscard]] int outermost_place(int place_index) const {
         while (place_index >= 0 && is_in_file(function_.places[static_cast<std::size_t>(place_index)].caller))
             place_index = function_.places[static_cast<std::size_t>(place_index)].caller;
         return is_in_file(place_index) ? place_index : -1;
     }
     [[nodiscard]] std::size_t line_begin(int line) const {
-        return line < 1 || static_cast<std::size_t>(line) > lines_.size() ? text_.size()
-                                                                          : lines_[static_cast<std::size_t>(line - 1)];
+        return line < 1 || static_cast<std::size_t>(line) > line_begins_.size()
+                   ? text_.size()
+                   : line_begins_[static_cast<std::size_t>(line - 1)];
     }
 
     /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
     void locate_nodes() {
         const std::vector<NodeId> tape_nodes = function_.written->nodes_on_tape(request_.row.format);
-        std::map<std::pair<int, int>, std::vector<NodeId>> by_place;
+        std::map<std::pair<int, int>, std::vector<NodeId>> nodes_by_position;
         for (std::size_t k = 0; k < tape_nodes.size(); ++k) {
             const int place_index = function_.place_of_operation[k];
-            if (!is_in_file(place_index) || outermost(place_index) != place_index ||
+            if (!is_in_file(place_index) || outermost_place(place_index) != place_index ||
                 tape_nodes[k] >= old_tape_.size() || is_given(old_tape_[tape_nodes[k]].op))
                 continue;
             const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
-            if (p.column > 0) by_place[{p.line, p.column}].push_back(tape_nodes[k]);
+            if (p.column > 0) nodes_by_position[{p.line, p.column}].push_back(tape_nodes[k]);
         }
-        // rustc names the begin of an expression, so several expressions can have one place: the last one is the whole
-        // expression.
+        // rustc gives the beginning of an expression, so several expressions can have the same place. The last one is
+        // the whole expression.
         const bool is_begin = function_.language == FileLanguage::rust;
-        for (const auto& [position, nodes] : by_place) {
+        for (const auto& [position, nodes] : nodes_by_position) {
             if (nodes.size() > 1 && !is_begin) continue;
             const std::size_t offset = line_begin(position.first) + static_cast<std::size_t>(position.second - 1);
             computed_[*std::ranges::max_element(nodes)] = {
@@ -230,7 +236,7 @@ private:
         for (const NamedNumber& named_number : function_.names) {
             if (named_number.operation == no_node) continue;
             const NodeId node = tape_nodes[static_cast<std::size_t>(named_number.operation)];
-            const int place_index = outermost(named_number.place);
+            const int place_index = outermost_place(named_number.place);
             if (place_index < 0 || node >= old_tape_.size()) continue;
             const int line = function_.places[static_cast<std::size_t>(place_index)].line;
             std::optional<TextSpan> value;
@@ -238,20 +244,20 @@ private:
                 if (!value && first_line > 0 && is_identifier(named_number.text))
                     value = tokens_.value_of(named_number.text, line_begin(first_line), line_begin(first_line + 1));
             if (value && !is_given(old_tape_[node].op)) computed_[node] = {*value, true};
-            stored_.push_back({value ? value->end : line_begin(line + 1), named_number.text, node});
+            stored_nodes_.push_back({value ? value->end : line_begin(line + 1), named_number.text, node});
         }
     }
 
-    std::string diff_of(const Tape& new_tape, bool shares_values);
+    std::string make_diff(const Tape& new_tape, bool shares_values);
     void write_expression(NodeId o, NodeId n, bool shares_values);
     void count_uses(const std::map<NodeId, NodeId>& replacements);
-    std::vector<NodeId> needed_by(NodeId n) const;
-    std::string operand(NodeId n, int binds) const;
-    std::string expression(NodeId n, int& binds) const;
+    std::vector<NodeId> nodes_needed_by(NodeId n) const;
+    std::string operand_text(NodeId n, int binds) const;
+    std::string expression_text(NodeId n, int& binds) const;
     [[nodiscard]] const std::string* name_of(NodeId n) const;
-    void collect_visible_names(std::size_t from);
-    std::string new_name(NodeId n);
-    bool has_answers_of(const std::string& text, const Tape& new_tape);
+    void collect_visible_names(std::size_t offset);
+    std::string make_name(NodeId n);
+    bool answers_like_tape(const std::string& text, const Tape& new_tape);
     [[nodiscard]] bool is_double(const Tape& tape, NodeId i) const { return tape.format_of(i) == binary64; }
 
     const RepairRequest& request_;
@@ -259,32 +265,33 @@ private:
     const UserFunction& function_;
     const std::string& text_;
     SourceTokens tokens_;
-    std::vector<std::size_t> lines_;
+    std::vector<std::size_t> line_begins_;
     std::optional<scene::file::Scene> smaller_scene_;
     std::optional<Judge> judge_;
     std::map<NodeId, ComputedText> computed_;
     struct StoredNode {
-        std::size_t from;
+        std::size_t begin;
         std::string text;
         NodeId node;
     };
-    std::vector<StoredNode> stored_;
+    std::vector<StoredNode> stored_nodes_;
 
-    // State of one patch
+    // State of the patch that is being written
     Matcher* matcher_ = nullptr;
     const Tape* new_tape_ = nullptr;
-    std::vector<VisibleName> visible_;
-    std::map<int, std::string> names_by_value_;  ///< names, by their values, that can be read where the text is written
+    std::vector<VisibleName> visible_names_;
+    /// Names that are visible where the text is written, by their values.
+    std::map<int, std::string> names_by_value_;
     std::map<NodeId, int> uses_;
-    std::set<std::string> taken_;
+    std::set<std::string> used_names_;
     std::vector<TextChange> changes_;
 };
 
 /// Collects the names that can be read at an offset, each with its last value before the offset.
-void Patcher::Writer::collect_visible_names(std::size_t from) {
+void Patcher::Writer::collect_visible_names(std::size_t offset) {
     std::map<std::string, int> last_values;
-    for (const VisibleName& v : visible_)
-        if (v.from <= from) last_values[v.text] = v.value;
+    for (const VisibleName& v : visible_names_)
+        if (v.begin <= offset) last_values[v.text] = v.value;
     names_by_value_.clear();
     for (const auto& [text, value] : last_values) {
         std::string& name = names_by_value_[value];
@@ -298,32 +305,32 @@ const std::string* Patcher::Writer::name_of(NodeId n) const {
 }
 
 /// The nodes that an expression for node n has to compute, in order.
-std::vector<NodeId> Patcher::Writer::needed_by(NodeId n) const {
+std::vector<NodeId> Patcher::Writer::nodes_needed_by(NodeId n) const {
     std::vector<NodeId> pending{n};
     std::set<NodeId> needed;
     while (!pending.empty()) {
         const NodeId i = pending.back();
         pending.pop_back();
         const bool is_known = is_given((*new_tape_)[i].op) || (i != n && name_of(i) != nullptr) ||
-                              matcher_->shared().number_of(matcher_->value_of_new(i)) != nullptr;
+                              matcher_->shared().constant_of(matcher_->value_of_new(i)) != nullptr;
         if (is_known || !needed.insert(i).second) continue;
         for (const NodeId k : new_tape_->operands_of(i)) pending.push_back(k);
     }
     return {needed.begin(), needed.end()};
 }
 
-std::string Patcher::Writer::operand(NodeId n, int binds) const {
+std::string Patcher::Writer::operand_text(NodeId n, int binds) const {
     if (const std::string* const name = name_of(n)) return *name;
     int own_binding = 4;
-    const std::string text = expression(n, own_binding);
+    const std::string text = expression_text(n, own_binding);
     return own_binding < binds ? "(" + text + ")" : text;
 }
 
 /// Returns an expression for node n; sets `binds` to how tightly it binds.
-std::string Patcher::Writer::expression(NodeId n, int& binds) const {
+std::string Patcher::Writer::expression_text(NodeId n, int& binds) const {
     const TapeNode& node = (*new_tape_)[n];
     const bool is_wide = is_double(*new_tape_, n);
-    if (const double* const x = matcher_->shared().number_of(matcher_->value_of_new(n))) {
+    if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
         const std::string digits = digits_in(function_.language, *x, is_wide);
         if (digits.empty()) throw NotWritten("it has a number that is not finite");
         binds = digits.starts_with('-') ? 3 : 4;
@@ -338,10 +345,10 @@ std::string Patcher::Writer::expression(NodeId n, int& binds) const {
         throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
     binds = source_pattern.binds;
     return attribution::filled(source_pattern.pattern,
-                               [&](std::size_t k, int level) { return operand(node.operands[k], level); });
+                               [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
 }
 
-std::string Patcher::Writer::new_name(NodeId n) {
+std::string Patcher::Writer::make_name(NodeId n) {
     std::string name;
     for (const char c : (*new_tape_)[n].label) {
         if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;
@@ -352,7 +359,7 @@ std::string Patcher::Writer::new_name(NodeId n) {
     for (int k = 1;; ++k) {
         const std::string candidate =
             is_named ? (k == 1 ? name : fmt::format("{}_{}", name, k)) : fmt::format("part{}", k);
-        if (!tokens_.has_word(candidate) && taken_.insert(candidate).second) return candidate;
+        if (!tokens_.has_word(candidate) && used_names_.insert(candidate).second) return candidate;
     }
 }
 
@@ -362,35 +369,35 @@ void Patcher::Writer::count_uses(const std::map<NodeId, NodeId>& replacements) {
     for (const auto& [o, n] : replacements) {
         collect_visible_names(computed_.at(o).span.begin);
         ++uses_[n];
-        for (const NodeId i : needed_by(n))
+        for (const NodeId i : nodes_needed_by(n))
             for (const NodeId k : new_tape_->operands_of(i)) ++uses_[k];
     }
 }
 
-/// Writes the expression of old node `o` anew as that of new node `n`, and before its statement the values that it
-/// needs more than once.
+/// Replaces the text of old node `o` by an expression of new node `n`. Declares values that the expression needs more
+/// than once before its statement.
 void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
     const ComputedText& computed_text = computed_.at(o);
     collect_visible_names(computed_text.span.begin);
     const SourceTokens::Statement statement = tokens_.statement_around(computed_text.span.begin);
-    const std::size_t line = *std::prev(std::ranges::upper_bound(lines_, statement.begin));
+    const std::size_t line = *std::prev(std::ranges::upper_bound(line_begins_, statement.begin));
     const bool begins_line = statement.before <= line;
     const std::string indent = text_.substr(line, text_.find_first_not_of(" \t", line) - line);
     std::string declarations;
-    for (const NodeId i : needed_by(n)) {
+    for (const NodeId i : nodes_needed_by(n)) {
         const TapeOp op = (*new_tape_)[i].op;
         if (i == n || uses_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr) continue;
         int binds = 4;
-        const std::string value = expression(i, binds), name = new_name(i);
+        const std::string value = expression_text(i, binds), name = make_name(i);
         const bool is_boolean = is_decision(op);
         declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +
                         value + ";" + (begins_line ? "\n" + indent : " ");
         const int value_index = matcher_->value_of_new(i);
         names_by_value_[value_index] = name;
-        if (shares_values) visible_.push_back({statement.begin, name, value_index});
+        if (shares_values) visible_names_.push_back({statement.begin, name, value_index});
     }
     int binds = 4;
-    std::string text = name_of(n) != nullptr ? *name_of(n) : expression(n, binds);
+    std::string text = name_of(n) != nullptr ? *name_of(n) : expression_text(n, binds);
     const int required_binding =
         computed_text.is_statement ? -2 : pattern_in(function_.language, old_tape_[o].op, false).binds;
     if (binds < required_binding) text = "(" + text + ")";
@@ -398,36 +405,38 @@ void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
     changes_.push_back({computed_text.span, text});
 }
 
-std::string Patcher::Writer::diff_of(const Tape& new_tape, bool shares_values) {
+std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values) {
     const std::function<bool(NodeId)> can_replace = [this](NodeId o) { return computed_.contains(o); };
     Matcher matcher(old_tape_, new_tape, can_replace);
     const auto replacements = matcher.find_replacements();
     if (!replacements) throw NotWritten("the operations that change are not whole expressions of the function");
     matcher_ = &matcher, new_tape_ = &new_tape;
-    visible_.clear(), changes_.clear(), taken_.clear();
+    visible_names_.clear(), changes_.clear(), used_names_.clear();
     const std::vector<int> values = matcher.values_with(*replacements);
     SharedNodes& shared = matcher.shared();
     const FloatFormat& format = old_tape_.format_of(old_tape_.outputs.t);
     for (const NamedNumber& named_number : function_.names) {
         if (named_number.input < 0) continue;
         const int input_value = shared.input(named_number.input, format);
-        visible_.push_back({0, named_number.text,
-                            named_number.is_inverse
-                                ? shared.value_of(TapeOp::div, format, {shared.constant(1, format), input_value, -1})
-                                : input_value});
+        visible_names_.push_back(
+            {0, named_number.text,
+             named_number.is_inverse
+                 ? shared.value_of(TapeOp::div, format, {shared.constant(1, format), input_value, -1})
+                 : input_value});
     }
-    for (const StoredNode& s : stored_) visible_.push_back({s.from, s.text, values[static_cast<std::size_t>(s.node)]});
+    for (const StoredNode& s : stored_nodes_)
+        visible_names_.push_back({s.begin, s.text, values[static_cast<std::size_t>(s.node)]});
     std::vector<std::pair<NodeId, NodeId>> order(replacements->begin(), replacements->end());
     std::ranges::sort(order, {}, [&](const auto& pair) { return computed_.at(pair.first).span; });
     count_uses(*replacements);
     for (const auto& [o, n] : order) write_expression(o, n, shares_values);
-    const std::optional<std::string> changed_file = changed_text(text_, changes_);
-    if (!changed_file || !has_answers_of(*changed_file, new_tape)) return "";
+    const std::optional<std::string> changed_file = apply_changes(text_, changes_);
+    if (!changed_file || !answers_like_tape(*changed_file, new_tape)) return "";
     return unified_diff(function_.path, text_, *changed_file);
 }
 
-/// True if the changed file, compiled and followed, answers like the tape on the rays.
-bool Patcher::Writer::has_answers_of(const std::string& text, const Tape& new_tape) {
+/// True if the changed file, compiled and followed, has the same answers as the tape on the rays.
+bool Patcher::Writer::answers_like_tape(const std::string& text, const Tape& new_tape) {
     const intersect::device::TemporaryFolder folder("lostbits-patch");
     const std::filesystem::path original_path(function_.path), copy_path = folder.path / original_path.filename();
     std::ofstream(copy_path, std::ios::binary) << text;
@@ -436,7 +445,7 @@ bool Patcher::Writer::has_answers_of(const std::string& text, const Tape& new_ta
             copy_path.string() + function_.name,
             {.stop = request_.limit.stop, .headers = std::filesystem::absolute(original_path).parent_path()});
         if (patched->row.shape != request_.row.form->shape) return false;
-        return answers_as({.form = &patched->row, .format = request_.row.format}, new_tape, request_, *judge_);
+        return has_answers_of_tape({.form = &patched->row, .format = request_.row.format}, new_tape, request_, *judge_);
     } catch (const InputError&) {
         return false;
     }
@@ -451,6 +460,6 @@ Patcher::~Patcher() = default;
 
 bool Patcher::has_file() const { return writer_ != nullptr; }
 
-Patch Patcher::patch_of(const Tape& new_tape) { return writer_->patch_of(new_tape); }
+Patch Patcher::make_patch(const Tape& new_tape) { return writer_->make_patch(new_tape); }
 
 }  // namespace lostbits::measure::repair

@@ -1,6 +1,6 @@
-// Interface of a form that also takes the matrix of its primitive. Such a form, one repaired under a matrix, is
-// compiled outside of the program and run over columns of rays. The interface is private to this program and the code
-// that it compiles itself; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
+// Interface of a form that also takes the matrix of its primitive: a form that was repaired under a matrix. It is
+// compiled outside of the program and run over columns of rays. Only this program and the code that it compiles itself
+// use the interface; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
 #pragma once
 
 #include <array>
@@ -36,7 +36,7 @@ using PlacedKernel = void (*)(const PlacedColumns<F>*);
 /// linkage, and so has everything instantiated here (see `Width`).
 template <class Form, template <class> class S, class T, class F>
 [[gnu::flatten]] void answer_placed(const PlacedColumns<F>* columns) {
-    const PlacedColumns<F> local = *columns;  // a copy: the stores below could reach it
+    const PlacedColumns<F> local = *columns;  // a copy, since the compiler must assume that stores change `*columns`
     const auto load = [](const F* source) {
         if constexpr (std::same_as<T, F>) return *source;
         else return T::load(source);

@@ -26,8 +26,7 @@ using intersect::table::RayBatch;
 
 namespace {
 
-/// Kernels that a library exports for a form. They are valid while the library is loaded, which is until the program
-/// ends.
+/// Kernels that a library exports for a form. They stay valid, since the library stays loaded until the program ends.
 template <class F>
 struct Kernels {
     PlacedKernel<F> single, packs;
@@ -38,7 +37,7 @@ struct Kernels {
 /// Answers whole packs by the packed kernel, if the run has the register width that the kernel was compiled for, and
 /// the remaining rays one by one.
 template <class F>
-void answer(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
+void run_kernels(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
     const std::size_t packed_size =
         kernels.packs && simd::current_isa() == kernels.isa ? size / kernels.lanes * kernels.lanes : 0;
     columns.size = packed_size;
@@ -52,26 +51,26 @@ void answer(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t siz
 }
 
 template <class F>
-void run(void* kernels, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
+void run_on_target(void* kernels, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
     const bool has_one_primitive = target.primitives.size() == 1;
     const std::size_t rays_per_call = has_one_primitive ? rays.size() : 1;
     for (std::size_t i = 0; i < rays.size(); i += rays_per_call) {
         const Primitive<F>& primitive = target.primitives[has_one_primitive ? 0 : i];
         if (!primitive.placed) throw std::logic_error("a form that takes a matrix was given a primitive without one");
-        answer(*static_cast<const Kernels<F>*>(kernels),
-               {.ray = {&rays.ox[i], &rays.oy[i], &rays.oz[i], &rays.dx[i], &rays.dy[i], &rays.dz[i]},
-                .tmax = rays.tmax.empty() ? nullptr : &rays.tmax[i],
-                .primitive = primitive.numbers.data(),
-                .matrix = primitive.placed->matrix.data(),
-                .results = {&hits.t[i], &hits.near[i], &hits.far[i]},
-                .hit = &hits.hit[i],
-                .size = rays_per_call},
-               rays_per_call);
+        run_kernels(*static_cast<const Kernels<F>*>(kernels),
+                    {.ray = {&rays.ox[i], &rays.oy[i], &rays.oz[i], &rays.dx[i], &rays.dy[i], &rays.dz[i]},
+                     .tmax = rays.tmax.empty() ? nullptr : &rays.tmax[i],
+                     .primitive = primitive.numbers.data(),
+                     .matrix = primitive.placed->matrix.data(),
+                     .results = {&hits.t[i], &hits.near[i], &hits.far[i]},
+                     .hit = &hits.hit[i],
+                     .size = rays_per_call},
+                    rays_per_call);
     }
 }
 
 template <class F>
-intersect::table::Kernel<F> kernel_of(const external::Library& library, const std::string& name) {
+intersect::table::Kernel<F> load_kernel(const external::Library& library, const std::string& name) {
     static std::deque<Kernels<F>> all_kernels;
     using Kernel = PlacedKernel<F>;
     using external::find_symbol;
@@ -81,22 +80,22 @@ intersect::table::Kernel<F> kernel_of(const external::Library& library, const st
                            find_symbol<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
     Kernels<F>& kernels = all_kernels.back();
     if (!kernels.single) throw std::logic_error(name + ": the compiled library does not export its kernel");
-    return {run<F>, &kernels};
+    return {run_on_target<F>, &kernels};
 }
 
-bool is_double(const RepairedSource& form) { return form.from.format.engine == Format::Engine::native64; }
+bool is_double(const RepairedSource& form) { return form.original.format.engine == Format::Engine::native64; }
 
-/// True if the forms take the matrix of their primitive. Either all forms of a list do or none does, so the first one
+/// True if the forms take the matrix of their primitive. All forms of a list do or none does, so the first form
 /// decides.
 bool are_placed(const std::vector<RepairedSource>& forms) {
-    return !forms.empty() && forms.front().from.form->is_placed;
+    return !forms.empty() && forms.front().original.form->is_placed;
 }
 
-/// Source that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each form.
-std::string placed_source_of(const std::vector<RepairedSource>& forms) {
+/// Source text that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each form.
+std::string make_placed_source(const std::vector<RepairedSource>& forms) {
     std::string text = "#include \"measure/repair/placed_form.hpp\"\n";
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        std::string primitive(row_of(forms[k].from.form->shape).name);
+        std::string primitive(row_of(forms[k].original.form->shape).name);
         primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
         text += fmt::format("#include \"mended{}.hpp\"\nLOSTBITS_PLACED_FORM(mended{}, {}, {}, {})\n", k, k,
                             forms[k].type, primitive, is_double(forms[k]) ? "double" : "float");
@@ -106,25 +105,25 @@ std::string placed_source_of(const std::vector<RepairedSource>& forms) {
 
 /// Makes a row for each form, in the format of the form that was repaired. These rows use the register width of the
 /// run, as all rows under a matrix do.
-std::vector<external::Formula> placed_rows(const fs::path& library, const std::vector<RepairedSource>& forms) {
+std::vector<external::Formula> placed_rows(const fs::path& library_path, const std::vector<RepairedSource>& forms) {
     static std::deque<intersect::Info> infos;
-    const external::Library loaded = external::load_library(library);
+    const external::Library loaded = external::load_library(library_path);
     std::vector<external::Formula> formulas;
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const Intersector& original = *forms[k].from.form;
+        const Intersector& original_form = *forms[k].original.form;
         const std::string name = "mended" + std::to_string(k);
-        intersect::Info& info = infos.emplace_back(*original.info);
+        intersect::Info& info = infos.emplace_back(*original_form.info);
         info.name = external::lasting_text("mended." + name);
         Intersector catalogue_row{
-            .info = &info, .shape = original.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
-        if (is_double(forms[k])) catalogue_row.native64 = kernel_of<double>(loaded, name);
-        else catalogue_row.native32 = kernel_of<float>(loaded, name);
+            .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
+        if (is_double(forms[k])) catalogue_row.native64 = load_kernel<double>(loaded, name);
+        else catalogue_row.native32 = load_kernel<float>(loaded, name);
         formulas.push_back({.row = catalogue_row, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }
 
-void write(const fs::path& file, const std::string& text) {
+void write_file(const fs::path& file, const std::string& text) {
     std::ofstream out(file, std::ios::binary);
     if (!(out << text).flush())
         throw EnvironmentError(file.string() + ": cannot write this file; set TMPDIR to a folder with free space");
@@ -153,8 +152,8 @@ auto load_compiled(const fs::path& library, const Load& load) {
     }
 }
 
-std::string library_source_of(const std::vector<RepairedSource>& forms) {
-    if (are_placed(forms)) return placed_source_of(forms);
+std::string make_library_source(const std::vector<RepairedSource>& forms) {
+    if (are_placed(forms)) return make_placed_source(forms);
     std::string text = "#include <lostbits_form.hpp>\n", names;
     for (std::size_t k = 0; k < forms.size(); ++k) {
         text += "#include \"mended" + std::to_string(k) + ".hpp\"\n";
@@ -184,40 +183,43 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
         throw EnvironmentError((setup.flags / "form.flags").string() +
                                ": this file is missing; it holds the compiler flags for forms; a build of lostbits has "
                                "it, and an installation has it in lib/lostbits");
-    const intersect::device::TemporaryFolder bench("lostbits-mend");
-    const auto path = [&](const std::string& name) { return (bench.path / name).string(); };
-    const auto flags = [&](const std::string& name) { return "@" + (setup.flags / name).string(); };
-    for (std::size_t k = 0; k < forms.size(); ++k) write(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
+    const intersect::device::TemporaryFolder folder("lostbits-mend");
+    const auto path = [&](const std::string& name) { return (folder.path / name).string(); };
+    const auto flags_argument = [&](const std::string& name) { return "@" + (setup.flags / name).string(); };
+    for (std::size_t k = 0; k < forms.size(); ++k)
+        write_file(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
     const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
-                      isa = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
-    write(source, library_source_of(forms));
+                      isa_flags = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
+    write_file(source, make_library_source(forms));
     intersect::process::ProgramArguments link{setup.compiler, "-shared", source};
-    if (fs::exists(setup.flags / isa)) {
+    if (fs::exists(setup.flags / isa_flags)) {
         // form.flags names the libraries to link as well; `-c` does not use them.
-        run_compiler({setup.compiler, "-c", source, "-o", packs, flags("form.flags"), flags(isa)}, request);
+        run_compiler(
+            {setup.compiler, "-c", source, "-o", packs, flags_argument("form.flags"), flags_argument(isa_flags)},
+            request);
         link.push_back(packs);
     }
-    link.insert(link.end(), {"-o", library, flags("form.flags")});
+    link.insert(link.end(), {"-o", library, flags_argument("form.flags")});
     run_compiler(link, request);
     auto formulas = are_placed(forms)
                         ? load_compiled(library, [&](const fs::path& file) { return placed_rows(file, forms); })
                         : load_compiled(library, external::load_formulas);
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const evaluate::TestedForm& original = forms[k].from;
+        const evaluate::TestedForm& original = forms[k].original;
         RepairRequest form_request = request;
         form_request.row = original;
         Judge judge(form_request);
         const evaluate::TestedForm compiled{
             .form = &formulas[k].row, .format = original.format, .touching = original.touching};
-        if (!answers_as(compiled, *forms[k].tape, form_request, judge))
+        if (!has_answers_of_tape(compiled, *forms[k].tape, form_request, judge))
             throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
         if (!compiled.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
     }
     return formulas;
 }
 
-std::vector<Price> prices_of(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
-                             const speed::TimingPlan& plan) {
+std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
+                                  const speed::TimingPlan& plan) {
     auto work_on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
                                       : speed::SceneWork(request.rays->sample, request.limit);
     const simd::Isa isa = simd::current_isa();

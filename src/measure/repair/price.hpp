@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::repair {
 
-/// The compiler, and the folder with `form.flags` and `form.w256.flags`, as the build of this program left it.
+/// Compiler, and the folder in which the build of this program wrote `form.flags` and `form.w256.flags`.
 struct CompilerSetup {
     std::string compiler;
     std::filesystem::path flags;
@@ -20,9 +20,9 @@ struct CompilerSetup {
 /// Repaired form as C++.
 struct RepairedSource {
     const Tape* tape;
-    std::string header;         ///< text
-    std::string type;           ///< the struct's name, with its namespace
-    evaluate::TestedForm from;  ///< the form that was repaired
+    std::string header;             ///< text of the header
+    std::string type;               ///< the struct's name, with its namespace
+    evaluate::TestedForm original;  ///< the form that was repaired
 };
 
 /// Time in seconds for one ray and one primitive.
@@ -31,7 +31,7 @@ struct Price {
     speed::Timing packed{}, single{};
 };
 
-/// Compiles all forms into one library, also in packs of the current width, and loads it. The library stays loaded.
+/// Compiles all forms into one library, also for packs of the current width, and loads it. The library stays loaded.
 /// Only the scene and the limit of the request are used. Throws EnvironmentError with the compiler's output if the
 /// compiler fails, and std::logic_error if a compiled form gives other bits than its tape for any ray of the scene.
 std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& request,
@@ -39,7 +39,7 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
                                                            const CompilerSetup& setup);
 
 /// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
-std::vector<Price> prices_of(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
-                             const speed::TimingPlan& plan);
+std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
+                                  const speed::TimingPlan& plan);
 
 }  // namespace lostbits::measure::repair

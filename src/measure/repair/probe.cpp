@@ -12,7 +12,7 @@ using choice::IdealRays;
 
 namespace {
 
-Vec<Real> mapped_vector(const Vec<Real>& v, const Isometry& isometry) {
+Vec<Real> map_vector(const Vec<Real>& v, const Isometry& isometry) {
     const auto row = [&](std::size_t i) {
         const auto entry = [&](std::size_t k) { return Real(isometry.entries[3 * i + k]); };
         return Real((entry(0) * v.x + entry(1) * v.y + entry(2) * v.z) / Real(isometry.divisor));
@@ -21,13 +21,13 @@ Vec<Real> mapped_vector(const Vec<Real>& v, const Isometry& isometry) {
 }
 
 /// Maps the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
-Placement<Real> mapped_placement(Placement<Real> placement, const Isometry& isometry) {
+Placement<Real> map_placement(Placement<Real> placement, const Isometry& isometry) {
     if (isometry.mirrors()) placement.orientation = -placement.orientation;
     auto& m = placement.matrix;
     for (std::size_t k = 0; k < (placement.is_inverse ? 3U : 4U); ++k) {
         // A column of M, or a row of its linear part.
         const auto entry_index = [&](std::size_t i) { return placement.is_inverse ? 4 * k + i : 4 * i + k; };
-        const Vec<Real> v = mapped_vector({m[entry_index(0)], m[entry_index(1)], m[entry_index(2)]}, isometry);
+        const Vec<Real> v = map_vector({m[entry_index(0)], m[entry_index(1)], m[entry_index(2)]}, isometry);
         m[entry_index(0)] = v.x, m[entry_index(1)] = v.y, m[entry_index(2)] = v.z;
     }
     return placement;
@@ -41,16 +41,16 @@ bool is_along_axes(Shape shape) {
 
 }  // namespace
 
-std::optional<Primitive<Real>> mapped(const Primitive<Real>& primitive, const Isometry& isometry) {
+std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, const Isometry& isometry) {
     Primitive<Real> result = primitive;
     if (primitive.placed) {
-        result.placed = mapped_placement(*primitive.placed, isometry);
+        result.placed = map_placement(*primitive.placed, isometry);
         return result;
     }
     if (!isometry.is_exact() && is_along_axes(primitive.shape)) return std::nullopt;
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.kind == Key::Kind::length) return;
-        Vec<Real> v = mapped_vector(primitive.point(k), isometry);
+        Vec<Real> v = map_vector(primitive.point(k), isometry);
         for (int i = 0; i < 3 && key.kind == Key::Kind::lengths; ++i) v[i] = abs(v[i]);
         result.set_point(k, v);
         if (key.limit != Key::Limit::at_least_previous) return;
@@ -64,29 +64,29 @@ namespace {
 
 constexpr std::size_t max_primitives = 1024, max_pairs = 1 << 17;
 
-std::optional<IdealRays> mapped_rays(IdealRays ideal, const Isometry& isometry) {
+std::optional<IdealRays> map_rays(IdealRays ideal, const Isometry& isometry) {
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) {
         const Ray<Real> ray = ideal.rays[i];
-        const Vec<Real> o = mapped_vector(ray.origin, isometry), d = mapped_vector(ray.direction, isometry);
+        const Vec<Real> o = map_vector(ray.origin, isometry), d = map_vector(ray.direction, isometry);
         ideal.rays.ox[i] = o.x, ideal.rays.oy[i] = o.y, ideal.rays.oz[i] = o.z;
         ideal.rays.dx[i] = d.x, ideal.rays.dy[i] = d.y, ideal.rays.dz[i] = d.z;
     }
     for (Primitive<Real>& primitive : ideal.primitives) {
-        auto mapped_primitive = mapped(primitive, isometry);
+        auto mapped_primitive = map_primitive(primitive, isometry);
         if (!mapped_primitive) return std::nullopt;
         primitive = *std::move(mapped_primitive);
     }
     return ideal;
 }
 
-/// The rays of a request as they are given, and the format that stores them; without a format, each form's own format
-/// rounds them.
-struct GivenRays {
+/// Rays of a request before any map, and the format that stores them. Without a format, each form's own format rounds
+/// them.
+struct RequestRays {
     IdealRays ideal;
     std::optional<FloatFormat> format;
 };
 
-std::optional<GivenRays> given_rays(const RepairRequest& request, int rays) {
+std::optional<RequestRays> request_rays(const RepairRequest& request, int rays) {
     const std::size_t primitives = request.scene                 ? request.scene->primitive_count()
                                    : request.rays->sample.paired ? 1
                                                                  : request.rays->sample.primitives.size();
@@ -94,30 +94,31 @@ std::optional<GivenRays> given_rays(const RepairRequest& request, int rays) {
     const std::size_t max_rays = std::clamp<std::size_t>(max_pairs / primitives, 64, static_cast<std::size_t>(rays));
     if (!request.scene) {
         if (request.rays->sample.mesh) return std::nullopt;
-        return GivenRays{choice::ideal_of(sample_rays(request.rays->sample, max_rays)),
-                         request.rays->format.parameters};
+        return RequestRays{choice::ideal_of(sample_rays(request.rays->sample, max_rays)),
+                           request.rays->format.parameters};
     }
     if (request.scene->flake) return std::nullopt;
     const scene::file::Scene smaller_scene = choice::with_smaller_picture(*request.scene, static_cast<int>(max_rays));
     if (smaller_scene.inputs == scene::file::Inputs::own)
-        return GivenRays{choice::ideal_of(smaller_scene), std::nullopt};
+        return RequestRays{choice::ideal_of(smaller_scene), std::nullopt};
     scene::rays::RayGroup stored_rays{.rays = scene::rays::make_shared_rays(smaller_scene, 0, smaller_scene.height),
                                       .primitives = scene::rays::shared_primitives(smaller_scene)};
-    return GivenRays{choice::ideal_of(stored_rays), binary32};
+    return RequestRays{choice::ideal_of(stored_rays), binary32};
 }
 
 }  // namespace
 
-std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int rays) {
+std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int rays) {
     std::vector<std::unique_ptr<Probe>> probes;
-    const auto given = given_rays(request, rays);
-    if (!given) return probes;
+    const auto originals = request_rays(request, rays);
+    if (!originals) return probes;
     for (const Isometry& isometry : isometries) {
         if (isometry.mirrors() && request.row.form->info->facing != intersect::Facing::both) continue;
-        auto moved_rays = mapped_rays(given->ideal, isometry);
+        auto moved_rays = map_rays(originals->ideal, isometry);
         if (!moved_rays) continue;
-        if (given->format)
-            probes.push_back(std::make_unique<Probe>(isometry, request, store_in_format(*moved_rays, *given->format)));
+        if (originals->format)
+            probes.push_back(
+                std::make_unique<Probe>(isometry, request, store_in_format(*moved_rays, *originals->format)));
         else probes.push_back(std::make_unique<Probe>(isometry, request, *std::move(moved_rays)));
     }
     return probes;
@@ -132,44 +133,45 @@ std::vector<int> exchanged_inputs(const Primitive<double>& example, const Isomet
     std::iota(numbers.begin(), numbers.end(), 0);
     const auto real = [](double x) { return Real(x); };
     const auto vector = [&](const Vec<double>& v) {
-        const Vec<Real> mapped_vec = mapped_vector({Real(v.x), Real(v.y), Real(v.z)}, isometry);
-        return Vec<double>(static_cast<double>(mapped_vec.x), static_cast<double>(mapped_vec.y),
-                           static_cast<double>(mapped_vec.z));
+        const Vec<Real> mapped = map_vector({Real(v.x), Real(v.y), Real(v.z)}, isometry);
+        return Vec<double>(static_cast<double>(mapped.x), static_cast<double>(mapped.y), static_cast<double>(mapped.z));
     };
     const Ray<double> ray = tape::ray_of(numbers);
-    const auto primitive = mapped(transformed(tape::primitive_of(numbers, example), real), isometry).value();
+    const auto primitive = map_primitive(transformed(tape::primitive_of(numbers, example), real), isometry).value();
     const auto exchanged =
         tape::inputs_of({vector(ray.origin), vector(ray.direction)},
                         transformed(primitive, [](const Real& x) { return static_cast<double>(x); }), numbers.back());
     return {exchanged.begin(), exchanged.end()};
 }
 
-/// Expressions as numbers: two nodes have the same number if they are the same expression, up to the order of operands
-/// and the brackets of sums, minima and maxima.
+/// Numbers the expressions of a tape. Two nodes have the same number if they are the same expression, up to the order
+/// of operands and the brackets of sums, minima and maxima.
 class ValueNumbering {
 public:
     explicit ValueNumbering(const Tape& tape) : tape_(tape) {}
 
-    /// The number of each node, with these inputs in place of the tape's own.
-    std::vector<int> numbers_with(const std::vector<int>& inputs) {
+    /// Number of each node, with ` inputs` in place of the inputs of the tape.
+    std::vector<int> number_expressions(const std::vector<int>& inputs) {
         std::vector<int> ids;
         std::vector<std::vector<int>> terms_of_node;  // for each term of a sum, 2 · its number, + 1 if subtracted
         for (NodeId i = 0; i < tape_.size(); ++i) {
             const TapeNode& n = tape_[i];
-            const auto part = [&](std::size_t k) { return terms_of_node[static_cast<std::size_t>(n.operands[k])]; };
+            const auto terms_of_operand = [&](std::size_t k) {
+                return terms_of_node[static_cast<std::size_t>(n.operands[k])];
+            };
             std::vector<int> terms;
             std::vector<int> key{static_cast<int>(n.op), n.format};
             if (n.op == TapeOp::input) key.push_back(inputs.at(static_cast<std::size_t>(n.operands[0])));
             else if (n.op == TapeOp::constant) key.push_back(n.operands[0]);
-            else if (n.op == TapeOp::call) key.insert(key.end(), {i, serial_++});  // equal to nothing
+            else if (n.op == TapeOp::call) key.insert(key.end(), {i, call_count_++});  // equal to nothing
             else if (n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::neg) {
                 key[0] = static_cast<int>(TapeOp::add);
-                terms = part(0);
+                terms = terms_of_operand(0);
                 if (n.op == TapeOp::neg) negate(terms);
                 else {
-                    auto second = part(1);
-                    if (n.op == TapeOp::sub) negate(second);
-                    terms.insert(terms.end(), second.begin(), second.end());
+                    auto second_terms = terms_of_operand(1);
+                    if (n.op == TapeOp::sub) negate(second_terms);
+                    terms.insert(terms.end(), second_terms.begin(), second_terms.end());
                 }
                 std::ranges::sort(terms);
                 key.insert(key.end(), terms.begin(), terms.end());
@@ -209,32 +211,33 @@ private:
     const Tape& tape_;
     std::map<std::vector<int>, int> ids_;
     std::map<int, std::vector<int>> extremes_;  ///< keys of minima and maxima
-    int serial_ = 0;
+    int call_count_ = 0;
 };
 
-/// Disjoint sets of nodes, which can be joined.
+/// Disjoint sets of nodes, which can be merged.
 class DisjointSets {
 public:
-    explicit DisjointSets(std::size_t n) : parents_(n) { std::iota(parents_.begin(), parents_.end(), NodeId(0)); }
+    explicit DisjointSets(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), NodeId(0)); }
     NodeId root_of(NodeId i) {
         NodeId& parent = parents_[static_cast<std::size_t>(i)];
         return parent == i ? i : parent = root_of(parent);
     }
-    void join(NodeId a, NodeId b) { parents_[static_cast<std::size_t>(root_of(a))] = root_of(b); }
+    void merge(NodeId a, NodeId b) { parents_[static_cast<std::size_t>(root_of(a))] = root_of(b); }
 
 private:
     std::vector<NodeId> parents_;
 };
 
-/// Joins each partial sum that is used by one sum alone, and that some exchange maps to no operation, with that sum.
-void join_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, DisjointSets& groups) {
+/// Merges some partial sums into the groups of their whole sums: those that only one sum uses, and that some exchange
+/// maps to no operation.
+void merge_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, DisjointSets& groups) {
     std::map<NodeId, std::vector<NodeId>> users;
     for (NodeId i = 0; i < tape.size(); ++i)
         if (!is_given(tape[i].op))
             for (const NodeId operand : tape.operands_of(i)) users[operand].push_back(i);
     const auto is_sum = [&](NodeId i) { return tape[i].op == TapeOp::add || tape[i].op == TapeOp::sub; };
     for (const NodeId i : incomplete)
-        if (is_sum(i) && users[i].size() == 1 && is_sum(users[i].front())) groups.join(i, users[i].front());
+        if (is_sum(i) && users[i].size() == 1 && is_sum(users[i].front())) groups.merge(i, users[i].front());
 }
 
 }  // namespace
@@ -243,24 +246,24 @@ std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::v
                                                   const Primitive<double>& example) {
     constexpr Isometry identity{"", "", {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1};
     ValueNumbering expressions(tape);
-    const std::vector<int> own_ids = expressions.numbers_with(exchanged_inputs(example, identity));
-    std::map<int, NodeId> first;
+    const std::vector<int> own_ids = expressions.number_expressions(exchanged_inputs(example, identity));
+    std::map<int, NodeId> first_with_id;
     DisjointSets groups(tape.nodes.size());
     for (const NodeId i : operations) {
-        const auto [entry, is_new] = first.try_emplace(own_ids[static_cast<std::size_t>(i)], i);
-        if (!is_new) groups.join(i, entry->second);
+        const auto [entry, is_new] = first_with_id.try_emplace(own_ids[static_cast<std::size_t>(i)], i);
+        if (!is_new) groups.merge(i, entry->second);
     }
     // y z x and the exchange of x and y generate all six exchanges.
     std::set<NodeId> incomplete;
     for (const Isometry* isometry : {&isometries[0], &isometries[2]}) {
-        const std::vector<int> exchanged_ids = expressions.numbers_with(exchanged_inputs(example, *isometry));
+        const std::vector<int> exchanged_ids = expressions.number_expressions(exchanged_inputs(example, *isometry));
         for (const NodeId i : operations) {
-            const auto entry = first.find(exchanged_ids[static_cast<std::size_t>(i)]);
-            if (entry != first.end()) groups.join(i, entry->second);
+            const auto entry = first_with_id.find(exchanged_ids[static_cast<std::size_t>(i)]);
+            if (entry != first_with_id.end()) groups.merge(i, entry->second);
             else incomplete.insert(i);
         }
     }
-    join_partial_sums(tape, incomplete, groups);
+    merge_partial_sums(tape, incomplete, groups);
     std::map<NodeId, std::vector<NodeId>> members;
     for (const NodeId i : operations) members[groups.root_of(i)].push_back(i);
     std::vector<std::vector<NodeId>> result;

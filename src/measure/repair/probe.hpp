@@ -1,5 +1,5 @@
-// The rays of a request moved together with their primitives, so that the answers stay the same in real arithmetic:
-// axes exchanged, mirrored, rotated. A repair that was fitted to one axis of a scene fails on some of these rays.
+// Moves the rays of a request together with their primitives, so that the answers stay the same in real arithmetic:
+// exchanges axes, mirrors, rotates. A repair that was fitted to one axis of a scene fails on some of these rays.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ namespace lostbits::measure::repair {
 /// common denominator of a row, k ≥ 1. The squares of the row's three integers sum to 4^k, which 4 divides. A square is
 /// 0 or 1 modulo 4, so all three are even, and 2^k was not the smallest.
 struct Isometry {
-    std::string_view name;   ///< as in probes.csv
-    std::string_view words;  ///< as in the text
+    std::string_view name;         ///< as in probes.csv
+    std::string_view description;  ///< as in the text
     std::array<int, 9> entries;
     int divisor;
 
@@ -45,11 +45,11 @@ inline constexpr std::array isometries{
     Isometry{"rotated", "rotated by 147 degrees about (1, 2, 3)", {13, -26, 26,  34, 19, 2,  -14, 22, 29}, 39}};
 // clang-format on
 
-/// Maps a primitive about the origin. Empty if the result is not a primitive of the same shape: a box or an ellipsoid
-/// without a matrix stays along the axes, so it cannot be rotated.
-std::optional<Primitive<Real>> mapped(const Primitive<Real>& primitive, const Isometry& isometry);
+/// Maps a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a box or
+/// an ellipsoid without a matrix stays along the axes, so it cannot be rotated.
+std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, const Isometry& isometry);
 
-/// One of the isometries, and the rays and primitives mapped by it.
+/// Quality of tapes on the rays and primitives of a request, mapped by one of the isometries.
 class Probe {
 public:
     Probe(const Isometry& isometry, const RepairRequest& request, const MovedRays& rays)
@@ -62,10 +62,10 @@ private:
     Judge judge_;
 };
 
-/// The probes that apply to a request, on at most `rays` of its rays, fewer if there are many primitives. None for a
-/// flake or more than 1024 primitives. Forms that count one side of a primitive are not tested in a mirror, where rays
-/// meet the other side.
-std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int rays = few_rays);
+/// Makes the probes that apply to a request, on at most `rays` of its rays, fewer if there are many primitives. Returns
+/// none for a flake or more than 1024 primitives. Forms that count one side of a primitive are not tested in a mirror,
+/// where rays meet the other side.
+std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int rays = few_rays);
 
 /// Groups of operations that are the same expression up to an exchange of x, y and z; every operation is in one group.
 /// `example`: a primitive of the form, with its way of storing a matrix. A partial sum that no exchange maps to an

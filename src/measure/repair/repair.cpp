@@ -13,17 +13,17 @@ using scene::file::Scene;
 
 namespace {
 
-std::vector<NodeId> without(std::vector<NodeId> set, std::size_t k) {
+std::vector<NodeId> remove_at(std::vector<NodeId> set, std::size_t k) {
     set.erase(set.begin() + static_cast<std::ptrdiff_t>(k));
     return set;
 }
 
-/// Advances to the next choice of the same number of indices below n, in lexicographic order. Returns false after the
-/// last choice.
-bool next_choice(std::vector<std::size_t>& chosen, std::size_t n) {
+/// Advances to the next choice of the same number of indices below `count`, in lexicographic order. Returns false after
+/// the last choice.
+bool next_choice(std::vector<std::size_t>& chosen, std::size_t count) {
     const std::size_t size = chosen.size();
     for (std::size_t k = size; k-- > 0;) {
-        if (chosen[k] == n - size + k) continue;
+        if (chosen[k] == count - size + k) continue;
         ++chosen[k];
         for (std::size_t l = k + 1; l < size; ++l) chosen[l] = chosen[l - 1] + 1;
         return true;
@@ -37,23 +37,24 @@ std::uint64_t binomial(std::uint64_t n, std::uint64_t k) {
     return product;
 }
 
-class Search {
+/// Search for the smallest set of operations to do wider.
+class WiderSearch {
 public:
-    Search(const Tape& tape, const FloatFormat& wider, const RepairRequest& request, Judge& judge)
+    WiderSearch(const Tape& tape, const FloatFormat& wider, const RepairRequest& request, Judge& judge)
         : tape_(tape), wider_(wider), request_(request), judge_(judge), operations_(tape::rounded_operations(tape)) {}
 
-    /// `with_all` is the quality with all operations wider, which meets the requirement.
-    WiderSet smallest(const RowQuality& with_all, std::uint64_t affordable) {
-        WiderSet result{.operations = operations_, .quality = with_all};
+    /// `all_wider_quality` is the quality with all operations wider, which meets the requirement.
+    WiderSet smallest(const RowQuality& all_wider_quality, std::uint64_t affordable) {
+        WiderSet result{.operations = operations_, .quality = all_wider_quality};
         while (remove_operations(result)) {}
         for (std::size_t size = 1; size < result.operations.size(); ++size) {
             if (binomial(operations_.size(), size) > affordable) break;
-            if (auto smaller = best_of_size(size)) {
+            if (auto smaller = find_best_of_size(size)) {
                 result = std::move(*smaller);
-                result.without = quality_without(result.operations);
+                result.quality_without = quality_without(result.operations);
                 break;
             }
-            result.none_of = size;
+            result.largest_failing_size = size;
         }
         return result;
     }
@@ -66,21 +67,21 @@ private:
     }
     std::vector<RowQuality> quality_without(const std::vector<NodeId>& set) {
         std::vector<std::vector<NodeId>> smaller_sets;
-        for (std::size_t k = 0; k < set.size(); ++k) smaller_sets.push_back(without(set, k));
+        for (std::size_t k = 0; k < set.size(); ++k) smaller_sets.push_back(remove_at(set, k));
         return quality_of(smaller_sets);
     }
 
     /// Removes operations from the set such that the requirement is still met. Returns false if none can be removed;
-    /// `set.without` is then the quality without each of the operations. If only one operation can be removed, removes
-    /// that. If several could each be removed, first tries to remove the better half of them together, then the better
-    /// quarter, and so on, and in the end removes the one whose removal costs least.
+    /// `set.quality_without` is then the quality without each of the operations. If only one operation can be removed,
+    /// removes it. If each of several can be removed, first tries to remove the better half of them together, then the
+    /// better quarter, and so on. In the end, removes the operation whose removal costs least.
     bool remove_operations(WiderSet& set) {
         const std::vector<RowQuality> quality_without_each = quality_without(set.operations);
         std::vector<std::size_t> removable;
         for (std::size_t k = 0; k < quality_without_each.size(); ++k)
             if (quality_without_each[k].meets(request_.requirement)) removable.push_back(k);
         if (removable.empty()) {
-            set.without = quality_without_each;
+            set.quality_without = quality_without_each;
             return false;
         }
         std::ranges::stable_sort(removable, [&](auto a, auto b) {
@@ -101,13 +102,13 @@ private:
             set = {.operations = smaller_sets[k], .quality = quality[k]};
             return true;
         }
-        set = {.operations = without(set.operations, removable.front()),
+        set = {.operations = remove_at(set.operations, removable.front()),
                .quality = quality_without_each[removable.front()]};
         return true;
     }
 
-    /// The most accurate of all sets of `size` operations that meet the requirement; empty if none does.
-    std::optional<WiderSet> best_of_size(std::size_t size) {
+    /// Finds the most accurate of all sets of `size` operations that meet the requirement; empty if none does.
+    std::optional<WiderSet> find_best_of_size(std::size_t size) {
         std::vector<std::vector<NodeId>> sets;
         std::vector<std::size_t> indices(size);
         for (std::size_t k = 0; k < size; ++k) indices[k] = k;
@@ -119,7 +120,10 @@ private:
         std::optional<WiderSet> best;
         for (std::size_t k = 0; k < sets.size(); ++k) {
             if (quality[k].meets(request_.requirement) && (!best || is_more_accurate(quality[k], best->quality)))
-                best = WiderSet{.operations = sets[k], .quality = quality[k], .without = {}, .none_of = size - 1};
+                best = WiderSet{.operations = sets[k],
+                                .quality = quality[k],
+                                .quality_without = {},
+                                .largest_failing_size = size - 1};
         }
         return best;
     }
@@ -131,32 +135,33 @@ private:
     std::vector<NodeId> operations_;
 };
 
-/// Scene with fewer pixels, an odd number each way, so that hardly any new pixel lies where an old one did.
-Scene in_other_pixels(Scene scene) {
-    const auto reduced = [](int n) { return std::max(n * 7 / 8, 1) | 1; };
-    scene.width = reduced(scene.width);
-    scene.height = reduced(scene.height);
+/// Scene with fewer pixels, an odd number each way, so that hardly any new pixel lies where an old pixel did.
+Scene change_pixels(Scene scene) {
+    const auto reduce = [](int n) { return std::max(n * 7 / 8, 1) | 1; };
+    scene.width = reduce(scene.width);
+    scene.height = reduce(scene.height);
     return scene;
 }
 
 /// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
-/// if it widens fewer operations than the set that was found for the original form, where there is one.
+/// if it widens fewer operations than the set that was found for the original form, if there is one.
 void widen_where_needed(Rewritten& rewritten, const RepairResult& result, const RepairRequest& request, Judge& judge,
                         std::uint64_t affordable) {
     if (rewritten.quality.meets(request.requirement)) return;
-    const Tape written = rewritten.tape;
-    const RowQuality quality_with_all =
-        judge.quality_of({tape::widen_operations(written, tape::rounded_operations(written), result.wider)}).front();
-    if (!quality_with_all.meets(request.requirement)) return;
-    auto set = smallest_set(written, result.wider, quality_with_all, request, judge, affordable);
-    if (result.set && set.operations.size() >= result.set->operations.size()) return;
-    rewritten.tape = tape::widen_operations(written, set.operations, result.wider);
+    const Tape unwidened = rewritten.tape;
+    const RowQuality all_wider_quality =
+        judge.quality_of({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
+            .front();
+    if (!all_wider_quality.meets(request.requirement)) return;
+    auto set = smallest_set(unwidened, result.wider, all_wider_quality, request, judge, affordable);
+    if (result.wider_set && set.operations.size() >= result.wider_set->operations.size()) return;
+    rewritten.tape = tape::widen_operations(unwidened, set.operations, result.wider);
     rewritten.quality = set.quality;
-    rewritten.set = std::move(set);
+    rewritten.wider_set = std::move(set);
 }
 
 /// True if a tape meets the requirement on a list of probes.
-bool passes(const Tape& tape, const std::vector<Probe*>& probes, const Requirement& requirement) {
+bool passes_probes(const Tape& tape, const std::vector<Probe*>& probes, const Requirement& requirement) {
     return std::ranges::all_of(
         probes, [&](Probe* probe) { return probe->judge().quality_of({tape}).front().meets(requirement); });
 }
@@ -173,16 +178,16 @@ class SymmetricSearch {
 public:
     SymmetricSearch(const RepairResult& result, const RepairRequest& request, Judge& judge, std::vector<Probe*> probes)
         : result_(result), request_(request), judge_(judge), probes_(std::move(probes)) {
-        const auto first = request.scene ? scene::rays::shared_primitives(*request.scene).front()
-                                         : request.rays->sample.primitives.front();
-        groups_ = exchanged_groups(result.tape, tape::rounded_operations(result.tape), first);
+        const auto example = request.scene ? scene::rays::shared_primitives(*request.scene).front()
+                                           : request.rays->sample.primitives.front();
+        groups_ = exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
     }
 
     /// Tries all sets if there are at most `affordable`. Otherwise starts from all groups and removes one after the
     /// other, as long as the rest passes. Returns nothing if no set passes.
     std::optional<SymmetricSet> search(std::uint64_t affordable) {
         const bool tries_all = groups_.size() < 20 && (std::uint64_t{1} << groups_.size()) <= affordable;
-        auto set = tries_all ? best_of_all() : reduce();
+        auto set = tries_all ? find_best_of_all() : reduce_groups();
         if (set) set->is_smallest = tries_all;
         return set;
     }
@@ -190,49 +195,51 @@ public:
 private:
     using Groups = std::vector<std::size_t>;  ///< indices of groups
 
-    [[nodiscard]] std::vector<NodeId> operations(const Groups& chosen) const {
+    [[nodiscard]] std::vector<NodeId> operations_in(const Groups& chosen) const {
         std::vector<NodeId> nodes;
         for (const std::size_t k : chosen) nodes.insert(nodes.end(), groups_[k].begin(), groups_[k].end());
         std::ranges::sort(nodes);
         return nodes;
     }
-    /// The first of these sets that meets the requirement everywhere.
-    std::optional<SymmetricSet> first_that_passes(const std::vector<Groups>& sets) {
+    /// Finds the first of these sets that meets the requirement on the scene and on the probes.
+    std::optional<SymmetricSet> find_first_passing(const std::vector<Groups>& sets) {
         std::vector<Tape> tapes;
-        for (const Groups& set : sets) tapes.push_back(with_wider(result_, operations(set)));
+        for (const Groups& set : sets) tapes.push_back(widen_operations(result_, operations_in(set)));
         const auto quality = judge_.quality_of(tapes);
         for (std::size_t k = 0; k < sets.size(); ++k) {
-            if (!quality[k].meets(request_.requirement) || !passes(tapes[k], probes_, request_.requirement)) continue;
+            if (!quality[k].meets(request_.requirement) || !passes_probes(tapes[k], probes_, request_.requirement))
+                continue;
             last_passed_ = sets[k];
-            return SymmetricSet{.operations = operations(sets[k]),
+            return SymmetricSet{.operations = operations_in(sets[k]),
                                 .quality = quality[k],
                                 .groups = sets[k].size(),
                                 .all_groups = groups_.size()};
         }
         return std::nullopt;
     }
-    std::optional<SymmetricSet> best_of_all() {
+    std::optional<SymmetricSet> find_best_of_all() {
         std::vector<Groups> sets;
-        for (std::uint64_t bits = 1; bits < std::uint64_t{1} << groups_.size(); ++bits) {
+        for (std::uint64_t mask = 1; mask < std::uint64_t{1} << groups_.size(); ++mask) {
             Groups& set = sets.emplace_back();
             for (std::size_t k = 0; k < groups_.size(); ++k)
-                if ((bits >> k & 1U) != 0) set.push_back(k);
+                if ((mask >> k & 1U) != 0) set.push_back(k);
         }
-        std::ranges::stable_sort(sets, {}, [&](const Groups& set) { return operations(set).size(); });
-        return first_that_passes(sets);
+        std::ranges::stable_sort(sets, {}, [&](const Groups& set) { return operations_in(set).size(); });
+        return find_first_passing(sets);
     }
-    std::optional<SymmetricSet> reduce() {
+    std::optional<SymmetricSet> reduce_groups() {
         Groups set(groups_.size());
         for (std::size_t k = 0; k < set.size(); ++k) set[k] = k;
-        auto found = first_that_passes({set});
+        auto found = find_first_passing({set});
         while (found && last_passed_.size() > 1) {
             std::vector<Groups> smaller_sets;
             for (std::size_t k = 0; k < last_passed_.size(); ++k) {
                 smaller_sets.push_back(last_passed_);
                 smaller_sets.back().erase(smaller_sets.back().begin() + static_cast<std::ptrdiff_t>(k));
             }
-            std::ranges::stable_sort(smaller_sets, {}, [&](const Groups& groups) { return operations(groups).size(); });
-            auto next = first_that_passes(smaller_sets);
+            std::ranges::stable_sort(smaller_sets, {},
+                                     [&](const Groups& groups) { return operations_in(groups).size(); });
+            auto next = find_first_passing(smaller_sets);
             if (!next) break;
             found = std::move(next);
         }
@@ -247,47 +254,47 @@ private:
     Groups last_passed_;  ///< the last set that passed
 };
 
-/// Measures the repairs that were found on the probes. If the set fails on exact probes on which the form passes with
+/// Measures on the probes the repairs that were found. If the set fails on exact probes on which the form passes with
 /// every operation wider, searches for a symmetric set.
 void measure_probes(RepairResult& result, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
-    const auto& rewritten_forms = result.rewriting.found;
-    if (!result.set && std::ranges::none_of(rewritten_forms, meets, &Rewritten::quality)) return;
-    const auto probes = probes_of(request);
+    const auto& rewritten_forms = result.rewriting.forms;
+    if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &Rewritten::quality)) return;
+    const auto probes = make_probes(request);
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
     for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
     if (!probes.empty()) result.probed_rays = probes.front()->judge().rays();
     result.own_probed = quality_on_probes(result.tape, probes);
-    result.set_probed =
-        quality_on_probes(with_wider(result, result.set ? result.set->operations : all_operations), probes);
-    for (Rewritten& rewritten : result.rewriting.found) rewritten.probed = quality_on_probes(rewritten.tape, probes);
-    if (!result.set || result.set->operations.empty()) return;
-    bool fails = false;
+    result.set_probed = quality_on_probes(
+        widen_operations(result, result.wider_set ? result.wider_set->operations : all_operations), probes);
+    for (Rewritten& rewritten : result.rewriting.forms) rewritten.probed = quality_on_probes(rewritten.tape, probes);
+    if (!result.wider_set || result.wider_set->operations.empty()) return;
+    bool fails_exact_probe = false;
     for (std::size_t k = 0; k < probes.size(); ++k)
-        fails |= probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
-    if (!fails) return;
-    const auto with_all = quality_on_probes(with_wider(result, all_operations), probes);
+        fails_exact_probe |= probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
+    if (!fails_exact_probe) return;
+    const auto all_wider_qualities = quality_on_probes(widen_operations(result, all_operations), probes);
     std::vector<Probe*> passable;
-    fails = false;
+    fails_exact_probe = false;
     for (std::size_t k = 0; k < probes.size(); ++k) {
-        if (!meets(with_all[k])) continue;
+        if (!meets(all_wider_qualities[k])) continue;
         passable.push_back(probes[k].get());
-        fails |= probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
+        fails_exact_probe |= probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
     }
-    if (!fails) return;
+    if (!fails_exact_probe) return;
     result.symmetric = SymmetricSearch(result, request, judge, passable).search(affordable);
     if (result.symmetric)
-        result.symmetric->probed = quality_on_probes(with_wider(result, result.symmetric->operations), probes);
+        result.symmetric->probed = quality_on_probes(widen_operations(result, result.symmetric->operations), probes);
 }
 
 }  // namespace
 
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
+WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& all_wider_quality,
                       const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
-    return Search(tape, wider, request, judge).smallest(with_all, affordable);
+    return WiderSearch(tape, wider, request, judge).smallest(all_wider_quality, affordable);
 }
 
-bool are_inverses(const RepairRequest& request) {
+bool are_matrices_inverse(const RepairRequest& request) {
     if (!request.row.form->is_placed) return false;
     std::set<int> kinds;
     const auto add = [&kinds](const auto& primitives) {
@@ -302,41 +309,45 @@ bool are_inverses(const RepairRequest& request) {
                      "differ for each kind; mend the form for primitives of one kind");
 }
 
-Tape recorded(const RepairRequest& request) {
-    return tape::tape_of(*request.row.form, request.row.format, are_inverses(request));
+Tape record_tape(const RepairRequest& request) {
+    return tape::tape_of(*request.row.form, request.row.format, are_matrices_inverse(request));
 }
 
-Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations) {
+Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& operations) {
     return tape::widen_operations(repair.tape, operations, repair.wider);
 }
 
 RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable) {
-    RepairResult result{.tape = recorded(request),
+    RepairResult result{.tape = record_tape(request),
                         .wider = tape::wider_format(request.row.format.parameters, request.two_words)};
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
     result.operations = all_operations.size();
     Judge judge(request);
-    result.own = own_quality(request, result.tape, judge);
-    result.all = judge.quality_of({with_wider(result, all_operations)}).front();
-    if (result.own.meets(request.requirement)) result.set = WiderSet{.operations = {}, .quality = result.own};
-    else if (result.all.meets(request.requirement))
-        result.set = smallest_set(result.tape, result.wider, result.all, request, judge, affordable);
-    if (!result.own.meets(request.requirement)) result.rewriting = rewrite(request, result.tape, result.own, judge);
-    for (Rewritten& rewritten : result.rewriting.found)
+    result.own_quality = own_quality(request, result.tape, judge);
+    result.all_wider_quality = judge.quality_of({widen_operations(result, all_operations)}).front();
+    if (result.own_quality.meets(request.requirement))
+        result.wider_set = WiderSet{.operations = {}, .quality = result.own_quality};
+    else if (result.all_wider_quality.meets(request.requirement))
+        result.wider_set =
+            smallest_set(result.tape, result.wider, result.all_wider_quality, request, judge, affordable);
+    if (!result.own_quality.meets(request.requirement))
+        result.rewriting = rewrite(request, result.tape, result.own_quality, judge);
+    for (Rewritten& rewritten : result.rewriting.forms)
         widen_where_needed(rewritten, result, request, judge, affordable);
     measure_probes(result, request, judge, affordable);
-    if (!result.set) result.obstruction = RaySample(request, few_rays).without_rounding(result.tape);
+    if (!result.wider_set) result.obstruction = RaySample(request, few_rays).compare_without_rounding(result.tape);
     result.tried = judge.tried();
-    std::vector<Tape> tapes{result.tape, with_wider(result, result.set ? result.set->operations : all_operations)};
-    for (const Rewritten& r : result.rewriting.found) tapes.push_back(r.tape);
-    if (result.symmetric) tapes.push_back(with_wider(result, result.symmetric->operations));
-    if (request.scene) result.held_out_scene = in_other_pixels(*request.scene);
+    std::vector<Tape> tapes{result.tape,
+                            widen_operations(result, result.wider_set ? result.wider_set->operations : all_operations)};
+    for (const Rewritten& r : result.rewriting.forms) tapes.push_back(r.tape);
+    if (result.symmetric) tapes.push_back(widen_operations(result, result.symmetric->operations));
+    if (request.scene) result.held_out_scene = change_pixels(*request.scene);
     const auto held_out_quality =
-        request.scene ? Judge(request, result.held_out_scene).quality_of(tapes) : request.on_all(tapes);
+        request.scene ? Judge(request, result.held_out_scene).quality_of(tapes) : request.quality_on_all_rays(tapes);
     result.own_held_out = held_out_quality[0];
     result.set_held_out = held_out_quality[1];
-    for (std::size_t k = 0; k < result.rewriting.found.size(); ++k)
-        result.rewriting.found[k].held_out = held_out_quality[k + 2];
+    for (std::size_t k = 0; k < result.rewriting.forms.size(); ++k)
+        result.rewriting.forms[k].held_out = held_out_quality[k + 2];
     if (result.symmetric) result.symmetric->held_out = held_out_quality.back();
     return result;
 }

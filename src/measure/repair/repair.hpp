@@ -1,5 +1,5 @@
 // Finds which operations of a form must be done in wider arithmetic so that it meets a requirement on all rays of a
-// scene. Also finds other ways of writing the form, equal in real arithmetic, that keep more bits.
+// scene. Also finds rewritings of the form that are equal in real arithmetic and keep more bits.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,21 @@
 
 namespace lostbits::measure::repair {
 
-/// Set of operations done wider, from which none can be removed.
+/// Set of operations done in wider arithmetic, from which none can be removed.
 struct WiderSet {
     std::vector<NodeId> operations;  ///< of the form's tape
     RowQuality quality{};
-    std::vector<RowQuality> without =
-        {};  ///< quality with one operation left as it was and the others wider; none meets the requirement
-    /// No set of this many operations or fewer meets the requirement: all such sets were tried. If `none_of` is one
-    /// less than the size of this set, the set is one of the smallest.
-    std::size_t none_of = 0;
+    /// Quality with one operation left as it was and the others wider; none meets the requirement.
+    std::vector<RowQuality> quality_without = {};
+    /// No set of this many operations or fewer meets the requirement: all such sets were tried. If
+    /// `largest_failing_size` is one less than the size of this set, the set is one of the smallest.
+    std::size_t largest_failing_size = 0;
 };
 
 /// Starts from all operations done wider, which meets the requirement. Removes one operation after the other, each time
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
 /// long as there are at most `affordable` sets of one size.
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
+WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& all_wider_quality,
                       const RepairRequest& request, Judge& judge, std::uint64_t affordable);
 
 using identity::Rule;
@@ -33,66 +33,74 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    RowQuality quality{}, held_out{};        ///< worth on the scene, and on rays that were not searched on
-    std::vector<RowQuality> probed = {};     ///< worth on each probe
+    RowQuality quality{}, held_out{};        ///< quality on the scene, and on rays that were not searched on
+    std::vector<RowQuality> probed = {};     ///< quality on each probe
     std::size_t groups = 0, all_groups = 0;  ///< number of groups in the set, and of all groups
     bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
 };
 
-/// Form written another way.
+/// Rewritten form, equal to the original in real arithmetic.
 struct Rewritten {
     Tape tape;
-    std::vector<const Rule*> rules;    ///< the rules that made it, in order
-    RowQuality quality{}, held_out{};  ///< worth on the scene, and on rays that were not searched on
+    std::vector<const Rule*> rules;    ///< the rules that were applied, in order
+    RowQuality quality{}, held_out{};  ///< quality on the scene, and on rays that were not searched on
     std::size_t operations = 0;        ///< number of operations that round
     /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
-    std::optional<WiderSet> set = {};
-    std::vector<RowQuality> probed = {};  ///< worth on each probe
+    std::optional<WiderSet> wider_set = {};
+    std::vector<RowQuality> probed = {};  ///< quality on each probe
 };
 
+/// Results of the search for rewritten forms.
 struct Rewriting {
-    /// Forms that meet the requirement and that no other candidate beats in both accuracy and work (`work_of`), the
-    /// most accurate first. If no form meets the requirement, only the most accurate one, provided that it is more
-    /// accurate than the original form, or as accurate with less work.
-    std::vector<Rewritten> found;
+    /// Forms that meet the requirement and that no other candidate beats in both accuracy and work (`estimated_work`),
+    /// the most accurate first. If no form meets the requirement, the list holds only the most accurate form, and only
+    /// if that is more accurate than the original form, or as accurate with less work.
+    std::vector<Rewritten> forms;
     std::uint64_t tried = 0;    ///< candidates tried, each on all rays
-    std::uint64_t refused = 0;  ///< candidates not tried: in real arithmetic they answered differently on some ray
+    std::uint64_t refused = 0;  ///< candidates not tried, because they differ in real arithmetic on some ray
 };
 
+/// Limits of the search for rewritten forms.
 struct SearchLimit {
-    std::size_t rounds = 8;     ///< in each round the most promising candidates are rewritten once
-    std::size_t beam = 4;       ///< candidates kept by accuracy; as many again are kept by work
-    std::size_t places = 24;    ///< candidates from each form; operations that lose most bits come first
-    std::size_t proposals = 3;  ///< forms kept in the end
+    /// Number of rounds; each rewrites the most promising candidates once.
+    std::size_t rounds = 8;
+    /// Number of candidates that a round rewrites for their accuracy, and again for their little work.
+    std::size_t beam_width = 4;
+    /// Number of candidates from each form; operations that lose most bits come first.
+    std::size_t max_children = 24;
+    /// Number of forms in the result.
+    std::size_t max_proposals = 3;
 };
 
 /// Rewrites the form in rounds. Each round applies the rules to the most accurate forms so far and to those that meet
 /// the requirement with least work, and compares the results with the truth on all rays. The search ends when a round
 /// finds no new form, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the
-/// rays, see `RaySample::agree`) is dropped.
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+/// rays, see `RaySample::have_same_answers`) is dropped.
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own_quality, Judge& judge,
                   const SearchLimit& limit = {});
 
 /// Estimate of the time of a tape before it is measured: the number of operations that round, with each division and
 /// root counted eight times. The estimate orders the search and is not printed.
-std::size_t work_of(const Tape& tape);
+std::size_t estimated_work(const Tape& tape);
 
-/// Why the form does not meet the requirement even with every operation wider: its quality without any rounding.
+/// Reason why the form does not meet the requirement even with every operation wider: its quality without any rounding.
 struct Obstruction {
-    RowQuality exact{};  ///< worth on some of the rays, each with the primitive that it truly hits, or the first one
+    /// Quality on some of the rays, each with the primitive that it truly hits, or with the first primitive.
+    RowQuality exact{};
     /// For a form that asks for directions of length one: the quality with directions of length one to 53 bits, and the
     /// largest difference of the length of a stored direction from one.
-    std::optional<RowQuality> with_unit = {};
-    double off_unit = 0;
+    std::optional<RowQuality> with_unit_directions = {};
+    double largest_length_error = 0;
 };
 
 struct RepairResult {
-    Tape tape;                         ///< the tape of the form
-    FloatFormat wider;                 ///< the arithmetic of the wider operations
-    std::size_t operations = 0;        ///< number of operations that round, and so could be done wider
-    RowQuality own{}, all{};           ///< quality of the form as it is, and with every operation wider
-    std::optional<WiderSet> set = {};  ///< none: even with every operation wider the requirement is not met; empty
-                                       ///< set: it is met as the form is
+    Tape tape;                                      ///< the tape of the form
+    FloatFormat wider;                              ///< the arithmetic of the wider operations
+    std::size_t operations = 0;                     ///< number of operations that round, and so could be done wider
+    RowQuality own_quality{}, all_wider_quality{};  ///< quality of the form as it is, and with every operation wider
+    /// Null if the form does not meet the requirement even with every operation wider; an empty set if the form meets
+    /// it as it is.
+    std::optional<WiderSet> wider_set = {};
     Rewriting rewriting = {};  ///< other ways of writing the form; none if the form meets the requirement as it is
     std::uint64_t tried = 0;   ///< candidates tried, each on all rays
     scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
@@ -102,9 +110,10 @@ struct RepairResult {
     /// operations wider). Empty if no set and no rewritten form meets the requirement.
     std::vector<const Isometry*> probes = {};
     std::vector<RowQuality> own_probed = {}, set_probed = {};
-    std::uint64_t probed_rays = 0;                ///< number of rays of each probe
-    std::optional<SymmetricSet> symmetric = {};   ///< where the set fails exact probes
-    std::optional<Obstruction> obstruction = {};  ///< where the form does not meet the requirement even all wider
+    std::uint64_t probed_rays = 0;               ///< number of rays of each probe
+    std::optional<SymmetricSet> symmetric = {};  ///< found if the set fails exact probes
+    /// Found if the form does not meet the requirement even with all operations wider.
+    std::optional<Obstruction> obstruction = {};
 };
 
 /// Repairs the form of a request. `affordable` is that of `smallest_set`. Throws InputError for a form whose operations
@@ -112,16 +121,17 @@ struct RepairResult {
 RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable = 600);
 
 /// True if the primitives' matrices are stored as inverses (world to object); false without matrices. Throws InputError
-/// as `recorded` does.
-bool are_inverses(const RepairRequest& request);
+/// as `record_tape` does.
+bool are_matrices_inverse(const RepairRequest& request);
 
 /// Records every operation of the request's form, as its primitives are stored. Each way of storing a matrix has a tape
 /// of its own, and so has a primitive without a matrix. Throws InputError if the primitives are of several kinds.
-Tape recorded(const RepairRequest& request);
+Tape record_tape(const RepairRequest& request);
 
 /// Tape of the form with a set of operations done wider.
-Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations);
+Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& operations);
 
+/// Sample of the rays of a request, with the true answers.
 class RaySample {
 public:
     /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
@@ -129,18 +139,18 @@ public:
     explicit RaySample(const RepairRequest& request, int rays = 64);
 
     /// Counts, for each operation of a tape, the rays of the sample on which it is the culprit.
-    [[nodiscard]] std::vector<int> culprits(Tape tape) const;
+    [[nodiscard]] std::vector<int> count_culprits(Tape tape) const;
 
     /// True if two tapes of one form have the same answers on these rays in real arithmetic: both miss, or both hit at
-    /// the same t to 45 bits. A ray is not compared where a division by zero leaves either tape undefined. If the form
-    /// asks for directions of length one, directions are turned to an axis, so that their length is exactly one.
-    [[nodiscard]] bool agree(const Tape& a, const Tape& b) const;
+    /// the same t to 45 bits. A ray is not compared if a division by zero leaves either tape undefined. If the form
+    /// asks for directions of length one, the directions are turned to an axis, so that their length is exactly one.
+    [[nodiscard]] bool have_same_answers(const Tape& a, const Tape& b) const;
 
     /// Compares the tape without any rounding with the truth of these rays.
-    [[nodiscard]] Obstruction without_rounding(const Tape& tape) const;
+    [[nodiscard]] Obstruction compare_without_rounding(const Tape& tape) const;
 
 private:
-    /// Right answer of a ray. `t`: correctly rounded to a double, or the distance for a form that asks for
+    /// Right answer of a ray. `t` is correctly rounded to a double; it is the distance for a form that asks for
     /// directions of length one.
     struct CorrectAnswer {
         truth::Truth::Decision decision;
@@ -151,13 +161,13 @@ private:
 
     evaluate::TestedForm row_;
     Requirement requirement_;
-    truth::TruthLimit limit_;
+    truth::ProofLimit limit_;
     std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs
     std::vector<CorrectAnswer> correct_answers_;
 };
 
 /// Tape with other inputs and all values that follow from them, rounded to the format or not rounded.
-Tape with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds);
+Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds);
 
 /// True if the tape divides by zero.
 bool divides_by_zero(const Tape& tape);

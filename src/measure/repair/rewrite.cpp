@@ -22,7 +22,7 @@ using identity::Triple;
 namespace {
 
 /// Inputs with the direction replaced by the unit vector of the axis that it is nearest to.
-std::vector<double> along_axis(std::vector<double> numbers) {
+std::vector<double> turn_to_axis(std::vector<double> numbers) {
     const auto d = numbers.begin() + 3;
     const auto largest = std::max_element(d, d + 3, [](double a, double b) { return std::fabs(a) < std::fabs(b); });
     const double unit = std::copysign(1, *largest);
@@ -31,6 +31,7 @@ std::vector<double> along_axis(std::vector<double> numbers) {
     return numbers;
 }
 
+/// Form that the search has reached, with the rules that lead to it.
 struct Candidate {
     TapeOutputs outputs;
     std::vector<const Rule*> rules = {};
@@ -41,32 +42,34 @@ struct Candidate {
 
 class RewriteSearch {
 public:
-    RewriteSearch(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+    RewriteSearch(const RepairRequest& request, const Tape& form, const RowQuality& own_quality, Judge& judge,
                   const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
-        candidates_.push_back({.outputs = terms_.outputs(), .quality = own, .work = work_of(form)});
+        candidates_.push_back({.outputs = terms_.outputs(), .quality = own_quality, .work = estimated_work(form)});
         seen_.insert(identity::all_of(terms_.outputs()));
     }
 
     Rewriting run() {
         for (std::size_t round = 0; round < limit_.rounds; ++round)
-            if (!next_round()) break;
-        return {.found = best_candidates(), .tried = judge_.tried() - tried_before_, .refused = refused_};
+            if (!run_round()) break;
+        return {.forms = best_candidates(), .tried = judge_.tried() - tried_before_, .refused = refused_};
     }
 
 private:
-    bool next_round() {
+    /// Rewrites the promising candidates. Returns false if no new candidate is found.
+    bool run_round() {
         std::vector<Candidate> new_candidates;
-        for (const std::size_t k : promising()) {
+        for (const std::size_t k : select_promising()) {
             candidates_[k].is_expanded = true;
-            for (Candidate& candidate : candidates_from(candidates_[k])) new_candidates.push_back(std::move(candidate));
+            for (Candidate& candidate : rewrite_candidate(candidates_[k]))
+                new_candidates.push_back(std::move(candidate));
         }
         std::vector<Tape> tapes;
         std::erase_if(new_candidates, [&](Candidate& candidate) {
             const Tape tape = terms_.tape(candidate.outputs);
-            candidate.work = work_of(tape);
-            if (!sample_.agree(form_, tape)) return ++refused_, true;
+            candidate.work = estimated_work(tape);
+            if (!sample_.have_same_answers(form_, tape)) return ++refused_, true;
             tapes.push_back(tape);
             return false;
         });
@@ -83,40 +86,40 @@ private:
         return a.work < b.work;
     }
 
-    /// Indices of the candidates to rewrite next: among those not rewritten yet, the most accurate ones, and those that
-    /// meet the requirement with least work.
-    [[nodiscard]] std::vector<std::size_t> promising() const {
+    /// Selects the candidates to rewrite next, by index. Among the candidates that are not rewritten yet, these are the
+    /// most accurate ones and those that meet the requirement with least work.
+    [[nodiscard]] std::vector<std::size_t> select_promising() const {
         std::vector<std::size_t> unexpanded;
         for (std::size_t k = 0; k < candidates_.size(); ++k)
             if (!candidates_[k].is_expanded) unexpanded.push_back(k);
         std::ranges::stable_sort(unexpanded, [&](auto a, auto b) { return is_better(candidates_[a], candidates_[b]); });
         std::vector<std::size_t> selected(
             unexpanded.begin(),
-            unexpanded.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam, unexpanded.size())));
+            unexpanded.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam_width, unexpanded.size())));
         std::ranges::stable_sort(unexpanded, [&](auto a, auto b) {
             return std::pair(!meets(candidates_[a]), candidates_[a].work) <
                    std::pair(!meets(candidates_[b]), candidates_[b].work);
         });
-        for (std::size_t k = 0; k < std::min(limit_.beam, unexpanded.size()); ++k)
+        for (std::size_t k = 0; k < std::min(limit_.beam_width, unexpanded.size()); ++k)
             if (meets(candidates_[unexpanded[k]]) && std::ranges::find(selected, unexpanded[k]) == selected.end())
                 selected.push_back(unexpanded[k]);
         return selected;
     }
 
     /// Candidates that are one rewrite away from this one. Rewrites of the operations that lose most bits come first.
-    std::vector<Candidate> candidates_from(const Candidate& parent) {
+    std::vector<Candidate> rewrite_candidate(const Candidate& parent) {
         std::vector<NodeId> origins;
         const Tape tape = terms_.tape(parent.outputs, &origins);
-        const std::vector<int> culprits = sample_.culprits(tape);
+        const std::vector<int> culprits = sample_.count_culprits(tape);
         std::map<NodeId, int> losses;
         for (std::size_t k = 0; k < origins.size(); ++k) losses[origins[k]] = culprits[k];
         auto rewrites = rewrites_of(terms_, parent.outputs, unit_);
         std::vector<std::pair<int, std::size_t>> order;
-        for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-largest_loss_in(rewrites[k], losses), k);
+        for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-largest_loss(rewrites[k], losses), k);
         std::ranges::stable_sort(order, {}, [](const auto& x) { return x.first; });
         std::vector<Candidate> children;
         for (const auto& [loss, k] : order) {
-            if (children.size() == limit_.places) break;
+            if (children.size() == limit_.max_children) break;
             const TapeOutputs outputs = terms_.with_replaced(parent.outputs, rewrites[k].replaced);
             if (!seen_.insert(identity::all_of(outputs)).second) continue;
             children.push_back({.outputs = outputs, .rules = parent.rules});
@@ -124,13 +127,12 @@ private:
         }
         return children;
     }
-    [[nodiscard]] int largest_loss_in(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
-        int largest = 0;
+    [[nodiscard]] int largest_loss(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
+        int loss = 0;
         for (const auto& [node, replacement] : rewrite.replaced)
             for (const NodeId i : terms_.needed({node, node, node, node}))
-                if (const auto found = losses.find(i); found != losses.end())
-                    largest = std::max(largest, found->second);
-        return largest;
+                if (const auto found = losses.find(i); found != losses.end()) loss = std::max(loss, found->second);
+        return loss;
     }
 
     /// Candidates that meet the requirement and that no other candidate beats in both accuracy and work. If no
@@ -142,8 +144,9 @@ private:
         std::vector<Rewritten> best;
         std::size_t least_work = SIZE_MAX;
         for (const Candidate* candidate : order) {
-            // The list is in order: nothing after the form itself is more accurate, or as accurate with less work.
-            if (candidate->rules.empty() || best.size() == limit_.proposals || (!best.empty() && !meets(*candidate)))
+            // No candidate after the form itself, which has no rules, is more accurate, or as accurate with less work.
+            if (candidate->rules.empty() || best.size() == limit_.max_proposals ||
+                (!best.empty() && !meets(*candidate)))
                 break;
             if (candidate->work >= least_work) continue;
             least_work = candidate->work;
@@ -176,7 +179,7 @@ bool divides_by_zero(const Tape& tape) {
         tape.nodes, [&](const TapeNode& n) { return n.op == TapeOp::div && tape[n.operands[1]].value == 0; });
 }
 
-Tape with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) {
+Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) {
     for (TapeNode& n : tape.nodes)
         if (n.op == TapeOp::input) n.value = inputs.at(static_cast<std::size_t>(n.operands[0]));
     const attribution::Rerun run(tape, [rounds](NodeId) { return rounds; });
@@ -197,9 +200,9 @@ RaySample::RaySample(const RepairRequest& request, int rays)
     const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, form_row.convention());
-        const std::size_t primitive = answer::measured_primitive(inputs, i, truth.object);
+        const std::size_t primitive = answer::measured_primitive(inputs, i, truth.primitive);
         inputs_.push_back(tape::inputs_of(form_rays[i], inputs.primitives[primitive], band.range(i).tmax));
-        exact_inputs_.push_back(takes_unit_directions ? along_axis(inputs_.back()) : inputs_.back());
+        exact_inputs_.push_back(takes_unit_directions ? turn_to_axis(inputs_.back()) : inputs_.back());
         const double t = truth.is_hit()
                              ? band.rounded_truth(i, binary64, form_row.form->info->direction, form_row.convention())
                              : truth::missing;
@@ -207,38 +210,38 @@ RaySample::RaySample(const RepairRequest& request, int rays)
     }
 }
 
-std::vector<int> RaySample::culprits(Tape tape) const {
+std::vector<int> RaySample::count_culprits(Tape tape) const {
     std::vector<int> counts(tape.nodes.size());
     for (const auto& inputs : inputs_) {
-        tape = with_inputs(std::move(tape), inputs, true);
+        tape = run_with_inputs(std::move(tape), inputs, true);
         const auto attributed = attribution::attribute(tape);
         if (attributed.culprit != no_node) ++counts[static_cast<std::size_t>(attributed.culprit)];
     }
     return counts;
 }
 
-bool RaySample::agree(const Tape& a, const Tape& b) const {
+bool RaySample::have_same_answers(const Tape& a, const Tape& b) const {
     for (const auto& inputs : exact_inputs_) {
-        const Tape tape_a = with_inputs(a, inputs, false), tape_b = with_inputs(b, inputs, false);
+        const Tape tape_a = run_with_inputs(a, inputs, false), tape_b = run_with_inputs(b, inputs, false);
         if (divides_by_zero(tape_a) || divides_by_zero(tape_b)) continue;
         const bool hit = tape_a[tape_a.outputs.hit].value != 0;
         if (hit != (tape_b[tape_b.outputs.hit].value != 0)) return false;
-        const double t = tape_a[tape_a.outputs.t].value, s = tape_b[tape_b.outputs.t].value;
-        if (hit && !(std::fabs(t - s) <= 0x1p-45 * std::fabs(t))) return false;
+        const double t_a = tape_a[tape_a.outputs.t].value, t_b = tape_b[tape_b.outputs.t].value;
+        if (hit && !(std::fabs(t_a - t_b) <= 0x1p-45 * std::fabs(t_a))) return false;
     }
     return true;
 }
 
-std::size_t work_of(const Tape& tape) {
+std::size_t estimated_work(const Tape& tape) {
     std::size_t work = 0;
     for (const NodeId i : tape::rounded_operations(tape))
         work += tape[i].op == TapeOp::div || tape[i].op == TapeOp::sqrt ? 8 : 1;
     return work;
 }
 
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own_quality, Judge& judge,
                   const SearchLimit& limit) {
-    return RewriteSearch(request, form, own, judge, limit).run();
+    return RewriteSearch(request, form, own_quality, judge, limit).run();
 }
 
 }  // namespace lostbits::measure::repair

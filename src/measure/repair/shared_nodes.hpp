@@ -13,29 +13,30 @@
 
 namespace lostbits::measure::repair {
 
+/// Values of several tapes, numbered.
 class SharedNodes {
 public:
     /// Number of the value of an operation on numbered values. Sums and products do not depend on the order of their
     /// two operands.
     int value_of(TapeOp op, const FloatFormat& format, std::array<int, 3> operands) {
         if ((op == TapeOp::add || op == TapeOp::mul) && operands[0] > operands[1]) std::swap(operands[0], operands[1]);
-        return value_of_key({op, is_decision(op) ? -1 : index_of(format), operands, 0});
+        return value_with_key({op, is_decision(op) ? -1 : index_of(format), operands, 0});
     }
     int constant(double x, const FloatFormat& format) {
-        return value_of_key({TapeOp::constant, index_of(format), {-1, -1, -1}, std::bit_cast<std::uint64_t>(x)});
+        return value_with_key({TapeOp::constant, index_of(format), {-1, -1, -1}, std::bit_cast<std::uint64_t>(x)});
     }
     int input(int k, const FloatFormat& format) {
-        return value_of_key({TapeOp::input, index_of(format), {k, -1, -1}, 0});
+        return value_with_key({TapeOp::input, index_of(format), {k, -1, -1}, 0});
     }
 
-    /// Number of the value of each node. `replaced`: the values that some nodes have instead of their own.
-    std::vector<int> values_of(const Tape& tape, const std::map<NodeId, int>& replaced = {}) {
+    /// Number of the value of each node. `replaced_values`: values that some nodes have instead of their own.
+    std::vector<int> values_of(const Tape& tape, const std::map<NodeId, int>& replaced_values = {}) {
         std::vector<int> values;
         for (NodeId i = 0; i < tape.size(); ++i) {
             const TapeNode& n = tape[i];
             const FloatFormat& format = tape.format_of(i);
-            const auto replacement = replaced.find(i);
-            if (replacement != replaced.end()) {
+            const auto replacement = replaced_values.find(i);
+            if (replacement != replaced_values.end()) {
                 values.push_back(replacement->second);
             } else if (n.op == TapeOp::input) {
                 values.push_back(input(n.operands[0], format));
@@ -50,8 +51,8 @@ public:
         }
         return values;
     }
-    /// Returns the constant that a value is; null if it is not a constant.
-    [[nodiscard]] const double* number_of(int value) const {
+    /// Constant with this number; null if the value is not a constant.
+    [[nodiscard]] const double* constant_of(int value) const {
         const auto found = constants_.find(value);
         return found == constants_.end() ? nullptr : &found->second;
     }
@@ -59,7 +60,7 @@ public:
 private:
     using Key = std::tuple<TapeOp, int, std::array<int, 3>, std::uint64_t>;
 
-    int value_of_key(const Key& key) {
+    int value_with_key(const Key& key) {
         const int value = values_.try_emplace(key, static_cast<int>(values_.size())).first->second;
         if (std::get<0>(key) == TapeOp::constant) constants_[value] = std::bit_cast<double>(std::get<3>(key));
         return value;
@@ -70,11 +71,11 @@ private:
         formats_.push_back(format);
         return static_cast<int>(formats_.size() - 1);
     }
-    /// Folds operations on constants: a formula computes its constants from small integers, and each gets one value
-    /// again.
+    /// Number of the value of an operation. Folds operations on constants: a formula computes its constants from small
+    /// integers, and each constant gets one number.
     int folded_value_of(TapeOp op, const FloatFormat& format, const std::array<int, 3>& operands) {
-        const double* const a = number_of(operands[0]);
-        const double* const b = operands[1] < 0 ? nullptr : number_of(operands[1]);
+        const double* const a = constant_of(operands[0]);
+        const double* const b = operands[1] < 0 ? nullptr : constant_of(operands[1]);
         const auto rounded = [&](double x) {
             return constant(format == binary32 ? static_cast<double>(static_cast<float>(x)) : x, format);
         };

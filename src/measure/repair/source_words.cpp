@@ -14,20 +14,21 @@ bool is_shader(FileLanguage language) { return language == FileLanguage::glsl ||
 
 /// Functions that each language names in its own way.
 SourcePattern function_in(FileLanguage language, TapeOp op, bool is_double) {
-    const bool rust = language == FileLanguage::rust, hlsl = language == FileLanguage::hlsl,
-               shader = is_shader(language);
+    const bool is_rust = language == FileLanguage::rust, is_hlsl = language == FileLanguage::hlsl,
+               is_any_shader = is_shader(language);
     switch (op) {
-        case TapeOp::sqrt: return {rust ? "$1:5.sqrt()" : shader || is_double ? "sqrt($1)" : "sqrtf($1)", 4};
-        case TapeOp::abs: return {rust ? "$1:5.abs()" : shader ? "abs($1)" : is_double ? "fabs($1)" : "fabsf($1)", 4};
+        case TapeOp::sqrt: return {is_rust ? "$1:5.sqrt()" : is_any_shader || is_double ? "sqrt($1)" : "sqrtf($1)", 4};
+        case TapeOp::abs:
+            return {is_rust ? "$1:5.abs()" : is_any_shader ? "abs($1)" : is_double ? "fabs($1)" : "fabsf($1)", 4};
         case TapeOp::fma:
-            if (rust) return {"$1:5.mul_add($2, $3)", 4};
-            if (hlsl) return {is_double ? "fma($1, $2, $3)" : "mad($1, $2, $3)", 4};
-            return {shader || is_double ? "fma($1, $2, $3)" : "fmaf($1, $2, $3)", 4};
+            if (is_rust) return {"$1:5.mul_add($2, $3)", 4};
+            if (is_hlsl) return {is_double ? "fma($1, $2, $3)" : "mad($1, $2, $3)", 4};
+            return {is_any_shader || is_double ? "fma($1, $2, $3)" : "fmaf($1, $2, $3)", 4};
         case TapeOp::copysign:
-            if (rust) return {"$1:5.copysign($2)", 4};
-            if (shader && is_double) return {"", 4};
-            if (hlsl) return {"asfloat((asuint($1) & 0x7fffffffu) | (asuint($2) & 0x80000000u))", 4};
-            if (shader)
+            if (is_rust) return {"$1:5.copysign($2)", 4};
+            if (is_any_shader && is_double) return {"", 4};
+            if (is_hlsl) return {"asfloat((asuint($1) & 0x7fffffffu) | (asuint($2) & 0x80000000u))", 4};
+            if (is_any_shader)
                 return {"uintBitsToFloat((floatBitsToUint($1) & 0x7fffffffu) | (floatBitsToUint($2) & 0x80000000u))",
                         4};
             return {is_double ? "copysign($1, $2)" : "copysignf($1, $2)", 4};
@@ -38,7 +39,7 @@ SourcePattern function_in(FileLanguage language, TapeOp op, bool is_double) {
 }  // namespace
 
 SourcePattern pattern_in(FileLanguage language, TapeOp op, bool is_double) {
-    const bool rust = language == FileLanguage::rust;
+    const bool is_rust = language == FileLanguage::rust;
     switch (op) {
         case TapeOp::add: return {"$1:1 + $2:2", 1};
         case TapeOp::sub: return {"$1:1 - $2:2", 1};
@@ -52,9 +53,9 @@ SourcePattern pattern_in(FileLanguage language, TapeOp op, bool is_double) {
         case TapeOp::logical_and: return {"$1:0 && $2:0", -1};
         case TapeOp::logical_or: return {"$1:0 || $2:0", -1};
         case TapeOp::logical_not: return {"!$1:4", 3};
-        case TapeOp::select: return {rust ? "if $1 { $2 } else { $3 }" : "$1:0 ? $2:0 : $3:0", -2};
-        case TapeOp::min: return {rust ? "if $1:1 < $2:1 { $1 } else { $2 }" : "$1:1 < $2:1 ? $1:0 : $2:0", -2};
-        case TapeOp::max: return {rust ? "if $1:1 > $2:1 { $1 } else { $2 }" : "$1:1 > $2:1 ? $1:0 : $2:0", -2};
+        case TapeOp::select: return {is_rust ? "if $1 { $2 } else { $3 }" : "$1:0 ? $2:0 : $3:0", -2};
+        case TapeOp::min: return {is_rust ? "if $1:1 < $2:1 { $1 } else { $2 }" : "$1:1 < $2:1 ? $1:0 : $2:0", -2};
+        case TapeOp::max: return {is_rust ? "if $1:1 > $2:1 { $1 } else { $2 }" : "$1:1 > $2:1 ? $1:0 : $2:0", -2};
         default: return function_in(language, op, is_double);
     }
 }

@@ -23,10 +23,10 @@ SourcePattern pattern_in(intersect::function::FileLanguage language, TapeOp op, 
 /// Pattern of a conversion of the operand to float or double.
 SourcePattern conversion_in(intersect::function::FileLanguage language, bool to_double);
 
-/// The digits of a number of a format; empty if it is not finite.
+/// Literal of a float or double; empty if the number is not finite.
 std::string digits_in(intersect::function::FileLanguage language, double x, bool is_double);
 
-/// Begin of a declaration: `float name = ` or `let name = `.
+/// Beginning of a declaration: `float name = ` or `let name = `.
 std::string declaration_in(intersect::function::FileLanguage language, const std::string& name, bool is_double,
                            bool is_boolean);
 

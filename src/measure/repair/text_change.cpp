@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t context_lines = 3;  ///< number of lines that a diff shows before and after each change
 
-std::vector<std::string_view> lines_of(std::string_view text) {
+std::vector<std::string_view> split_lines(std::string_view text) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
@@ -26,49 +26,49 @@ struct DiffLine {
     std::string_view text;
 };
 
-std::vector<DiffLine> difference(const std::vector<std::string_view>& old_lines,
-                                 const std::vector<std::string_view>& new_lines) {
+std::vector<DiffLine> compare_lines(const std::vector<std::string_view>& old_lines,
+                                    const std::vector<std::string_view>& new_lines) {
     std::size_t head = 0, tail = 0;
     const std::size_t shorter = std::min(old_lines.size(), new_lines.size());
     while (head < shorter && old_lines[head] == new_lines[head]) ++head;
     while (tail < shorter - head && old_lines[old_lines.size() - 1 - tail] == new_lines[new_lines.size() - 1 - tail])
         ++tail;
-    const std::size_t a = old_lines.size() - tail, b = new_lines.size() - tail;
-    // common[i][j]: the most lines that old[head + i..] and now[head + j..] share, in order
-    std::vector<std::vector<std::size_t>> common(a - head + 1, std::vector<std::size_t>(b - head + 1));
-    for (std::size_t i = a; i-- > head;)
-        for (std::size_t j = b; j-- > head;)
+    const std::size_t old_end = old_lines.size() - tail, new_end = new_lines.size() - tail;
+    // common[i][j]: the most lines that old_lines[head + i..] and new_lines[head + j..] share, in order
+    std::vector<std::vector<std::size_t>> common(old_end - head + 1, std::vector<std::size_t>(new_end - head + 1));
+    for (std::size_t i = old_end; i-- > head;)
+        for (std::size_t j = new_end; j-- > head;)
             common[i - head][j - head] = old_lines[i] == new_lines[j]
                                              ? common[i - head + 1][j - head + 1] + 1
                                              : std::max(common[i - head + 1][j - head], common[i - head][j - head + 1]);
     std::vector<DiffLine> lines;
     for (std::size_t k = 0; k < head; ++k) lines.push_back({' ', old_lines[k]});
-    for (std::size_t i = head, j = head; i < a || j < b;) {
-        if (i < a && j < b && old_lines[i] == new_lines[j]) lines.push_back({' ', old_lines[i]}), ++i, ++j;
-        else if (i < a && (j == b || common[i - head + 1][j - head] >= common[i - head][j - head + 1]))
+    for (std::size_t i = head, j = head; i < old_end || j < new_end;) {
+        if (i < old_end && j < new_end && old_lines[i] == new_lines[j]) lines.push_back({' ', old_lines[i]}), ++i, ++j;
+        else if (i < old_end && (j == new_end || common[i - head + 1][j - head] >= common[i - head][j - head + 1]))
             lines.push_back({'-', old_lines[i++]});
         else lines.push_back({'+', new_lines[j++]});
     }
-    for (std::size_t k = a; k < old_lines.size(); ++k) lines.push_back({' ', old_lines[k]});
+    for (std::size_t k = old_end; k < old_lines.size(); ++k) lines.push_back({' ', old_lines[k]});
     return lines;
 }
 
 }  // namespace
 
-std::optional<std::string> changed_text(const std::string& text, std::vector<TextChange> changes) {
+std::optional<std::string> apply_changes(const std::string& text, std::vector<TextChange> changes) {
     std::ranges::stable_sort(changes, {}, &TextChange::span);
-    std::string changed;
+    std::string changed_text;
     std::size_t position = 0;
     for (const TextChange& change : changes) {
         if (change.span.begin < position) return {};
-        changed += text.substr(position, change.span.begin - position) + change.text;
+        changed_text += text.substr(position, change.span.begin - position) + change.text;
         position = change.span.end;
     }
-    return changed + text.substr(position);
+    return changed_text + text.substr(position);
 }
 
 std::string unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text) {
-    const std::vector<DiffLine> lines = difference(lines_of(old_text), lines_of(new_text));
+    const std::vector<DiffLine> lines = compare_lines(split_lines(old_text), split_lines(new_text));
     std::string text = fmt::format("--- {}\n+++ {}\n", path, path);
     std::size_t old_line = 1, new_line = 1;
     const auto is_near = [&](std::size_t k) {

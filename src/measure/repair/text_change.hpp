@@ -9,15 +9,16 @@
 
 namespace lostbits::measure::repair {
 
+/// Replaces the text at `span` by `text`.
 struct TextChange {
     intersect::source_text::TextSpan span;
     std::string text;
 };
 
 /// Returns the text with the changes; insertions at the same offset keep their order. Empty if two changes overlap.
-std::optional<std::string> changed_text(const std::string& text, std::vector<TextChange> changes);
+std::optional<std::string> apply_changes(const std::string& text, std::vector<TextChange> changes);
 
-/// The difference of two texts with three lines around each change, for `patch -p0`.
+/// Difference of two texts as `patch -p0` reads it, with three lines around each change.
 std::string unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text);
 
 }  // namespace lostbits::measure::repair

@@ -26,7 +26,7 @@ std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const truth::Truth truth = band.truth(i, {});
         if (truth.is_hit())
-            ++hits[first_equal.empty() ? truth.object : first_equal[static_cast<std::size_t>(truth.object)]];
+            ++hits[first_equal.empty() ? truth.primitive : first_equal[static_cast<std::size_t>(truth.primitive)]];
     }
     return hits;
 }
@@ -83,7 +83,7 @@ Scene with_smaller_picture(const Scene& scene, int pixels) {
     return small_scene;
 }
 
-SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
+SceneWork::SceneWork(const Scene& scene, truth::ProofLimit limit)
     : scene_(with_smaller_picture(scene, timed_pixels)),
       culler_(std::make_unique<culling::Culler>(scene_)),
       band_(scene_, 0, scene_.height, limit, culler_.get()),
@@ -91,7 +91,7 @@ SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
     choose_primitives({}, scene_.primitive_count());
 }
 
-SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit)
+SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit)
     : band_(sample, limit), rays_(band_.pixels()) {
     choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
 }

@@ -18,9 +18,9 @@ scene::file::Scene with_smaller_picture(const scene::file::Scene& scene, int pix
 /// hit. There are at most four primitives; if nothing is hit, they are the first ones of the scene.
 class SceneWork {
 public:
-    explicit SceneWork(const scene::file::Scene& scene, truth::TruthLimit limit = {});
+    explicit SceneWork(const scene::file::Scene& scene, truth::ProofLimit limit = {});
     /// Uses all rays of a given sample. If each ray has its own primitive, primitives with the same numbers are merged.
-    explicit SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit = {});
+    explicit SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit = {});
     SceneWork(const SceneWork&) = delete;
     SceneWork& operator=(const SceneWork&) = delete;
 

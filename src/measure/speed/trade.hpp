@@ -47,7 +47,7 @@ struct TradeRequest {
     std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
     std::vector<TradeLoad> loads;
     TimingPlan plan{};
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
 };
 
 /// Rays that accuracy is measured on, in the order of `TradeResult::rows`.

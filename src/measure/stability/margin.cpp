@@ -88,9 +88,10 @@ std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const Spa
     const RootHit<E> found_root = root_hit(span, range, convention);
     if (found_root.hit.is_unknown()) return std::nullopt;
     const auto maximum = CriticalPoints(span).maximum();
-    if (found_root.hit.is_no() || found_root.root < 0 || !maximum) return SpanDecision{found_root.hit, found_root.at};
+    if (found_root.hit.is_no() || found_root.root < 0 || !maximum)
+        return SpanDecision{found_root.hit, found_root.crossing};
     const auto order = found_root.roots.order(found_root.root, E(*maximum));
-    return SpanDecision{found_root.hit, found_root.at,
+    return SpanDecision{found_root.hit, found_root.crossing,
                         !order       ? TorusPass::unspecified
                         : *order < 0 ? TorusPass::first
                                      : TorusPass::second};
@@ -98,7 +99,7 @@ std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const Spa
 template <class E, class S>
 std::optional<SpanDecision> decide_exactly(const S& span, const SpanRange<E>* range, intersect::Convention convention) {
     const Enclosed<E> enclosed = enclose<E>(span, range, convention);
-    return enclosed.hit.is_unknown() ? std::nullopt : std::optional(SpanDecision{enclosed.hit, enclosed.at});
+    return enclosed.hit.is_unknown() ? std::nullopt : std::optional(SpanDecision{enclosed.hit, enclosed.crossing});
 }
 
 /// Proves that P is positive for all problems from t₀ = n₀/m on, or from t₀ to t₁ = n₁/m, for either sign of a. `start`
@@ -201,7 +202,7 @@ private:
         return question_.result_after(
             change, [&](const auto& ray, const auto& primitive, const auto* range, const auto& convention) {
                 return with_span(ray, primitive, [&]<class Span>(const Span& span) {
-                    return decide_exactly(span, range, asked_of_span<Span>(convention));
+                    return decide_exactly(span, range, convention_for_span<Span>(convention));
                 });
             });
     }
@@ -215,7 +216,7 @@ private:
                                      const SpanRange<Near>* range, intersect::Convention convention) {
         if (decision_->hit.is_no() && misses_parts(ray, primitive)) return {true, true};
         const SpanDecision decision = with_span(ray, primitive, [&]<class Span>(const Span& span) {
-            const intersect::Convention span_convention = asked_of_span<Span>(convention);
+            const intersect::Convention span_convention = convention_for_span<Span>(convention);
             if constexpr (std::is_same_v<Span, QuarticSpan<Near>>) {
                 return QuarticCases(span, range, span_convention, counted_, cases_).decide();
             } else {
@@ -223,7 +224,7 @@ private:
                 Near::computes_signs_only = true;
                 const Enclosed<Near> enclosed = enclose<Near>(span, range, span_convention);
                 Near::computes_signs_only = false;
-                return SpanDecision{enclosed.hit, enclosed.at};
+                return SpanDecision{enclosed.hit, enclosed.crossing};
             }
         });
         return {!decision.hit.is_unknown(), decision.is_same(*decision_, counted_)};
@@ -271,7 +272,7 @@ private:
 
 Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted, Perturbed perturbed,
                  intersect::Convention convention, Range<double> range) {
-    if (!is_proper(ray) || !is_proper(primitive)) return {0, 0};
+    if (!is_valid(ray) || !is_valid(primitive)) return {0, 0};
     const MarginQuestion question(ray, primitive, perturbed, convention, range);
     Decision decision(question, counted);
     const double proved =
@@ -286,7 +287,7 @@ Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, Cou
 std::optional<bool> changes_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
                                    CountedChange counted, Perturbed perturbed, intersect::Convention convention,
                                    Range<double> range) {
-    if (!is_proper(ray) || !is_proper(primitive)) return std::nullopt;
+    if (!is_valid(ray) || !is_valid(primitive)) return std::nullopt;
     const MarginQuestion question(ray, primitive, perturbed, convention, range);
     Decision decision(question, counted);
     if (decision.holds(epsilon)) return false;
@@ -318,7 +319,7 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
     for (const auto& [ray_gap, i] : order) {
         if (ray_gap > 8 * least) break;
         const Primitive<double> primitive = primitives[i];
-        if (!is_proper(ray) || !is_proper(primitive)) continue;
+        if (!is_valid(ray) || !is_valid(primitive)) continue;
         const MarginQuestion question(ray, primitive, Perturbed::componentwise, convention, range);
         Decision decision(question, CountedChange::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
@@ -359,7 +360,7 @@ double decision_margin(const Ray<double>& ray, const Primitive<double>& primitiv
 double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t, Perturbed perturbed,
                       intersect::Convention convention, Range<double> range) {
     if (!(t > 0)) return std::nan("");
-    if (!is_proper(ray) || !is_proper(primitive) || std::isinf(t)) return 0;
+    if (!is_valid(ray) || !is_valid(primitive) || std::isinf(t)) return 0;
     const MarginQuestion question(ray, primitive, perturbed, convention, range);
     const Near enclosed_t(question.to_problem_units(t));
     return largest_epsilon([&](double epsilon) {

@@ -132,7 +132,7 @@ public:
         Ray<double> double_ray;
         Primitive<double> double_primitive;
         apply_change(ray_, primitive_, double_ray, double_primitive);
-        if (!is_proper(double_ray) || !is_proper(double_primitive)) return {};
+        if (!is_valid(double_ray) || !is_valid(double_primitive)) return {};
         Ray<E> to_ray;
         Primitive<E> to_primitive;
         apply_change(ray_, primitive_, to_ray, to_primitive);

@@ -34,14 +34,14 @@ public:
     [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(units_.last - units_.first); }
 
     /// Returns band k of the share with its truth. `culler` must outlive it.
-    [[nodiscard]] truth::Band at(std::size_t k, truth::TruthLimit limit, culling::Culler& culler) const {
+    [[nodiscard]] truth::Band at(std::size_t k, truth::ProofLimit limit, culling::Culler& culler) const {
         const int y0 = static_cast<int>(units_.first + k) * lines_;
         return {scene_, y0, std::min(scene_.height, y0 + lines_), limit, &culler};
     }
 
     /// Calls `measure` with each band, one after another.
     template <class Measure>
-    void each(truth::TruthLimit limit, const Measure& measure) const {
+    void each(truth::ProofLimit limit, const Measure& measure) const {
         culling::Culler culler(scene_);
         for (std::size_t k = 0; k < size(); ++k) {
             truth::Band band = at(k, limit, culler);

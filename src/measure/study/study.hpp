@@ -97,8 +97,8 @@ concept Study = requires(const S& study, truth::Band& band, std::size_t row_inde
 
 /// Returns the limit of the truth of a band. The study's own limit may have another type.
 template <class Limit>
-truth::TruthLimit truth_limit(const Limit& limit) {
-    if constexpr (std::same_as<Limit, truth::TruthLimit>) return limit;
+truth::ProofLimit truth_limit(const Limit& limit) {
+    if constexpr (std::same_as<Limit, truth::ProofLimit>) return limit;
     else return {.stop = limit.stop};
 }
 

@@ -17,21 +17,22 @@ std::uint64_t FloatTally::floats() const { return std::accumulate(outcomes.begin
 
 std::uint64_t FloatTally::wrong() const {
     std::uint64_t sum = 0;
-    for (const answer::Outcome o : answer::wrong_decisions) sum += count(o);
+    for (const answer::Outcome outcome : answer::wrong_decisions) sum += count(outcome);
     return sum;
 }
 
 void FloatTally::add(std::uint32_t float_index, answer::Outcome outcome, double ulps) {
-    const bool is_first = ++outcomes[static_cast<std::size_t>(outcome)] == 1, is_worse = std::fabs(ulps) > at_most;
+    const bool is_first = ++outcomes[static_cast<std::size_t>(outcome)] == 1, is_worse = std::fabs(ulps) > error_bound;
     if (answer::is_wrong(outcome)) {
         if (!first_wrong) first_wrong = {float_index, outcome};
         last_wrong = {float_index, outcome};
     }
-    if (is_worse) worst = {float_index, ulps}, at_most = std::fabs(ulps);
+    if (is_worse) worst = {float_index, ulps}, error_bound = std::fabs(ulps);
     if (!is_first && !is_worse) return;
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         const auto& [event, bits] = first_events[e];
-        if (!first[e] && (bits > 0 ? at_most >= std::exp2(bits - 1) : outcome == event)) first[e] = float_index;
+        if (!first_floats[e] && (bits > 0 ? error_bound >= std::exp2(bits - 1) : outcome == event))
+            first_floats[e] = float_index;
     }
 }
 
@@ -39,11 +40,11 @@ void FloatTally::append(const FloatTally& next_part) {
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += next_part.outcomes[o];
     if (next_part.worst && (!worst || std::fabs(next_part.worst->ulps) > std::fabs(worst->ulps)))
         worst = next_part.worst;
-    at_most = std::max(at_most, next_part.at_most);
+    error_bound = std::max(error_bound, next_part.error_bound);
     if (!first_wrong) first_wrong = next_part.first_wrong;
     if (next_part.last_wrong) last_wrong = next_part.last_wrong;
-    for (std::size_t e = 0; e < first.size(); ++e) {
-        if (!first[e]) first[e] = next_part.first[e];
+    for (std::size_t e = 0; e < first_floats.size(); ++e) {
+        if (!first_floats[e]) first_floats[e] = next_part.first_floats[e];
     }
     if (next_part.padding && (!padding || next_part.padding->u > padding->u)) padding = next_part.padding;
 }
@@ -51,17 +52,17 @@ void FloatTally::append(const FloatTally& next_part) {
 namespace {
 
 constexpr std::uint64_t block_size = std::uint64_t{1} << 16;
-/// The state is complete after every 32 blocks, a second of work for ten forms.
-constexpr std::size_t blocks_at_once = 32;
+/// Number of blocks after which the state is complete again: a second of work for ten forms.
+constexpr std::size_t blocks_per_state = 32;
 
-/// A part of a binade that one thread tries.
+/// Part of a binade that one thread tries at a time.
 struct Block {
     std::size_t binade;
     FloatRange floats;
 };
 
-/// Blocks of a share. A binade is always cut at the same floats, because the worst float that is found may depend on
-/// the cuts, within 2^-20 of its error. The 2^32 floats make a little more than 2^16 blocks.
+/// Blocks of a share. A binade is always cut at the same floats, because the cuts may decide which float is found as
+/// the worst, within 2^-20 of its error. The 2^32 floats make a little more than 2^16 blocks.
 std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
     for (std::size_t b = 0; b < binades.size(); ++b) {
@@ -96,25 +97,25 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
     return parts;
 }
 
-std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
+std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
     std::uint64_t sum = 0;
     for (const Block& block : blocks_of(binades_of(sweep), share)) sum += block.floats.size();
     return sum;
 }
 
 void ExhaustiveState::append(const ExhaustiveState& next_share) {
-    tried += next_share.tried;
+    floats_tried += next_share.floats_tried;
     stages += next_share.stages;
     tallies.resize(std::max(tallies.size(), next_share.tallies.size()));
     for (std::size_t i = 0; i < next_share.tallies.size(); ++i) tallies[i].append(next_share.tallies[i]);
 }
 
-void ExhaustiveState::require_of(const ExhaustiveRequest& request) const {
+void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
     const std::size_t tallies_per_binade = request.sweep.rays.size() * request.rows.size();
     std::uint64_t counted = 0;
     for (const FloatTally& tally : tallies) counted += tally.floats();
     if (tallies.size() != binades_of(request.sweep).size() * tallies_per_binade ||
-        counted != tried * tallies_per_binade)
+        counted != floats_tried * tallies_per_binade)
         throw std::out_of_range("the tallies belong to another sweep over every float");
 }
 
@@ -124,11 +125,12 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const std::size_t rays = request.sweep.rays.size(), rows = request.rows.size();
     state.tallies.resize(binades.size() * rays * rows);
     std::size_t next_block = 0;
-    for (std::uint64_t tried = 0; next_block < all_blocks.size() && tried < state.tried; ++next_block)
-        tried += all_blocks[next_block].floats.size();
+    for (std::uint64_t floats_before = 0; next_block < all_blocks.size() && floats_before < state.floats_tried;
+         ++next_block)
+        floats_before += all_blocks[next_block].floats.size();
     while (next_block < all_blocks.size()) {
         const std::span blocks =
-            std::span(all_blocks).subspan(next_block, std::min(blocks_at_once, all_blocks.size() - next_block));
+            std::span(all_blocks).subspan(next_block, std::min(blocks_per_state, all_blocks.size() - next_block));
         std::vector<std::vector<FloatTally>> block_tallies(blocks.size() * rays);
         std::vector<truth::StageCounts> stages(block_tallies.size());
         intersect::process::in_parallel(std::size_t{0}, block_tallies.size(), [&](std::size_t k) {
@@ -137,18 +139,18 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
             request.progress(block.floats.size() * rows);
         });
         for (std::size_t k = 0; k < block_tallies.size(); ++k) {
-            const std::size_t tally_index = request.place(blocks[k / rays].binade, k % rays, 0);
+            const std::size_t tally_index = request.tally_index(blocks[k / rays].binade, k % rays, 0);
             for (std::size_t row_index = 0; row_index < rows; ++row_index)
                 state.tallies[tally_index + row_index].append(block_tallies[k][row_index]);
             state.stages += stages[k];
         }
-        for (const Block& block : blocks) state.tried += block.floats.size();
+        for (const Block& block : blocks) state.floats_tried += block.floats.size();
         next_block += blocks.size();
-        request.keep(state);
+        request.store_state(state);
     }
 }
 
-std::optional<std::uint32_t> RangeFinding::before(std::uint32_t float_index) const {
+std::optional<std::uint32_t> RangeFinding::float_before(std::uint32_t float_index) const {
     const std::uint64_t steps = floats.steps_to(float_index);
     if (steps == 0) return std::nullopt;
     return floats.at(steps - 1);
@@ -163,7 +165,7 @@ std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const Ex
                 RangeFinding finding{range, ray, row_index, request.sweep.ranges()[range], {}};
                 for (std::size_t b = 0; b < binades.size(); ++b) {
                     if (binades[b].range == range)
-                        finding.tally.append(state.tallies[request.place(b, ray, row_index)]);
+                        finding.tally.append(state.tallies[request.tally_index(b, ray, row_index)]);
                 }
                 findings.push_back(std::move(finding));
             }

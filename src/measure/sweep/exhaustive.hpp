@@ -1,4 +1,4 @@
-// Exhaustive sweep: every form on every ray at every float of an axis, binade by binade, in memory that does not grow
+// Exhaustive sweep: runs every form on every ray at every float of an axis, binade by binade. The memory does not grow
 // with the axis.
 #pragma once
 
@@ -38,23 +38,25 @@ inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
     return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_primitive;
 }
 
-/// Counts of a form on one ray over floats in their order. A float is identified by its index among all floats
+/// Counts of a form on one ray over consecutive floats. A float is identified by its index among all floats
 /// (scene/sweep/float_order).
 struct FloatTally {
+    /// Float with an error of the form.
     struct Worst {
-        std::uint32_t place;
+        std::uint32_t float_index;
         double ulps;  ///< (t − t*)/ulp(t*), signed
         friend bool operator==(const Worst&, const Worst&) = default;
     };
+    /// Float with a wrong decision of the form.
     struct Wrong {
-        std::uint32_t place;
+        std::uint32_t float_index;
         answer::Outcome outcome;
         friend bool operator==(const Wrong&, const Wrong&) = default;
     };
 
     /// A missed hit, and the padding of tmax, in u, with which the form would find it.
     struct Padding {
-        std::uint32_t place;
+        std::uint32_t float_index;
         double u;
         friend bool operator==(const Padding&, const Padding&) = default;
     };
@@ -63,15 +65,17 @@ struct FloatTally {
     /// First float with the largest |error| among the floats where form and truth hit; see `try_floats`.
     std::optional<Worst> worst;
     /// Upper bound of |error| over all floats; −1 if there is no float where form and truth both hit.
-    double at_most = -1;
+    double error_bound = -1;
     std::optional<Wrong> first_wrong, last_wrong;
     /// Index of the float where each of `first_events` first happens.
-    std::array<std::optional<std::uint32_t>, first_events.size()> first;
+    std::array<std::optional<std::uint32_t>, first_events.size()> first_floats;
     /// For a form that tests a box: among the hits that it misses, the first with the largest gap between slabs; empty
     /// if no missed hit has such a gap.
     std::optional<Padding> padding;
 
-    [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    [[nodiscard]] std::uint64_t count(answer::Outcome outcome) const {
+        return outcomes[static_cast<std::size_t>(outcome)];
+    }
     [[nodiscard]] std::uint64_t floats() const;
     [[nodiscard]] std::uint64_t wrong() const;
     /// Adds the next float; the error is NaN unless form and truth hit.
@@ -81,7 +85,8 @@ struct FloatTally {
     friend bool operator==(const FloatTally&, const FloatTally&) = default;
 };
 
-/// Part of an axis with its own tally: the floats of a range that lie in one binade, in the order of the range.
+/// Part of an axis that has a tally of its own: the floats of a range that lie in one binade, in the order of the
+/// range.
 struct BinadePart {
     std::size_t range;  ///< index in the file's ranges
     scene::sweep::Binade binade;
@@ -93,29 +98,29 @@ struct ExhaustiveRequest;
 
 /// Progress of a run: all that is needed to continue it.
 struct ExhaustiveState {
-    std::uint64_t tried = 0;          ///< floats of the share done so far, in order, each by every form on every ray
-    std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::place`
+    std::uint64_t floats_tried = 0;   ///< floats of the share tried so far, in order, each with every form on every ray
+    std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::tally_index`
     truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 
     /// Appends the results of the next share.
     void append(const ExhaustiveState& next_share);
     /// Throws std::out_of_range if the state cannot be the result of `request`.
-    void require_of(const ExhaustiveRequest& request) const;
+    void require_match(const ExhaustiveRequest& request) const;
 };
 
 struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile& sweep;
     std::vector<evaluate::TestedForm> rows = {};  ///< all in binary32
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     std::string scene = {};   ///< for a sweep across a mesh: the scene as a command line names it
     shard::Share share = {};  ///< share of the blocks into which every binade is cut
     /// Called with the number of further floats tried, each counted once per ray and form.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
     /// Called between two parts of the work, when the state is complete.
-    std::function<void(const ExhaustiveState&)> keep = [](const ExhaustiveState&) {};
+    std::function<void(const ExhaustiveState&)> store_state = [](const ExhaustiveState&) {};
 
     /// Index of the tally of a form on a ray in a binade.
-    [[nodiscard]] std::size_t place(std::size_t binade, std::size_t ray, std::size_t row_index) const {
+    [[nodiscard]] std::size_t tally_index(std::size_t binade, std::size_t ray, std::size_t row_index) const {
         return (binade * sweep.rays.size() + ray) * rows.size() + row_index;
     }
 };
@@ -127,18 +132,18 @@ struct RangeFinding {
     FloatTally tally;  ///< over the floats that were tried, which may be fewer than the range has
 
     /// Float before another in the order of the range; empty for the first float.
-    [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t float_index) const;
+    [[nodiscard]] std::optional<std::uint32_t> float_before(std::uint32_t float_index) const;
 };
 
 /// Findings by row, ray and range.
 std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state);
 
 /// Number of floats in a share.
-std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);
+std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);
 
 /// Continues until every float of the share is tried. The result depends neither on the number of threads nor on how
-/// often the run was stopped. If it throws, for example Interrupted, the state is complete: the last one that `keep`
-/// was called with, or a later one.
+/// often the run was stopped. If it throws, for example Interrupted, the state is complete: the last one that
+/// `store_state` was called with, or a later one.
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state);
 
 /// Consecutive floats of an axis, on one of its rays.
@@ -156,7 +161,7 @@ inline constexpr std::size_t max_refined_floats = 4096;
 /// The worst error is computed from the complete truth (`find_truth`) at its float. Floats that may be worse are
 /// refined, so that no error exceeds the worst one by more than 2^-20 of the worst one or 2^-20 ulp, whichever is
 /// larger. If thousands of neighbouring floats are equally bad to within 2^-8 ulp, for example because t* hardly
-/// depends on the axis, at most `max_refined_floats` are refined. `at_most` bounds the errors of the others. If the
+/// depends on the axis, at most `max_refined_floats` are refined. `error_bound` bounds the errors of the others. If the
 /// columns leave open whether a loss reaches a number of bits, the complete truth decides.
 std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::StageCounts& stages);
 

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::size_t chunk_size = 4096;  // the columns of a chunk stay in the second-level cache
 
-/// Up to this number of undecided floats are given to the complete truth one by one. More are first refined together in
-/// packs.
-constexpr std::size_t max_one_by_one = 8;
+/// Largest number of undecided floats that are given to the complete truth one by one. If there are more, they are
+/// first refined together in packs.
+constexpr std::size_t max_single_floats = 8;
 
 /// Adds the results of a form at the floats of a chunk to the tally of the floats before the chunk.
 class ChunkTally {
@@ -32,11 +32,11 @@ public:
         add_wrong();
         add_worst();
         for (std::size_t e = 0; e < first_events.size(); ++e) {
-            if (first_events[e].lost_bits > 0 && !tally_.first[e]) add_crossing(e);
+            if (first_events[e].lost_bits > 0 && !tally_.first_floats[e]) add_threshold_crossing(e);
         }
     }
 
-    /// `padding(i)` is the number of u by which the slabs of float i come apart.
+    /// Adds the largest padding among the missed hits. `padding(i)` is the gap between the slabs at float i, in u.
     template <class PaddingOf>
     void add_padding(const PaddingOf& padding) {
         if (ulps_.counts()[static_cast<std::size_t>(Outcome::false_miss)] == 0) return;
@@ -54,11 +54,12 @@ private:
         if (!occurs(Outcome::false_hit) && !occurs(Outcome::false_miss) && !occurs(Outcome::not_a_number)) return;
         for (std::size_t e = 0; e < first_events.size(); ++e) {
             const Outcome o = first_events[e].outcome;
-            if (first_events[e].lost_bits > 0 || !is_of_one_primitive(first_events[e]) || tally_.first[e] || !occurs(o))
+            if (first_events[e].lost_bits > 0 || !is_of_one_primitive(first_events[e]) || tally_.first_floats[e] ||
+                !occurs(o))
                 continue;
             std::size_t i = 0;
             while (ulps_.outcome(i) != o) ++i;
-            tally_.first[e] = floats_.at(i);
+            tally_.first_floats[e] = floats_.at(i);
         }
         std::size_t first = 0, last = ulps_.size() - 1;
         if (!tally_.first_wrong) {
@@ -75,7 +76,7 @@ private:
         return largest_so_far < 0 ? largest_so_far : largest_so_far + 0x1p-20 * std::max(largest_so_far, 1.0);
     }
 
-    /// Floats whose error may exceed every error before them and every lower bound in the chunk.
+    /// Floats whose error may exceed all errors before the chunk and every lower bound in the chunk.
     [[nodiscard]] std::vector<std::size_t> worst_candidates() const {
         std::vector<std::size_t> candidates;
         const double threshold = worse_threshold();
@@ -88,13 +89,14 @@ private:
     }
 
     void replace_worst_if_worse(std::size_t i) {
-        const double ulps = ulps_.exact(i);
+        const double ulps = ulps_.find_exact_error(i);
         if (!tally_.worst || std::fabs(ulps) > std::fabs(tally_.worst->ulps)) tally_.worst = {floats_.at(i), ulps};
     }
 
+    /// Finds the worst float of the chunk, and bounds the errors of all others.
     void add_worst() {
         const std::vector<std::size_t> candidates = worst_candidates();
-        if (candidates.size() <= max_one_by_one) {
+        if (candidates.size() <= max_single_floats) {
             for (const std::size_t i : candidates) replace_worst_if_worse(i);
         } else if (candidates.size() <= refinements_left_) {
             refinements_left_ -= candidates.size();
@@ -107,32 +109,35 @@ private:
         }
         double bound = candidates.empty() ? std::min(ulps_.largest_upper_bound(), worse_threshold()) : -1;
         for (const std::size_t i : candidates) bound = std::max(bound, ulps_.upper_bound(i));
-        tally_.at_most = std::max(tally_.at_most, bound);
+        tally_.error_bound = std::max(tally_.error_bound, bound);
     }
 
+    /// First of the candidates that may have the largest error.
     [[nodiscard]] std::size_t first_largest(const std::vector<std::size_t>& candidates) const {
         double largest = -1;
         for (const std::size_t i : candidates) largest = std::max(largest, ulps_.lower_bound(i));
         return *std::ranges::find_if(candidates, [&](std::size_t i) { return ulps_.upper_bound(i) >= largest; });
     }
 
-    void add_crossing(std::size_t event) {
-        const double bits = first_events[event].lost_bits, crossing = std::exp2(bits - 1);
-        if (ulps_.largest_upper_bound() < crossing) return;
+    /// Finds the first float whose error reaches the number of bits of an event.
+    void add_threshold_crossing(std::size_t event) {
+        const double bits = first_events[event].lost_bits, threshold = std::exp2(bits - 1);
+        if (ulps_.largest_upper_bound() < threshold) return;
         std::vector<std::size_t> undecided;
         std::size_t first_certain = 0;
-        for (; first_certain < ulps_.size() && ulps_.lower_bound(first_certain) < crossing; ++first_certain) {
-            if (ulps_.upper_bound(first_certain) >= crossing) undecided.push_back(first_certain);
+        for (; first_certain < ulps_.size() && ulps_.lower_bound(first_certain) < threshold; ++first_certain) {
+            if (ulps_.upper_bound(first_certain) >= threshold) undecided.push_back(first_certain);
         }
-        if (undecided.size() > max_one_by_one) ulps_.refine(undecided);
+        if (undecided.size() > max_single_floats) ulps_.refine(undecided);
         for (const std::size_t i : undecided) {
-            const bool crosses = ulps_.lower_bound(i) >= crossing ||
-                                 (ulps_.upper_bound(i) >= crossing && std::fabs(ulps_.exact(i)) >= crossing);
+            const bool crosses =
+                ulps_.lower_bound(i) >= threshold ||
+                (ulps_.upper_bound(i) >= threshold && std::fabs(ulps_.find_exact_error(i)) >= threshold);
             if (!crosses) continue;
-            tally_.first[event] = floats_.at(i);
+            tally_.first_floats[event] = floats_.at(i);
             return;
         }
-        if (first_certain < ulps_.size()) tally_.first[event] = floats_.at(first_certain);
+        if (first_certain < ulps_.size()) tally_.first_floats[event] = floats_.at(first_certain);
     }
 
     UlpColumns& ulps_;
@@ -141,11 +146,12 @@ private:
     std::size_t& refinements_left_;  ///< number of floats that may still be refined in search of the worst
 };
 
-/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. A form of boxes tests the
-/// primitive; a form behind a box tests the bounding box of the primitive; other forms test no box.
-class BoxOfRow {
+/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. A form of the shape box
+/// tests the primitive. A form with a bounding box in front tests the bounding box of the primitive. Other forms test
+/// no box.
+class TestedBox {
 public:
-    explicit BoxOfRow(const evaluate::TestedForm& form_row)
+    explicit TestedBox(const evaluate::TestedForm& form_row)
         : row_(form_row), boxed_parts_(intersect::bounding_box::boxed_parts_of(*form_row.form)) {}
 
     [[nodiscard]] bool has_box() const {
@@ -175,20 +181,20 @@ private:
 };
 
 /// Rows that are compared with the same truth.
-struct RowsOfTruth {
+struct RowsWithTruth {
     truth::ColumnTerms terms;
     std::vector<std::size_t> rows = {};
 };
 
-std::vector<RowsOfTruth> rows_by_truth(const ExhaustiveRequest& request) {
-    std::vector<RowsOfTruth> groups;
+std::vector<RowsWithTruth> group_rows_by_truth(const ExhaustiveRequest& request) {
+    std::vector<RowsWithTruth> groups;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const evaluate::TestedForm& form_row = request.rows[r];
         const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
         const truth::ColumnTerms terms{form_row.convention(),
                                        takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
                                        truth::Tightness::ulps_of_binary32, request.limit};
-        auto group = std::ranges::find_if(groups, [&](const RowsOfTruth& g) {
+        auto group = std::ranges::find_if(groups, [&](const RowsWithTruth& g) {
             return g.terms.convention == terms.convention && g.terms.length == terms.length;
         });
         if (group == groups.end()) group = groups.insert(groups.end(), {terms});
@@ -203,27 +209,28 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
     const auto& [request, ray, floats] = floats_on_ray;
     if (request.sweep.mesh) return try_floats_as_rays(floats_on_ray, stages);
     AxisColumns columns(request.sweep, ray, chunk_size);
-    std::vector<float> values(chunk_size), t(chunk_size);
-    std::vector<std::uint8_t> hit(chunk_size);
+    std::vector<float> values(chunk_size), form_t(chunk_size);
+    std::vector<std::uint8_t> form_hit(chunk_size);
     truth::TruthColumns truths;
-    const std::vector<RowsOfTruth> groups = rows_by_truth(request);
+    const std::vector<RowsWithTruth> groups = group_rows_by_truth(request);
     std::vector<UlpColumns> ulps;
-    for (const RowsOfTruth& group : groups) ulps.emplace_back(columns, group.terms);
-    std::vector<BoxOfRow> boxes(request.rows.begin(), request.rows.end());
+    for (const RowsWithTruth& group : groups) ulps.emplace_back(columns, group.terms);
+    std::vector<TestedBox> boxes(request.rows.begin(), request.rows.end());
     std::vector<FloatTally> tallies(request.rows.size());
     std::vector<std::size_t> refinements_left(request.rows.size(), max_refined_floats);
     for (std::uint64_t begin = 0; begin < floats.size(); begin += chunk_size) {
-        const std::uint64_t n = std::min<std::uint64_t>(chunk_size, floats.size() - begin);
-        const scene::sweep::FloatRange chunk{floats.at(begin), floats.at(begin + n - 1)};
-        for (std::size_t i = 0; i < n; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
-        columns.set(std::span(values).first(n));
+        const std::uint64_t count = std::min<std::uint64_t>(chunk_size, floats.size() - begin);
+        const scene::sweep::FloatRange chunk{floats.at(begin), floats.at(begin + count - 1)};
+        for (std::size_t i = 0; i < count; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
+        columns.set_values(std::span(values).first(count));
         for (std::size_t g = 0; g < ulps.size(); ++g) {
             request.limit.stop.check();
             find_truth_columns(columns.problems(), groups[g].terms, truths);
             stages += truths.stages;
             for (const std::size_t row_index : groups[g].rows) {
-                columns.answer(request.rows[row_index], std::span(t).first(n), std::span(hit).first(n));
-                ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
+                columns.answer(request.rows[row_index], std::span(form_t).first(count),
+                               std::span(form_hit).first(count));
+                ulps[g].compare(std::span(form_t).first(count), std::span(form_hit).first(count), truths);
                 ChunkTally tally(ulps[g], chunk, tallies[row_index], refinements_left[row_index]);
                 tally.add();
                 if (boxes[row_index].has_box())
@@ -235,7 +242,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
 }
 
 double padding_max(const evaluate::TestedForm& form_row, const FloatTally& tally) {
-    if (!BoxOfRow(form_row).has_box()) return truth::missing;
+    if (!TestedBox(form_row).has_box()) return truth::missing;
     return tally.padding ? tally.padding->u : 0;
 }
 

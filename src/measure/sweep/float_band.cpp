@@ -24,18 +24,19 @@ public:
     explicit FloatBand(const FloatsOnRay& floats_on_ray)
         : rows_(floats_on_ray.request.rows),
           group_(floats_on_ray.request.sweep.group_over(floats_on_ray.ray, floats_on_ray.floats)),
-          culler_(culler_of(group_)),
+          culler_(make_culler(group_)),
           band_(group_, floats_on_ray.request.limit, culler_ ? &*culler_ : nullptr),
-          shared_(band_, rows_, measured_metrics()) {}
+          shared_truth_(band_, rows_, measured_metrics()) {}
 
     void measure(std::size_t row_index, const evaluate::Show& show) const {
         evaluate::FormSummary summary(measured_metrics());
-        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_.of(rows_[row_index]), summary);
+        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_truth_.of(rows_[row_index]),
+                              summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
 private:
-    static std::optional<culling::Culler> culler_of(const scene::rays::RayGroup& group) {
+    static std::optional<culling::Culler> make_culler(const scene::rays::RayGroup& group) {
         if (!group.mesh) return std::nullopt;
         return culling::Culler(scene::rays::primitive_list_of(group), group.rays);
     }
@@ -44,7 +45,7 @@ private:
     scene::rays::RayGroup group_;
     std::optional<culling::Culler> culler_;
     truth::Band band_;
-    evaluate::SharedBandTruth shared_;
+    evaluate::SharedBandTruth shared_truth_;
 };
 
 }  // namespace

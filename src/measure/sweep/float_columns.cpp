@@ -19,12 +19,12 @@ using intersect::table::RayBatch;
 
 namespace {
 
-Vec<float> rounded_unit_direction(const Vec<float>& direction) {
+Vec<float> unit_direction_in_binary32(const Vec<float>& direction) {
     const Vec<double> d = truth::unit_direction(Vec<double>(direction.x, direction.y, direction.z), binary32);
     return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }
 
-std::span<const float> span_of_one(const float& x) { return {&x, 1}; }
+std::span<const float> single_number(const float& x) { return {&x, 1}; }
 
 }  // namespace
 
@@ -43,7 +43,7 @@ AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t r
     if (std::isfinite(file.rays[ray].tmax)) tmax_.assign(capacity, file.rays[ray].tmax);
 }
 
-void AxisColumns::set(std::span<const float> values) {
+void AxisColumns::set_values(std::span<const float> values) {
     values_ = values;
     if (direction_varies_) has_unit_directions_ = false;
     has_primitives_ = false;
@@ -52,12 +52,13 @@ void AxisColumns::set(std::span<const float> values) {
 truth::ProblemColumns<float> AxisColumns::problems() const { return problems(values_); }
 
 truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values) const {
-    truth::ProblemColumns<float> p{.size = values.size(), .ray = {}, .shape = file_.primitive.shape, .primitive = {}};
-    for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray_varies_[k] ? values : span_of_one(ray_numbers_[k]);
+    truth::ProblemColumns<float> columns{
+        .size = values.size(), .ray = {}, .shape = file_.primitive.shape, .primitive = {}};
+    for (std::size_t k = 0; k < 6; ++k) columns.ray[k] = ray_varies_[k] ? values : single_number(ray_numbers_[k]);
     for (std::size_t k = 0; k < file_.primitive.shape_numbers().size(); ++k)
-        p.primitive[k] = primitive_varies_[k] ? values : span_of_one(primitive_numbers_[k]);
-    if (!tmax_.empty()) p.tmax = span_of_one(tmax_.front());
-    return p;
+        columns.primitive[k] = primitive_varies_[k] ? values : single_number(primitive_numbers_[k]);
+    if (!tmax_.empty()) columns.tmax = single_number(tmax_.front());
+    return columns;
 }
 
 truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& terms) const {
@@ -74,7 +75,7 @@ void AxisColumns::make_unit_directions() {
     Vec<float> d{};
     for (std::size_t i = 0; i < count; ++i) {
         if (i == 0 || direction_varies_)
-            d = rounded_unit_direction(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
+            d = unit_direction_in_binary32(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
         for (int k = 0; k < 3; ++k) unit_columns_[static_cast<std::size_t>(k)][i] = d[k];
     }
 }
@@ -119,8 +120,8 @@ void AxisColumns::answer(const TestedForm& form_row, std::span<float> t, std::sp
     else answer_primitives(form_row, batch, hits);
 }
 
-/// Uses the packed kernel for one ray against many primitives if there is one; it gives the same bits. A kernel that
-/// takes tmax is not used, because it cannot tell a miss from a hit at tmax.
+/// Runs the packed kernel for one ray against many primitives if there is one; its answers have the same bits. A kernel
+/// that takes tmax is not used, because it cannot tell a miss from a hit at tmax.
 void AxisColumns::answer_primitives(const TestedForm& form_row, const RayBatch<float>& rays,
                                     const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
@@ -138,25 +139,25 @@ void AxisColumns::answer_primitives(const TestedForm& form_row, const RayBatch<f
 
 namespace {
 
-/// 1/ulp(t*) in binary32 for t* = hi + lo ≥ 0, whose binade is proved: 2^(23 − max(⌊log2 t*⌋, −126)). Where hi is a
+/// 1/ulp(t*) in binary32 for t* = hi + lo ≥ 0, whose binade is proved: 2^(23 − max(⌊log2 t*⌋, −126)). If hi is a
 /// power of two and lo < 0, t* lies below hi, and so does the double before hi. Uses only operations that SIMD
 /// registers of every width support.
 double inverse_ulp(double hi, double lo) {
     constexpr double smallest_normal = 0x1p-126;
     const auto below = std::bit_cast<double>(std::bit_cast<std::uint64_t>(hi) - (lo < 0 ? 1U : 0U));
-    const double size = below > smallest_normal ? below : smallest_normal;
-    constexpr std::uint64_t exponent = 0x7ff0000000000000U, sum = std::uint64_t{2 * 1023 + 23} << 52;
-    return std::bit_cast<double>(sum - (std::bit_cast<std::uint64_t>(size) & exponent));
+    const double in_binade = below > smallest_normal ? below : smallest_normal;
+    constexpr std::uint64_t exponent_bits = 0x7ff0000000000000U, exponent_sum = std::uint64_t{2 * 1023 + 23} << 52;
+    return std::bit_cast<double>(exponent_sum - (std::bit_cast<std::uint64_t>(in_binade) & exponent_bits));
 }
 
-struct ValueRange {
+struct ErrorRange {
     double low, high;
 };
 
-/// Bounds of |t − t*|/ulp(t*) where |t* − (hi + lo)| ≤ bound. The subtractions of hi and of lo are rounded, each with a
-/// relative error of at most 2^-53; where they cancel, t − hi is exact. The factors 1 ± 2^-50 cover both roundings and
+/// Bounds of |t − t*|/ulp(t*), given |t* − (hi + lo)| ≤ bound. The subtractions of hi and of lo are rounded, each with
+/// a relative error of at most 2^-53; if they cancel, t − hi is exact. The factors 1 ± 2^-50 cover both roundings and
 /// that of the product with the bound.
-ValueRange error_bounds(float t, double hi, double lo, double bound) {
+ErrorRange error_bounds(float t, double hi, double lo, double bound) {
     const double scale = inverse_ulp(hi, lo);
     const double error = std::fabs((static_cast<double>(t) - hi) - lo) * scale;
     const double margin = bound * scale;
@@ -164,27 +165,28 @@ ValueRange error_bounds(float t, double hi, double lo, double bound) {
 }
 
 /// Largest element, or −1 if all are smaller. Eight partial maxima fit into registers.
-double largest(const std::vector<double>& x) {
-    constexpr std::size_t parts = 8;
-    std::array<double, parts> maxima{};
+double largest_element(const std::vector<double>& numbers) {
+    constexpr std::size_t part_count = 8;
+    std::array<double, part_count> maxima{};
     maxima.fill(-1);
     std::size_t i = 0;
-    for (; i + parts <= x.size(); i += parts) {
-        for (std::size_t k = 0; k < parts; ++k) maxima[k] = x[i + k] > maxima[k] ? x[i + k] : maxima[k];
+    for (; i + part_count <= numbers.size(); i += part_count) {
+        for (std::size_t k = 0; k < part_count; ++k)
+            maxima[k] = numbers[i + k] > maxima[k] ? numbers[i + k] : maxima[k];
     }
-    for (; i < x.size(); ++i) maxima[0] = std::max(maxima[0], x[i]);
+    for (; i < numbers.size(); ++i) maxima[0] = std::max(maxima[0], numbers[i]);
     return std::ranges::max(maxima);
 }
 
 }  // namespace
 
-/// Writes the outcomes into `outcome_` and counts them. Most often all floats of a chunk have the same outcome.
+/// Writes the outcomes into `outcome_` and counts them. The floats of a chunk mostly have the same outcome.
 void UlpColumns::classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth) {
     static const answer::OutcomeTable table;
     const auto outcome_of = [](std::uint8_t case_index) { return static_cast<std::uint8_t>(table[case_index]); };
     const std::size_t n = t_.size();
-    // Local pointers, because a store of bytes could change the vectors themselves: the compiler would then handle one
-    // float at a time.
+    // The pointers are local, because the compiler must assume that a store of bytes changes the vectors themselves. It
+    // would then handle one float at a time.
     const auto* const decision = truth.decision.data();
     const std::uint8_t* const hits = hit.data();
     const float* const t = t_.data();
@@ -225,9 +227,9 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     const float* const answer = t.data();
     double *const low = low_.data(), *const high = high_.data();
     for (std::size_t i = 0; i < n; ++i) {
-        const ValueRange b = error_bounds(answer[i], hi[i], lo[i], bound[i]);
-        low[i] = b.low;
-        high[i] = b.high;
+        const ErrorRange bounds = error_bounds(answer[i], hi[i], lo[i], bound[i]);
+        low[i] = bounds.low;
+        high[i] = bounds.high;
     }
     if (counts_[both_hit] < n) {
         for (std::size_t i = 0; i < n; ++i) {
@@ -235,16 +237,16 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
         }
     }
     // Columns cannot hold a length beyond 2^±900.
-    for (const auto& [i, complete_truth] : truth.alone) {
+    for (const auto& [i, complete_truth] : truth.single_truths) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
         const auto& length = terms_.length == truth::Length::parameter ? complete_truth.t : complete_truth.distance;
-        set_exact(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
+        set_exact_error(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
     }
-    largest_low_ = largest(low_);
-    largest_high_ = largest(high_);
+    largest_low_ = largest_element(low_);
+    largest_high_ = largest_element(high_);
 }
 
-void UlpColumns::set_exact(std::size_t i, double ulps) { low_[i] = high_[i] = std::fabs(ulps); }
+void UlpColumns::set_exact_error(std::size_t i, double ulps) { low_[i] = high_[i] = std::fabs(ulps); }
 
 void UlpColumns::refine(std::span<const std::size_t> indices) {
     std::vector<float> values(indices.size());
@@ -255,18 +257,18 @@ void UlpColumns::refine(std::span<const std::size_t> indices) {
     for (std::size_t k = 0; k < indices.size(); ++k) {
         const std::size_t i = indices[k];
         if (std::isnan(refined_truths_.hi[k]) || std::isinf(t_[i])) continue;
-        const ValueRange b =
+        const ErrorRange bounds =
             error_bounds(t_[i], refined_truths_.hi[k], refined_truths_.lo[k], refined_truths_.bound[k]);
-        low_[i] = b.low;
-        high_[i] = b.high;
+        low_[i] = bounds.low;
+        high_[i] = bounds.high;
     }
 }
 
-double UlpColumns::exact(std::size_t i) {
+double UlpColumns::find_exact_error(std::size_t i) {
     const truth::Truth truth = columns_.find_truth(i, terms_);
     const auto& length = terms_.length == truth::Length::parameter ? truth.t : truth.distance;
     const double ulps = truth::ulp_error(static_cast<double>(t_[i]), length, binary32);
-    set_exact(i, ulps);
+    set_exact_error(i, ulps);
     return ulps;
 }
 

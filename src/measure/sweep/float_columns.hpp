@@ -18,12 +18,12 @@ public:
     /// Allocates buffers for `capacity` floats; `file` must outlive this object.
     AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t ray, std::size_t capacity);
 
-    /// Replaces the floats by others, at most `capacity` of them.
-    void set(std::span<const float> values);
+    /// Replaces the floats by other floats, at most `capacity` of them.
+    void set_values(std::span<const float> values);
     [[nodiscard]] std::span<const float> values() const { return values_; }
 
     [[nodiscard]] truth::ProblemColumns<float> problems() const;
-    /// Problems of these floats, which need not be the floats that were set.
+    /// Problems at these floats, which may be other floats than those that were set.
     [[nodiscard]] truth::ProblemColumns<float> problems(std::span<const float> values) const;
     /// Complete truth of float i.
     [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
@@ -31,7 +31,7 @@ public:
     /// Writes the answers of a form at each float; each `hit` is 0 or 1.
     void answer(const evaluate::TestedForm& form_row, std::span<float> t, std::span<std::uint8_t> hit);
 
-    /// Ray that a form is given at float i; valid once the form has answered there.
+    /// Ray that a form receives at float i; valid after the form has answered there.
     [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& form_row, std::size_t i) const;
     [[nodiscard]] Primitive<float> primitive(std::size_t i) const { return file_.primitive_at(values_[i]); }
     /// True if the primitive differs from float to float.
@@ -64,8 +64,8 @@ class UlpColumns {
 public:
     using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_primitive>;
 
-    /// Compares the answers of a form with the truth of the same floats.
     UlpColumns(const AxisColumns& columns, const truth::ColumnTerms& terms) : columns_(columns), terms_(terms) {}
+    /// Compares the answers of a form with the truth of the same floats.
     void compare(std::span<const float> t, std::span<const std::uint8_t> hit, const truth::TruthColumns& truth);
 
     [[nodiscard]] std::size_t size() const { return outcome_.size(); }
@@ -79,15 +79,15 @@ public:
     [[nodiscard]] double largest_lower_bound() const { return largest_low_; }
     [[nodiscard]] double largest_upper_bound() const { return largest_high_; }
 
-    /// Narrows both bounds to 2^-48 of themselves where packed truths are accurate enough; for floats where form and
-    /// truth hit.
+    /// Narrows both bounds to 2^-48 of themselves if packed truths are accurate enough. Form and truth must hit at
+    /// these floats.
     void refine(std::span<const std::size_t> indices);
     /// Signed error by the complete truth of float i, as `lostbits explain` reports it.
-    [[nodiscard]] double exact(std::size_t i);
+    [[nodiscard]] double find_exact_error(std::size_t i);
 
 private:
     void classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth);
-    void set_exact(std::size_t i, double ulps);
+    void set_exact_error(std::size_t i, double ulps);
 
     const AxisColumns& columns_;
     truth::ColumnTerms terms_;

@@ -25,15 +25,16 @@ std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector
     return evaluate::measure_groups(request.sweep.rays(values), rows, request.metrics, request.limit);
 }
 
-/// Event whose first step is searched: it happens when its value reaches the threshold. A missing value is NaN.
+/// Event whose onset is searched. It happens at a step if its value there reaches the threshold. A missing value is
+/// NaN.
 struct Event {
     std::string name, statistic;
     double threshold;
     std::function<double(const FormSummary&)> value;
 
-    [[nodiscard]] bool happens(const FormSummary& s) const { return value(s) >= threshold; }
-    /// False for NaN: a form that hits nothing any more loses no bits, but is not good again.
-    [[nodiscard]] bool is_good(const FormSummary& s) const { return value(s) < threshold; }
+    [[nodiscard]] bool happens(const FormSummary& summary) const { return value(summary) >= threshold; }
+    /// False for NaN: a form that no longer hits anything loses no bits, but is not good again.
+    [[nodiscard]] bool is_good(const FormSummary& summary) const { return value(summary) < threshold; }
 };
 
 /// True for a metric of the loss, in ulps, in a transform step: on the way to object space or back.
@@ -41,14 +42,14 @@ bool measures_transform_step(const Metric& m) {
     return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude;
 }
 
-std::vector<Event> events_of(const TestedForm& form_row, const std::vector<const Metric*>& metrics) {
+std::vector<Event> list_events(const TestedForm& form_row, const std::vector<const Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits"),
                       stop_index = metric::index_of(metrics, "stop");
     std::vector<Event> events;
-    const double p = form_row.format.parameters.precision;
+    const double precision = form_row.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
-        for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
-            if (bits > p) continue;
+        for (const double bits : {1.0, 4.0, 8.0, precision / 2, precision}) {
+            if (bits > precision) continue;
             events.push_back({"lost_bits", std::string(s.name), bits, [lost_bits_index, s](const FormSummary& summary) {
                                   return s.of(summary.metrics[lost_bits_index]);
                               }});
@@ -65,11 +66,11 @@ std::vector<Event> events_of(const TestedForm& form_row, const std::vector<const
     }
     if (is_primitive(form_row.form->shape) || stop_index == metrics.size()) return events;
     for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
-        const auto c = static_cast<std::size_t>(stop_reason);
-        events.push_back(
-            {std::string(intersect::stop_names[c]), "count", 1, [stop_index, c](const FormSummary& summary) {
-                 return static_cast<double>(summary.categories[stop_index][c]);
-             }});
+        const auto stop_category = static_cast<std::size_t>(stop_reason);
+        events.push_back({std::string(intersect::stop_names[stop_category]), "count", 1,
+                          [stop_index, stop_category](const FormSummary& summary) {
+                              return static_cast<double>(summary.categories[stop_index][stop_category]);
+                          }});
     }
     return events;
 }
@@ -105,11 +106,11 @@ private:
     std::map<double, FormSummary> summaries_;
 };
 
-/// Halves a bracket until it is narrow. `holds` is true at `first` and false at `second`. `at_second` is called with
-/// the summary at every value that `second` moves to.
-template <class Holds, class AtSecond>
-void narrow(const scene::sweep::Axis& axis, double& first, double& second, RowEvaluator& evaluator, const Holds& holds,
-            const AtSecond& at_second) {
+/// Halves the bracket [first, second] until it is narrow. `holds` is true at `first` and false at `second`. `on_second`
+/// is called with the summary at every value that `second` moves to.
+template <class Holds, class OnSecond>
+void narrow_bracket(const scene::sweep::Axis& axis, double& first, double& second, RowEvaluator& evaluator,
+                    const Holds& holds, const OnSecond& on_second) {
     while (std::fabs(second - first) > 0x1p-9 * std::fabs(second)) {
         const double middle = axis.middle(first, second);
         if (middle == first || middle == second) return;
@@ -118,12 +119,12 @@ void narrow(const scene::sweep::Axis& axis, double& first, double& second, RowEv
             first = middle;
         } else {
             second = middle;
-            at_second(summary);
+            on_second(summary);
         }
     }
 }
 
-/// Steps in the order in which an onset is looked for.
+/// Steps in the order in which an onset is searched.
 using StepOrder = std::vector<const SweepStep*>;
 
 /// Finds the last step after step `bad_index` at which the form is good again, and the value at which it stops being
@@ -138,7 +139,7 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
     onset.last_good_after = steps[good_index]->values.front();
     if (onset.good_at_end) return;
     onset.bad_again = steps[good_index + 1]->values.front();
-    narrow(
+    narrow_bracket(
         request.sweep.axes.front(), onset.last_good_after, onset.bad_again, evaluator,
         [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
 }
@@ -162,7 +163,7 @@ Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::siz
         return onset;
     }
     onset.last_good = (*std::prev(first_bad_step))->values.front();
-    narrow(
+    narrow_bracket(
         request.sweep.axes.front(), onset.last_good, onset.first_bad, evaluator,
         [&](const FormSummary& s) { return !event.happens(s); },
         [&](const FormSummary& s) { onset.value_at_first_bad = event.value(s); });
@@ -170,14 +171,14 @@ Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::siz
 }
 
 /// Finds the onsets on the rays of one draw.
-std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
+std::vector<Onset> find_onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     StepOrder forward_steps;
     for (const SweepStep& step : steps) forward_steps.push_back(&step);
     const StepOrder backward_steps(forward_steps.rbegin(), forward_steps.rend());
     std::vector<std::vector<Onset>> onsets_by_row(request.rows.size());
     intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row_index) {
         RowEvaluator evaluator(request, row_index);
-        for (const Event& event : events_of(request.rows[row_index], request.metrics)) {
+        for (const Event& event : list_events(request.rows[row_index], request.metrics)) {
             if (!request.asks_for({row_index, event.name, event.statistic, event.threshold})) continue;
             onsets_by_row[row_index].push_back(locate_onset(request, forward_steps, row_index, event, evaluator));
             if (!request.both_ends) continue;
@@ -219,7 +220,7 @@ std::vector<FormSummary> measure_at(const SweepRequest& request, const std::vect
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     if (request.sweep.axes.size() != 1) return {};
-    std::vector<Onset> onsets = onsets_of_draw(request, steps);
+    std::vector<Onset> onsets = find_onsets_of_draw(request, steps);
     if (!request.sweep.has_random_rays()) return onsets;
     for (int draw = 1; draw <= request.further_draws; ++draw) {
         const scene::sweep::SweepFile sweep_of_draw = request.sweep.with_seed_offset(draw);
@@ -227,16 +228,16 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
                                         .rows = request.rows,
                                         .metrics = request_for_events(request).metrics,
                                         .both_ends = request.both_ends,
-                                        .only = request.only,
+                                        .wanted_onsets = request.wanted_onsets,
                                         .limit = request.limit,
                                         .progress = request.progress};
-        const std::vector<Onset> draw_onsets = onsets_of_draw(draw_request, run_sweep(draw_request));
+        const std::vector<Onset> draw_onsets = find_onsets_of_draw(draw_request, run_sweep(draw_request));
         for (Onset& onset : onsets) {
             const auto match =
-                std::ranges::find_if(draw_onsets, [&onset](const Onset& o) { return o.is_of_event(onset); });
+                std::ranges::find_if(draw_onsets, [&onset](const Onset& o) { return o.is_same_event(onset); });
             if (match == draw_onsets.end())
                 throw std::logic_error("a further draw of a sweep has other events than the first");
-            onset.further.push_back(match->found ? match->first_bad : truth::missing);
+            onset.further_first_bad.push_back(match->found ? match->first_bad : truth::missing);
         }
     }
     return onsets;
@@ -284,14 +285,14 @@ FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index
 }
 
 std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
-    std::map<std::string, std::vector<std::size_t>> by_format;
+    std::map<std::string, std::vector<std::size_t>> rows_by_format;
     for (std::size_t row_index = 0; row_index < request.rows.size(); ++row_index)
-        by_format[request.rows[row_index].format.name].push_back(row_index);
+        rows_by_format[request.rows[row_index].format.name].push_back(row_index);
     const auto units = request.share.unit_range(request.file.size());
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
-        for (const auto& [format_name, rows_of_format] : by_format) {
+        for (const auto& [format_name, rows_of_format] : rows_by_format) {
             std::vector<evaluate::TestedForm> rows;
             for (const std::size_t row_index : rows_of_format) rows.push_back(request.rows[row_index]);
             auto summaries =
@@ -305,7 +306,7 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     return cases;
 }
 
-Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*>& metrics, double within) {
+Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*>& metrics, double max_bits) {
     if (s.count(Outcome::unresolved) > 0) return Verdict::unresolved;
     if (const auto wrong = s.wrong()) {
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number
@@ -313,10 +314,10 @@ Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*
                : *wrong == Outcome::false_hit  ? Verdict::false_hit
                                                : Verdict::wrong_primitive;
     }
-    // The quantile is NaN where form and truth agree on no hit: nothing is lost then.
+    // The quantile is NaN if there is no hit on which form and truth agree. Nothing is lost then.
     const auto largest = [&](const char* name) { return s.metrics[metric::index_of(metrics, name)].quantile(1); };
-    if (largest("excess_bits") > within) return Verdict::wrong_value;
-    return largest("lost_bits") > within ? Verdict::within_inputs : Verdict::right;
+    if (largest("excess_bits") > max_bits) return Verdict::wrong_value;
+    return largest("lost_bits") > max_bits ? Verdict::within_inputs : Verdict::right;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -19,36 +19,37 @@ namespace lostbits::measure::sweep {
 
 /// Results of the rows at one step.
 struct SweepStep {
-    std::vector<double> values;  ///< one per axis
+    std::vector<double> values;  ///< one for each axis
     std::vector<evaluate::FormSummary> rows;
 };
 
-/// Point where a row first crosses a threshold along the first axis.
+/// Value of the first axis at which a row first crosses a threshold.
 struct Onset {
     std::size_t row;
     std::string event;       ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
     std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
     double threshold;        ///< in bits, in ulps of a step, or 1 for a count
-    bool from_last = false;  ///< the steps are read backwards: `first`, `last` and `after` are in this order
+    bool from_last = false;  ///< the steps are read backwards; `first`, `last` and `after` mean this order
     bool found = false;
-    bool from_start = false;  ///< bad at the first step already: there is no last good value
+    bool from_start = false;  ///< the event happens at the first step already, so there is no last good value
     double last_good = 0, first_bad = 0;
     double value_at_first_bad = 0;  ///< value of the statistic
     /// Recovery after the first bad step. `recovers`: a later step is good; the last good step and the point from which
     /// the form stays bad are recorded. `good_at_end`: the last step is good, and neither is recorded.
     bool recovers = false, good_at_end = false;
     double last_good_after = 0, bad_again = 0;
-    std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer rays a first failure is found later
-    std::vector<double> further = {};   ///< first_bad of further draws, one per seed; NaN if the event does not happen
+    std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer rays, a first failure is found later
+    /// `first_bad` of further draws, one for each seed; NaN if the event does not happen.
+    std::vector<double> further_first_bad = {};
 
     /// True if both are the same event of one row, read from the same end.
-    [[nodiscard]] bool is_of_event(const Onset& other) const {
+    [[nodiscard]] bool is_same_event(const Onset& other) const {
         return row == other.row && event == other.event && statistic == other.statistic &&
                threshold == other.threshold && from_last == other.from_last;
     }
     /// Spread of first_bad over all draws.
     [[nodiscard]] metric::Spread spread() const {
-        return metric::spread_of(found ? first_bad : std::numeric_limits<double>::quiet_NaN(), further);
+        return metric::spread_of(found ? first_bad : std::numeric_limits<double>::quiet_NaN(), further_first_bad);
     }
 };
 
@@ -65,17 +66,17 @@ struct SweepRequest {
     const scene::sweep::SweepFile& sweep;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;
-    int further_draws = 0;         ///< further draws of the rays, for the spread of onsets; they need random rays
-    shard::Share share = {};       ///< share of the steps, and of the rows whose onsets are found
-    bool recoveries = false;       ///< also find where a form is good again after its first failure
-    bool both_ends = false;        ///< also find onsets from the last step backwards, for failures at small values
-    std::vector<Onset> only = {};  ///< if not empty, only onsets of these events are looked for
-    truth::TruthLimit limit{};
+    int further_draws = 0;    ///< number of further draws of random rays, for the spread of onsets
+    shard::Share share = {};  ///< share of the steps, and of the rows whose onsets are found
+    bool recoveries = false;  ///< also find where a form is good again after its first failure
+    bool both_ends = false;   ///< also find onsets from the last step backwards, for failures at small values
+    std::vector<Onset> wanted_onsets = {};  ///< if not empty, only onsets of these events are looked for
+    truth::ProofLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     [[nodiscard]] bool asks_for(const Onset& onset) const {
-        return only.empty() ||
-               std::ranges::any_of(only, [&onset](const Onset& event) { return event.is_of_event(onset); });
+        return wanted_onsets.empty() ||
+               std::ranges::any_of(wanted_onsets, [&onset](const Onset& event) { return event.is_same_event(onset); });
     }
 };
 
@@ -124,7 +125,7 @@ struct CaseRequest {
     const scene::sweep::CaseFile& file;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< include lost_bits and excess_bits
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     shard::Share share = {};  ///< share of the cases
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -136,10 +137,10 @@ std::vector<std::vector<evaluate::FormSummary>> run_cases(const CaseRequest& req
 evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index,
                                          const std::vector<std::size_t>& case_indices);
 
-/// Verdict on a summary. `right`: every decision is right, and no answer loses more than `within` bits.
-/// `within_inputs`: every decision is right, and an answer loses at most `within` bits beyond the envelope of half an
+/// Verdict on a summary. `right`: every decision is right, and no answer loses more than `max_bits` bits.
+/// `within_inputs`: every decision is right, and an answer loses at most `max_bits` bits beyond the envelope of half an
 /// ulp in each input.
 Verdict verdict_of(const evaluate::FormSummary& summary, const std::vector<const metric::Metric*>& metrics,
-                   double within);
+                   double max_bits);
 
 }  // namespace lostbits::measure::sweep

@@ -26,7 +26,7 @@ struct WorstRequest {
     scene::sweep::SearchFile search;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< metrics of the search, by `searched`
-    truth::TruthLimit limit{};
+    truth::ProofLimit limit{};
     shard::Share share = {};  ///< share of the rows
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

@@ -1,4 +1,4 @@
-// Band of a picture. Computes the rays of the band and their truth once, for all forms and formats.
+// Computes the rays of a band of a picture and their truth once, for all forms and formats. A band is a range of rows.
 #pragma once
 
 #include <tbb/concurrent_unordered_map.h>
@@ -19,26 +19,26 @@
 
 namespace lostbits::measure::truth {
 
-/// Rays of rows [y0, y1) of a scene.
+/// Rays with their truth: those of the rows [y0, y1) of a scene, or any other rays.
 class Band {
 public:
     /// Finds the truth of every pixel, in parallel over the pixels. `culler`, of the same scene, skips the primitives
     /// that cannot matter; it must outlive the band.
-    Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit = {}, culling::Culler* culler = nullptr);
+    Band(const scene::file::Scene& scene, int y0, int y1, ProofLimit limit = {}, culling::Culler* culler = nullptr);
     /// Uses rays that are already stored numbers, with their primitives: the input of a step of a sweep.
-    Band(scene::rays::RayBlock rays, std::vector<Primitive<double>> primitives, TruthLimit limit = {})
+    Band(scene::rays::RayBlock rays, std::vector<Primitive<double>> primitives, ProofLimit limit = {})
         : Band(scene::rays::RayGroup{std::move(rays), std::move(primitives)}, limit) {}
     /// `culler` has the same primitives and must outlive the band.
-    explicit Band(scene::rays::RayGroup group, TruthLimit limit = {}, culling::Culler* culler = nullptr);
+    explicit Band(scene::rays::RayGroup group, ProofLimit limit = {}, culling::Culler* culler = nullptr);
     /// Uses ideal rays among the primitives of a scene with own inputs. The scene must outlive the band.
-    Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
+    Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, ProofLimit limit = {});
     /// Uses ideal rays and primitives; if `paired`, ray i is tested only against primitive i.
-    Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, TruthLimit limit = {});
+    Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, ProofLimit limit = {});
     /// Uses one ray in stored numbers among the primitives of a scene with shared inputs. `culler` has the primitives
     /// of this scene and must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::RayBlock single_ray, culling::Culler& culler,
-         TruthLimit limit = {});
-    /// Range of ray i, as it was given.
+         ProofLimit limit = {});
+    /// Range of ray i, before any format rounds it.
     [[nodiscard]] Range<double> range(std::size_t i) const { return ideal_ ? ideal_->range(i) : shared_.range(i); }
     /// Finds κ of every hit, in parallel.
     void find_condition();
@@ -47,7 +47,7 @@ public:
     /// Bounds how far errors of the inputs can move the t of ray i, or its distance (see `truth::reach`); NaN for a
     /// miss. `inputs` gives the format, and the answer if it holds one. The unit is the power of two of this t, or
     /// distance.
-    [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction unit_of,
+    [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction direction,
                                const FormatInputs& inputs, Perturbed perturbed = Perturbed::componentwise) const;
     /// Inputs of one format; computed in parallel over the pixels.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
@@ -55,21 +55,22 @@ public:
     [[nodiscard]] FormatInputs inputs_for(const Format& format, const intersect::Info& form) const {
         return inputs(format, {.unit_rays = form.direction == intersect::Direction::unit});
     }
-    /// True if the format rounded no number of ray i and of the primitives. `inputs` come from this band.
-    [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
-    /// True if the format rounded no number of any ray or primitive.
-    [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
+    /// True if the format of the inputs rounded no number of ray i and of the primitives. `inputs` come from this band.
+    [[nodiscard]] bool is_unrounded(const FormatInputs& inputs, std::size_t i) const;
+    /// True if the format of the inputs rounded no number of any ray or primitive.
+    [[nodiscard]] bool are_all_unrounded(const FormatInputs& inputs) const;
     /// Ray i before any format rounds or computes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
-    /// Camera whose rays each format computes; null if each format rounds given rays.
-    [[nodiscard]] const scene::rays::CameraFrame<Real>* frame() const;
-    /// Operations that compute ray i in a format; empty if the format rounds given rays.
+    /// Camera whose rays each format computes; null if each format rounds rays that are stored.
+    [[nodiscard]] const scene::rays::CameraFrame<Real>* camera_frame() const;
+    /// Operations that compute ray i in a format; empty if the format rounds a stored ray.
     [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(std::size_t i, const Format& format) const;
-    /// Returns ray i as it was given, before any format rounded it, with these `primitives`; if the set is empty, with
+    /// Returns ray i before any format rounds it, with these `primitives`; if the set is empty, with
     /// all primitives and the constants of a march. Null for a pixel of a scene (its position identifies the ray), for
-    /// an ideal ray, and if there are more than `most_given` primitives.
-    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> primitives) const;
-    static constexpr std::size_t most_given = 64;
+    /// an ideal ray, and if there are more than `most_original_primitives` primitives.
+    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> original_group(std::size_t i,
+                                                                              std::set<int> primitives) const;
+    static constexpr std::size_t most_original_primitives = 64;
 
     /// Culler of the band's primitives; null if every primitive is tested.
     [[nodiscard]] culling::Culler* culler() const { return culler_; }
@@ -81,7 +82,7 @@ public:
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// Truth of ray i by the convention of a form.
     [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
-    /// Truth of ray i at one of the primitives alone, as if there were no other.
+    /// Truth of ray i for one primitive, as if there were no other.
     [[nodiscard]] Truth truth_of_primitive(std::size_t i, std::size_t primitive,
                                            intersect::Convention convention) const;
     /// True if the truth of ray i by the convention may differ from that of `truths`: the ray touches a primitive,
@@ -90,30 +91,30 @@ public:
     /// Truth of every ray by the closed primitive's convention.
     [[nodiscard]] const RayTruths& truths() const { return truths_; }
     /// Truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
-    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
+    [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction direction,
                                        intersect::Convention convention) const;
 
 private:
-    void find_truth_of_all();
-    [[nodiscard]] bool keeps_ray(const FormatInputs& inputs, std::size_t i) const;
-    [[nodiscard]] bool keeps_primitive(const FormatInputs& inputs, std::size_t k) const;
-    /// True if it is proved that the first hit of ray i is on a side that counts.
-    [[nodiscard]] bool hits_counting_side(std::size_t i, intersect::Facing facing) const;
+    void find_all_truths();
+    [[nodiscard]] bool is_ray_unrounded(const FormatInputs& inputs, std::size_t i) const;
+    [[nodiscard]] bool is_primitive_unrounded(const FormatInputs& inputs, std::size_t k) const;
+    /// True if it is proved that ray i first hits a side that counts (`facing`).
+    [[nodiscard]] bool first_hit_faces(std::size_t i, intersect::Facing facing) const;
 
-    [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
-    [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
+    [[nodiscard]] Truth find_ray_truth(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int primitive_index,
                                       intersect::Convention convention) const;
-    [[nodiscard]] double reach_of(std::size_t i, const Truth& found, intersect::Convention convention, Length length,
-                                  const FloatFormat& format, Perturbed perturbed) const;
+    [[nodiscard]] double reach_of(std::size_t i, const Truth& ray_truth, intersect::Convention convention,
+                                  Length length, const FloatFormat& format, Perturbed perturbed) const;
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;
     const scene::file::Scene* scene_ = nullptr;  ///< set for own inputs, whose primitives each format rounds itself
     int y0_ = 0, rows_ = 0;
-    TruthLimit limit_;
-    bool in_binary32_ = true;       ///< binary32 holds every shared number
-    bool paired_ = false;           ///< ray i is aimed at primitive i alone
-    scene::rays::RayBlock shared_;  ///< used if inputs = shared
+    ProofLimit limit_;
+    bool binary32_holds_all_ = true;  ///< binary32 holds every shared number
+    bool paired_ = false;             ///< ray i is tested only against primitive i
+    scene::rays::RayBlock shared_;    ///< used if inputs = shared
     scene::rays::PrimitiveList<double> shared_primitives_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< used if inputs = own
     scene::rays::PrimitiveList<Real> ideal_primitives_;

@@ -27,7 +27,8 @@ double scale(double x, std::int64_t e) {
     return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000)));
 }
 
-Certified normalised(double hi, double lo, double bound, std::int64_t exponent) {
+/// The number (hi + lo ± bound)·2^exponent in the form that `Certified` requires.
+Certified normalise(double hi, double lo, double bound, std::int64_t exponent) {
     const DoubleDouble s = two_sum(hi, lo);
     const int e = exponent_of(s.hi);
     Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
@@ -41,23 +42,25 @@ Certified normalised(double hi, double lo, double bound, std::int64_t exponent) 
 long Certified::floor_log2() const {
     if (hi == 0) return std::numeric_limits<int>::min() / 2;
     // hi = ±1 with lo pointing to zero lies in the binade below.
-    const bool below = std::fabs(hi) == 1 && ((hi > 0 && lo < 0) || (hi < 0 && lo > 0));
-    return static_cast<long>(exponent) - (below ? 1 : 0);
+    const bool is_in_lower_binade = std::fabs(hi) == 1 && ((hi > 0 && lo < 0) || (hi < 0 && lo > 0));
+    return static_cast<long>(exponent) - (is_in_lower_binade ? 1 : 0);
 }
 
-Certified exactly(double x) {
+Certified as_certified(double x) {
     if (x == 0) return {};
     const int e = exponent_of(x);
     return {scale(x, -e), 0, 0, e};
 }
 
-Certified certified(double hi, double lo, double bound) { return hi == 0 ? Certified{} : normalised(hi, lo, bound, 0); }
+Certified make_certified(double hi, double lo, double bound) {
+    return hi == 0 ? Certified{} : normalise(hi, lo, bound, 0);
+}
 
 std::optional<Certified> certify(const Ball& x, double tightness) {
     if (!x.is_bounded()) return std::nullopt;
     if (x.hi() == 0) return x.is_exact() ? std::optional<Certified>(Certified{}) : std::nullopt;
     if (x.radius() > tightness * std::fabs(x.hi())) return std::nullopt;
-    return normalised(x.hi(), x.lo(), x.radius(), 0);
+    return normalise(x.hi(), x.lo(), x.radius(), 0);
 }
 
 std::optional<Certified> certify(const Interval& x, double tightness) {
@@ -71,7 +74,7 @@ std::optional<Certified> certify(const Interval& x, double tightness) {
     mpfr_init2(work, std::max(mpfr_get_prec(x.lower()), mpfr_get_prec(x.upper())) + 64);
     mpfr_sub(work, x.upper(), x.lower(), MPFR_RNDU);
     mpfr_div_2si(work, work, e, MPFR_RNDU);
-    const double width = mpfr_get_d(work, MPFR_RNDU);
+    const double interval_width = mpfr_get_d(work, MPFR_RNDU);
     mpfr_div_2si(work, x.lower(), e, MPFR_RNDN);
     const double hi = mpfr_get_d(work, MPFR_RNDN);
     mpfr_sub_d(work, work, hi, MPFR_RNDN);
@@ -80,26 +83,31 @@ std::optional<Certified> certify(const Interval& x, double tightness) {
     mpfr_abs(work, work, MPFR_RNDU);
     const double tail = mpfr_get_d(work, MPFR_RNDU);
     mpfr_clear(work);
-    const double bound = (width + tail) * (1 + 0x1p-50);
+    const double bound = (interval_width + tail) * (1 + 0x1p-50);
     if (!(bound <= tightness)) return std::nullopt;
-    return normalised(hi, lo, bound, e);
+    return normalise(hi, lo, bound, e);
 }
 
 double scaled_difference(const Certified& x, const Certified& y, std::int64_t e) {
     if (y.is_zero()) return scale(x.hi + x.lo, x.exponent - e);
     if (x.is_zero()) return scale(-(y.hi + y.lo), y.exponent - e);
-    const std::int64_t top = std::max(x.exponent, y.exponent);
-    const DoubleDouble d = two_sum(scale(x.hi, x.exponent - top), -scale(y.hi, y.exponent - top));
-    const DoubleDouble tail = two_sum(scale(x.lo, x.exponent - top), -scale(y.lo, y.exponent - top));
+    const std::int64_t larger_exponent = std::max(x.exponent, y.exponent);
+    const auto in_common_unit = [&](double word, std::int64_t exponent) {
+        return scale(word, exponent - larger_exponent);
+    };
+    const DoubleDouble d = two_sum(in_common_unit(x.hi, x.exponent), -in_common_unit(y.hi, y.exponent));
+    const DoubleDouble tail = two_sum(in_common_unit(x.lo, x.exponent), -in_common_unit(y.lo, y.exponent));
     // If d.hi and tail.hi cancel, d.hi is itself the result of a cancellation and d.lo = 0, so nothing is lost.
-    const DoubleDouble s = two_sum(d.hi, tail.hi);
-    return scale(s.hi + (s.lo + d.lo + tail.lo), top - e);
+    const DoubleDouble sum = two_sum(d.hi, tail.hi);
+    return scale(sum.hi + (sum.lo + d.lo + tail.lo), larger_exponent - e);
 }
 
 int compare(const Certified& x, const Certified& y) {
-    const std::int64_t top = std::max(x.is_zero() ? y.exponent : x.exponent, y.is_zero() ? x.exponent : y.exponent);
-    const double d = scaled_difference(x, y, top);
-    const double margin = (scale(x.bound, x.exponent - top) + scale(y.bound, y.exponent - top)) * (1 + 0x1p-40);
+    const std::int64_t larger_exponent =
+        std::max(x.is_zero() ? y.exponent : x.exponent, y.is_zero() ? x.exponent : y.exponent);
+    const double d = scaled_difference(x, y, larger_exponent);
+    const double margin =
+        (scale(x.bound, x.exponent - larger_exponent) + scale(y.bound, y.exponent - larger_exponent)) * (1 + 0x1p-40);
     // d has a relative error of a few 2^-53, and the losses to underflow in scaling are below 2^-1000.
     if (std::fabs(d) * (1 - 0x1p-40) > margin + 0x1p-1000) return d < 0 ? -1 : 1;
     return 0;
@@ -110,16 +118,16 @@ Certified nearer(const Certified& x, const Certified& y) {
     if (order != 0) return order < 0 ? x : y;
     // The order is not decided. The smaller number lies within both bounds plus the distance of the midpoints, from
     // either midpoint.
-    Certified both = x;
     if (x.is_zero()) return x;
+    Certified enclosure = x;
     const double midpoint_distance = std::fabs(scaled_difference(x, y, x.exponent));
-    both.bound = (x.bound + scale(y.bound, y.exponent - x.exponent) + midpoint_distance) * (1 + 0x1p-40);
-    return both;
+    enclosure.bound = (x.bound + scale(y.bound, y.exponent - x.exponent) + midpoint_distance) * (1 + 0x1p-40);
+    return enclosure;
 }
 
 Neighbours round_ends(const Certified& x, const FloatFormat& format) {
     if (x.is_zero()) return {0, 0};
-    const auto rounded_at = [&](double shift) {
+    const auto round_shifted = [&](double shift) {
         // hi + lo + shift = nearest double + rest, exactly. Correct rounding needs only the sign of the rest.
         const DoubleDouble outer = two_sum(x.lo, shift);
         DoubleDouble s = two_sum(x.hi, outer.hi);
@@ -142,7 +150,7 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format) {
         if (r != 0 && std::ilogb(r) > emax) return std::copysign(std::numeric_limits<double>::infinity(), r);
         return scale(r, x.exponent);
     };
-    return {rounded_at(-x.bound), rounded_at(x.bound)};
+    return {round_shifted(-x.bound), round_shifted(x.bound)};
 }
 
 std::optional<double> round_certified(const Certified& x, const FloatFormat& format) {
@@ -152,23 +160,24 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
 }
 
 std::int64_t ordinal(double x, const FloatFormat& f) {
-    const double size = std::fabs(x);
-    const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
+    const double magnitude = std::fabs(x);
+    const std::int64_t numbers_per_binade = std::int64_t{1} << (f.precision - 1);
     std::int64_t n = 0;
-    if (std::isinf(size)) {
-        n = binade * (f.emax - f.emin + 2);
-    } else if (size != 0) {
-        const int e = std::max(std::ilogb(size), f.emin);
-        n = binade * (e - f.emin) + static_cast<std::int64_t>(std::ldexp(size, f.precision - 1 - e));
+    if (std::isinf(magnitude)) {
+        n = numbers_per_binade * (f.emax - f.emin + 2);
+    } else if (magnitude != 0) {
+        const int e = std::max(std::ilogb(magnitude), f.emin);
+        n = numbers_per_binade * (e - f.emin) + static_cast<std::int64_t>(std::ldexp(magnitude, f.precision - 1 - e));
     }
     return x < 0 ? -n : n;
 }
 
 double number_at(std::int64_t n, const FloatFormat& f) {
-    const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
-    const std::int64_t size = std::abs(n), e = size / binade, m = size % binade;
-    const double y = e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
-                            : std::ldexp(static_cast<double>(binade + m), f.emin + static_cast<int>(e) - f.precision);
+    const std::int64_t numbers_per_binade = std::int64_t{1} << (f.precision - 1);
+    const std::int64_t magnitude = std::abs(n), e = magnitude / numbers_per_binade, m = magnitude % numbers_per_binade;
+    const double y =
+        e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
+               : std::ldexp(static_cast<double>(numbers_per_binade + m), f.emin + static_cast<int>(e) - f.precision);
     return n < 0 ? -y : y;
 }
 

@@ -26,19 +26,19 @@ struct Certified {
 /// Largest relative bound of a certified value: 2^-72, which is 2^-19 of a double's last place.
 inline constexpr double certified_tightness = 0x1p-72;
 
-/// Midpoint and bound of an enclosure; empty if it is not tight enough (or unbounded).
+/// Midpoint and bound of an enclosure; empty if the enclosure is unbounded or its bound exceeds `tightness`.
 std::optional<Certified> certify(const Ball& x, double tightness = certified_tightness);
 std::optional<Certified> certify(const Interval& x, double tightness = certified_tightness);
 
 /// The number hi + lo ± bound, |lo| ≤ ulp(hi)/2, of any size; hi = 0 means exactly zero.
-Certified certified(double hi, double lo, double bound);
+Certified make_certified(double hi, double lo, double bound);
 
 /// (x − y)/2^e of the midpoints, as a double, to a relative error of 2^-50; infinite if it exceeds the range of double.
 /// The exponents of x and y may differ.
 double scaled_difference(const Certified& x, const Certified& y, std::int64_t e);
 
 /// A finite double as a certified value with bound zero.
-Certified exactly(double x);
+Certified as_certified(double x);
 
 /// Nearer of two intersections; if their order cannot be decided, an enclosure of both.
 Certified nearer(const Certified& x, const Certified& y);
@@ -54,8 +54,8 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format);
 /// x rounded to nearest even in a format; empty if the bound straddles a rounding boundary.
 std::optional<double> round_certified(const Certified& x, const FloatFormat& format);
 
-/// Position of x in the order of the format's numbers: 0 for zero, +1 for each representable number, negative below
-/// zero. Infinity follows the largest finite number. x must be a number of the format.
+/// Position of x in the order of the numbers of the format: 0 for zero, +1 for each representable number, negative
+/// below zero. Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
 /// Finite number that has this ordinal.
 double number_at(std::int64_t ordinal, const FloatFormat& format);

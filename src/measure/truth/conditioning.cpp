@@ -42,58 +42,61 @@ struct FlatProblem {
 template <class E>
 using Sensitive = Dual<E, 6 + most_stored>;
 
-/// Problem with each number as an input of its own.
+/// Problem in which each number is an input that t is differentiated by.
 template <class E>
 struct Problem {
-    std::vector<E> x;
+    std::vector<E> inputs;
     Ray<Sensitive<E>> ray;
     Primitive<Sensitive<E>> primitive;
 
     explicit Problem(const FlatProblem& flat) : primitive(flat.shape) {
         const auto lift_all = [&](const auto& numbers) {
-            for (const auto& number : numbers) x.push_back(lift<E>(number));
+            for (const auto& number : numbers) inputs.push_back(lift<E>(number));
         };
         std::visit(lift_all, flat.numbers);
         std::size_t i = 0;
-        const auto next = [&] { return ++i, Sensitive<E>::input(x[i - 1], i - 1, x.size()); };
-        for (auto* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
-        for (auto& element : primitive.shape_numbers()) element = next();
+        const auto next_input = [&] { return ++i, Sensitive<E>::input(inputs[i - 1], i - 1, inputs.size()); };
+        for (auto* const v : {&ray.origin, &ray.direction})
+            v->x = next_input(), v->y = next_input(), v->z = next_input();
+        for (auto& element : primitive.shape_numbers()) element = next_input();
         if (!flat.placed) return;
         primitive.placed = transformed(*flat.placed, [](int) { return Sensitive<E>(0); });
-        for (auto& element : primitive.placed->matrix) element = next();
+        for (auto& element : primitive.placed->matrix) element = next_input();
     }
 };
 
-/// t and its derivatives by each number, which only `known` has. `endless` stands for an infinite κ: t is 0, or it is
-/// at a double root, which does not move in proportion to its inputs.
+/// t and its derivatives by each number; only the kind `known` has them. The kind `infinite` stands for an infinite κ:
+/// t is 0, or it is at a double root, which does not move in proportion to its inputs.
 template <class E>
 struct Sensitivity {
     enum class Kind { miss, infinite, known } kind;
     E t = E(0);
-    std::vector<E> x = {}, derivatives = {};
+    std::vector<E> inputs = {}, derivatives = {};
 };
 
 /// Sensitivity at one precision; empty if the precision is too low.
 template <class E>
-std::optional<Sensitivity<E>> sensitivity(const FlatProblem& flat, Convention convention,
-                                          const Range<double>& ray_range) {
+std::optional<Sensitivity<E>> find_sensitivity(const FlatProblem& flat, Convention convention,
+                                               const Range<double>& ray_range) {
     using Kind = typename Sensitivity<E>::Kind;
     const Problem<E> problem(flat);
     const auto range = range_over<Sensitive<E>, E>(ray_range);
-    const auto found = enclose(problem.ray, problem.primitive, range ? &*range : nullptr, convention);
-    if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
-    if (!found.hit.is_yes()) return std::nullopt;
-    if (found.at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
+    const auto enclosed = enclose(problem.ray, problem.primitive, range ? &*range : nullptr, convention);
+    if (enclosed.hit.is_no()) return Sensitivity<E>{Kind::miss};
+    if (!enclosed.hit.is_yes()) return std::nullopt;
+    if (enclosed.at_double_root || (enclosed.t.value().is_exact() && (enclosed.t.value() <= E(0)).is_yes()))
         return Sensitivity<E>{Kind::infinite};
-    Sensitivity<E> result{Kind::known, found.t.value(), problem.x};
-    for (std::size_t i = 0; i < result.x.size(); ++i) result.derivatives.push_back(found.t.derivative(i));
+    Sensitivity<E> result{Kind::known, enclosed.t.value(), problem.inputs};
+    for (std::size_t i = 0; i < result.inputs.size(); ++i) result.derivatives.push_back(enclosed.t.derivative(i));
     return result;
 }
 
-constexpr double tightness = 0x1p-20;
+/// Largest relative width of an enclosure of κ.
+constexpr double condition_tightness = 0x1p-20;
 
+/// The κ that an enclosure holds; empty if the enclosure is too wide.
 std::optional<double> tight_value(const Ball& k) {
-    if (!k.is_bounded() || !(k.radius() <= tightness * std::fabs(k.hi()))) return std::nullopt;
+    if (!k.is_bounded() || !(k.radius() <= condition_tightness * std::fabs(k.hi()))) return std::nullopt;
     return k.hi();
 }
 
@@ -101,19 +104,20 @@ std::optional<double> tight_value(const Interval& k) {
     if (!k.is_bounded()) return std::nullopt;
     const double low = mpfr_get_d(k.lower(), MPFR_RNDD), high = mpfr_get_d(k.upper(), MPFR_RNDU);
     if (std::isinf(low)) return low;
-    if (!(high - low <= tightness * high)) return std::nullopt;
+    if (!(high - low <= condition_tightness * high)) return std::nullopt;
     return mpfr_get_d(k.lower(), MPFR_RNDN);
 }
 
 struct ConditionQuery {
     using Answer = double;
-    static double for_miss() { return missing; }
-    static double infinite() { return std::numeric_limits<double>::infinity(); }
+    static double answer_for_miss() { return missing; }
+    static double answer_for_infinite() { return std::numeric_limits<double>::infinity(); }
     template <class E>
-    static std::optional<double> of(const Sensitivity<E>& t) {
+    static std::optional<double> answer(const Sensitivity<E>& sensitivity) {
         E sum(0);
-        for (std::size_t i = 0; i < t.x.size(); ++i) sum = sum + abs(t.x[i] * t.derivatives[i]);
-        return tight_value(sum / t.t);
+        for (std::size_t i = 0; i < sensitivity.inputs.size(); ++i)
+            sum = sum + abs(sensitivity.inputs[i] * sensitivity.derivatives[i]);
+        return tight_value(sum / sensitivity.t);
     }
 };
 
@@ -126,63 +130,66 @@ double width_of(const Interval& x) {
 
 struct GradientQuery {
     using Answer = std::vector<double>;
-    static Answer for_miss() { return {}; }
-    static Answer infinite() { return {}; }
+    static Answer answer_for_miss() { return {}; }
+    static Answer answer_for_infinite() { return {}; }
     template <class E>
-    static std::optional<Answer> of(const Sensitivity<E>& t) {
+    static std::optional<Answer> answer(const Sensitivity<E>& sensitivity) {
         Answer gradient;
-        double largest = 0, width = 0;
-        for (const E& slope : t.derivatives) {
+        double largest = 0, widest = 0;
+        for (const E& slope : sensitivity.derivatives) {
             gradient.push_back(middle_of(slope));
             largest = std::max(largest, std::fabs(gradient.back()));
-            width = std::max(width, width_of(slope));
+            widest = std::max(widest, width_of(slope));
         }
-        const bool is_tight = std::isfinite(largest) && width <= 0x1p-40 * largest;
+        const bool is_tight = std::isfinite(largest) && widest <= 0x1p-40 * largest;
         return is_tight ? std::optional(std::move(gradient)) : std::nullopt;
     }
 };
 
 /// Answer that `Query` computes from a sensitivity; empty if the precision is too low for it.
 template <class Query, class E>
-std::optional<typename Query::Answer> query_answer(const std::optional<Sensitivity<E>>& found) {
-    if (!found) return std::nullopt;
-    switch (found->kind) {
-        case Sensitivity<E>::Kind::miss: return Query::for_miss();
-        case Sensitivity<E>::Kind::infinite: return Query::infinite();
+std::optional<typename Query::Answer> query_answer(const std::optional<Sensitivity<E>>& sensitivity) {
+    if (!sensitivity) return std::nullopt;
+    switch (sensitivity->kind) {
+        case Sensitivity<E>::Kind::miss: return Query::answer_for_miss();
+        case Sensitivity<E>::Kind::infinite: return Query::answer_for_infinite();
         case Sensitivity<E>::Kind::known: break;
     }
-    return Query::of(*found);
+    return Query::answer(*sensitivity);
 }
 
+/// Answer of `Query`, first in balls and then in intervals of rising precision.
 template <class Query, class S>
-typename Query::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitive, Convention convention,
-                                 Range<double> range) {
+typename Query::Answer answer_query(const Ray<S>& ray, const Primitive<S>& primitive, Convention convention,
+                                    Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
     const FlatProblem flat(ray, primitive);
-    if (const auto from_balls = query_answer<Query>(sensitivity<Ball>(flat, convention, range))) return *from_balls;
+    if (const auto from_balls = query_answer<Query>(find_sensitivity<Ball>(flat, convention, range)))
+        return *from_balls;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto found = query_answer<Query>(sensitivity<Interval>(flat, convention, range))) return *found;
+        if (const auto answer = query_answer<Query>(find_sensitivity<Interval>(flat, convention, range)))
+            return *answer;
     }
     // If no precision settles a problem, its formula divides by a square root that is exactly zero: the line is a
     // tangent.
-    return Query::infinite();
+    return Query::answer_for_infinite();
 }
 
 }  // namespace
 
 double condition(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
                  const Range<double>& range) {
-    return answer_of<ConditionQuery>(ray, primitive, convention, range);
+    return answer_query<ConditionQuery>(ray, primitive, convention, range);
 }
 double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, Convention convention,
                  const Range<double>& range) {
-    return answer_of<ConditionQuery>(ray, primitive, convention, range);
+    return answer_query<ConditionQuery>(ray, primitive, convention, range);
 }
 std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
                              const Range<double>& range) {
-    return answer_of<GradientQuery>(ray, primitive, convention, range);
+    return answer_query<GradientQuery>(ray, primitive, convention, range);
 }
 
 void Band::find_condition() {
@@ -190,55 +197,56 @@ void Band::find_condition() {
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             limit_.stop.check();
-            condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {});
+            condition_[i] = condition_of(i, truths_.decision[i], truths_.primitive[i], {});
         }
     });
 }
 
-double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
+double Band::condition_of(std::size_t i, Truth::Decision decision, int primitive_index, Convention convention) const {
     if (decision != Truth::Decision::hit) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        const auto primitive = primitives[static_cast<std::size_t>(object)];
+        const auto primitive = primitives[static_cast<std::size_t>(primitive_index)];
         return lostbits::measure::truth::condition(ray, primitive, convention.of(primitive.shape), range(i));
     });
 }
 
 double Band::condition(std::size_t i, Convention convention) const {
     if (convention.is_special() && needs_special_truth(i, convention)) {
-        const Truth truth = find_truth_of(i, convention);
-        return condition_of(i, truth.decision, truth.object, convention);
+        const Truth truth = find_ray_truth(i, convention);
+        return condition_of(i, truth.decision, truth.primitive, convention);
     }
     if (!truths_.may_differ(i, convention)) return condition_[i];
-    const std::size_t key = key_of(i, convention);
-    const auto known = special_conditions_.find(key);
-    if (known != special_conditions_.end()) return known->second;
+    const std::size_t key = convention_key(i, convention);
+    const auto entry = special_conditions_.find(key);
+    if (entry != special_conditions_.end()) return entry->second;
     const Truth& truth = special_truth(i, convention);
-    return special_conditions_.emplace(key, condition_of(i, truth.decision, truth.object, plain_part(convention)))
+    return special_conditions_.emplace(key, condition_of(i, truth.decision, truth.primitive, plain_part(convention)))
         .first->second;
 }
 
-double Band::reach_of(std::size_t i, const Truth& found, Convention convention, Length length,
+double Band::reach_of(std::size_t i, const Truth& ray_truth, Convention convention, Length length,
                       const FloatFormat& format, Perturbed perturbed) const {
-    if (!found.is_hit()) return missing;
+    if (!ray_truth.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        const auto primitive = primitives[static_cast<std::size_t>(found.object)];
-        const Certified& answer = length == Length::distance ? found.distance : found.t;
+        const auto primitive = primitives[static_cast<std::size_t>(ray_truth.primitive)];
+        const Certified& answer = length == Length::distance ? ray_truth.distance : ray_truth.t;
         const double tmin = range(i).tmin;
         const bool begins_inside =
             tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.of(primitive.shape).inside) &&
-            std::ldexp(found.t.hi, static_cast<int>(found.t.exponent)) == tmin;
+            std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent)) == tmin;
         return lostbits::measure::truth::reach(ray, primitive, answer, length, format, perturbed,
                                                begins_inside ? AnswerFaces::entered_faces : AnswerFaces::every_face);
     });
 }
 
-double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const FormatInputs& inputs,
+double Band::reach(std::size_t i, Convention convention, intersect::Direction direction, const FormatInputs& inputs,
                    Perturbed perturbed) const {
-    const Length length = length_of(unit_of);
-    const auto& known = inputs.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
-    const bool known_by_closed = !known.empty() && !may_differ(i, convention);
-    return known_by_closed ? known[i]
-                           : reach_of(i, truth(i, convention), convention, length, inputs.format.parameters, perturbed);
+    const Length length = length_of(direction);
+    const auto& closed_reaches = inputs.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
+    const bool has_closed_reach = !closed_reaches.empty() && !may_differ(i, convention);
+    return has_closed_reach
+               ? closed_reaches[i]
+               : reach_of(i, truth(i, convention), convention, length, inputs.format.parameters, perturbed);
 }
 
 void Band::find_reach(FormatInputs& in, BandNeeds needs) const {

@@ -1,5 +1,5 @@
-// Encloses the exact answer by one formula for every type of enclosure. The truth proves this answer, and the
-// conditioning differentiates it.
+// Encloses the exact answer, with one formula for every type of enclosure. truth.cpp proves this answer, and
+// conditioning.cpp differentiates it.
 #pragma once
 
 #include <cmath>
@@ -36,7 +36,7 @@ struct Enclosed {
     bool touching = false;
     /// The ray begins on the surface. Its start is a root, and the convention decides whether this root counts.
     bool on_surface = false;
-    Crossing at = Crossing::begin;
+    Crossing crossing = Crossing::begin;
     bool at_double_root = false;  ///< t is a double root of a quartic, and has no derivative
 };
 
@@ -49,15 +49,15 @@ E begin_of(const SpanRange<E>* range) {
 /// Hit at the start of the ray. The distance of t = 0 is 0 itself, not a product with 0, whose enclosure would be
 /// wider.
 template <class E>
-Enclosed<E> enclosed_begin(const E& d2, const SpanRange<E>* range, bool touching = false, bool on_surface = false) {
+Enclosed<E> enclose_begin(const E& d2, const SpanRange<E>* range, bool touching = false, bool on_surface = false) {
     const E begin = begin_of(range);
-    const bool at_0 = (begin <= E(0)).is_yes();
-    return {Tri::yes, begin, at_0 ? begin : begin * sqrt(d2), touching, on_surface};
+    const bool begins_at_0 = (begin <= E(0)).is_yes();
+    return {Tri::yes, begin, begins_at_0 ? begin : begin * sqrt(d2), touching, on_surface};
 }
 
 /// Hit at one of the roots.
 template <class E>
-Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing root, bool touching = false, bool on_surface = false) {
+Enclosed<E> enclose_root(const QuadraticSpan<E>& s, Crossing root, bool touching = false, bool on_surface = false) {
     const E square_root = sqrt(s.q);
     const bool is_h_positive = (s.h > E(0)).is_yes();
     const E sum = is_h_positive ? square_root + s.h : square_root - s.h;
@@ -76,16 +76,16 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
     const bool touching = crosses.is_no();
     // If rays from inside miss, exits do not count, so neither does an exit at the start. Both roots of a tangent are
     // touches, and a touch is not an exit.
-    const bool no_exits = convention.inside == intersect::Inside::miss && !touching;
-    const bool counts = convention.at_origin == intersect::AtOrigin::hit ||
-                        (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
-    if (counts && !(no_exits && leaving.is_yes())) {
+    const bool ignores_exits = convention.inside == intersect::Inside::miss && !touching;
+    const bool start_counts = convention.at_origin == intersect::AtOrigin::hit ||
+                              (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
+    if (start_counts && !(ignores_exits && leaving.is_yes())) {
         // A root that is not 0 also needs a gradient.
-        if ((begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
-        return enclosed_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
+        if ((begin_of(range) <= zero).is_yes()) return enclose_begin(s.d2, range, touching, true);
+        return enclose_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
     }
-    if (no_exits || leaving.is_yes()) return {.hit = Tri::no, .touching = touching, .on_surface = true};
-    return enclosed_root(s, Crossing::far, false, true);  // not −2h/a, which has another gradient
+    if (ignores_exits || leaving.is_yes()) return {.hit = Tri::no, .touching = touching, .on_surface = true};
+    return enclose_root(s, Crossing::far, false, true);  // not −2h/a, which has another gradient
 }
 
 /// First hit of a quadratic surface by a ray without an end. At the start of the ray, the sign of c = P(t) tells
@@ -95,9 +95,9 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
 /// start of the ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From
 /// inside (c < 0), the convention defines t.
 template <class E>
-Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from, const SpanRange<E>* range,
+Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& start, const SpanRange<E>* range,
                           intersect::Convention convention) {
-    const auto& [c, h] = from;
+    const auto& [c, h] = start;
     const E zero(0);
     const Tri outside = c > zero;
     const Tri leaving = h >= zero;
@@ -110,11 +110,11 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from,
     const bool inside_returns_zero = convention.inside == intersect::Inside::zero;
     if (outside.is_no() && (inside_returns_zero || convention.inside == intersect::Inside::miss)) {
         if (!(c < zero).is_yes()) return {Tri::unknown};
-        return inside_returns_zero ? enclosed_begin(s.d2, range) : Enclosed<E>{Tri::no};
+        return inside_returns_zero ? enclose_begin(s.d2, range) : Enclosed<E>{Tri::no};
     }
     const Tri crosses = outside.is_no() ? Tri::yes : s.q > zero;
     if (crosses.is_unknown()) return {Tri::unknown};
-    return enclosed_root(s, outside.is_yes() ? Crossing::near : Crossing::far, crosses.is_no());
+    return enclose_root(s, outside.is_yes() ? Crossing::near : Crossing::far, crosses.is_no());
 }
 
 /// First hit of a quadratic surface by a ray with a range (null: everything ahead): the root that a ray from tmin
@@ -127,8 +127,8 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullp
     if (!found.hit.is_yes()) return found;
     const QuadraticAt<E> end = quadratic_at(s, range->end);
     const Order<Tri> entry = end.near_root();
-    if (found.at != Crossing::begin)
-        found.hit = is_before_range_end(found.at == Crossing::near ? entry : end.far_root(), *range);
+    if (found.crossing != Crossing::begin)
+        found.hit = is_before_range_end(found.crossing == Crossing::near ? entry : end.far_root(), *range);
     if (found.hit.is_yes() && entry.less.is_unknown()) found.hit = Tri::unknown;
     found.touching = found.hit.is_yes() && (found.touching || entry.less.is_no());
     return found;
@@ -142,7 +142,7 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* ra
                                 bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
-    const Enclosed<E> none{Tri::no};
+    const Enclosed<E> miss{Tri::no};
     Tri entered = Tri::yes;
     if (range) entered = compare_entries_with_begin(slabs, *range).less;
     else
@@ -150,12 +150,12 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* ra
     const Fraction<E> exit = smallest_exit(slabs);
     const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
-    const auto hit_at_begin = [&] { return enclosed_begin(slabs.d2, range); };
+    const auto hit_at_begin = [&] { return enclose_begin(slabs.d2, range); };
     const bool runs_along = touching && leaving.is_no();
     if ((entered.is_no() || runs_along) && convention.at_origin == AtOrigin::hit) return hit_at_begin();
     const bool exit_counts = convention.inside == Inside::exit || entered.is_no();
-    if (leaving.is_yes()) return exit_counts && convention.at_origin != AtOrigin::miss ? hit_at_begin() : none;
-    if (convention.inside != Inside::exit && !runs_along) return none;
+    if (leaving.is_yes()) return exit_counts && convention.at_origin != AtOrigin::miss ? hit_at_begin() : miss;
+    if (convention.inside != Inside::exit && !runs_along) return miss;
     if (range) {
         const Tri in_range = is_before_range_end(order_of(exit, range->end), *range);
         if (!in_range.is_yes()) return {in_range};
@@ -182,20 +182,20 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* ra
 template <class E>
 Enclosed<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, intersect::Convention convention) {
     const E zero(0);
-    const SlabHit<E> in = range ? slab_hit(slabs, *range) : slab_hit(slabs);
-    if (in.closed.is_no()) return {Tri::no};
-    if (in.closed.is_unknown() || in.open.is_unknown()) return {Tri::unknown};
-    const bool touching = in.open.is_no();
+    const SlabHit<E> overlap = range ? slab_hit(slabs, *range) : slab_hit(slabs);
+    if (overlap.closed.is_no()) return {Tri::no};
+    if (overlap.closed.is_unknown() || overlap.open.is_unknown()) return {Tri::unknown};
+    const bool touching = overlap.open.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
 
     const Fraction<E> first = range ? largest_entry(slabs, *range) : largest_entry(slabs);
     const Tri begins_inside = range ? compare_entries_with_begin(slabs, *range).at_most : first.n <= zero;
     if (begins_inside.is_unknown()) return {Tri::unknown};
     if (begins_inside.is_yes()) {
-        const bool usual =
+        const bool answers_begin =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
         Enclosed<E> found =
-            usual ? enclosed_begin(slabs.d2, range) : enclose_from_inside(slabs, range, convention, touching);
+            answers_begin ? enclose_begin(slabs.d2, range) : enclose_from_inside(slabs, range, convention, touching);
         found.touching = touching;
         return found;
     }
@@ -203,15 +203,15 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, interse
     return {Tri::yes, t, t * sqrt(slabs.d2), touching, false, Crossing::near};
 }
 
-/// Hit at a crossing of a surface.
+/// Hit at one of the crossings of a surface, by its index.
 template <class E>
-Enclosed<E> enclosed_at(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
+Enclosed<E> enclose_crossing(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
     const E t = s.at.n / s.at.m;
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, Crossing::near};
 }
 template <class E>
-Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
-    return enclosed_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
+Enclosed<E> enclose_crossing(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
+    return enclose_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
 /// True if the ray meets the surface from a side that counts.
@@ -233,7 +233,7 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
     using intersect::AtOrigin, intersect::Touching;
     const E zero(0);
     const Fraction<E> begin{begin_of(range), E(1)};
-    Enclosed<E> none{Tri::no};
+    Enclosed<E> miss{Tri::no};
     for (int i = 0; i < S::crossings; ++i) {
         const auto crossing = s.crossing(i);
         const auto to_begin = s.compare_crossing(i, begin);
@@ -243,32 +243,32 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
         if (ahead.is_no()) continue;
         if (ahead.is_unknown() || at_begin.is_unknown() || Tri(crossing.open).is_unknown()) return {Tri::unknown};
         const bool touching = Tri(crossing.open).is_no(), is_exit = i + 1 == S::crossings;
-        const bool passed_over = at_begin.is_yes() && (convention.at_origin == AtOrigin::miss ||
-                                                       (convention.at_origin == AtOrigin::exit && !is_exit));
-        if (passed_over || (touching && convention.touching == Touching::miss)) {
-            none.touching |= touching, none.on_surface |= at_begin.is_yes();
+        const bool is_ignored_start = at_begin.is_yes() && (convention.at_origin == AtOrigin::miss ||
+                                                            (convention.at_origin == AtOrigin::exit && !is_exit));
+        if (is_ignored_start || (touching && convention.touching == Touching::miss)) {
+            miss.touching |= touching, miss.on_surface |= at_begin.is_yes();
             continue;
         }
-        if (at_begin.is_yes() && (begin.n <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
-        return enclosed_at<E>(s, i, touching, at_begin.is_yes());
+        if (at_begin.is_yes() && (begin.n <= zero).is_yes()) return enclose_begin(s.d2, range, touching, true);
+        return enclose_crossing<E>(s, i, touching, at_begin.is_yes());
     }
-    return none;
+    return miss;
 }
 
 /// Hit at the entry (`Crossing::near`) or exit of the line, through a cap or at a root.
 template <class E>
-Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+Enclosed<E> enclose_crossing(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
     const bool is_entry = crossing == Crossing::near;
     const Tri by_cap = is_entry ? s.enters_by_cap() : s.leaves_by_cap();
     if (by_cap.is_unknown()) return {Tri::unknown};
-    if (by_cap.is_no()) return enclosed_root(s.side, crossing, touching, on_surface);
+    if (by_cap.is_no()) return enclose_root(s.side, crossing, touching, on_surface);
     const Fraction<E>& cap = is_entry ? s.entry : s.exit;
     const E t = cap.n / cap.m;
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, crossing};
 }
 template <class E>
-Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
-    return enclosed_root(crossing == Crossing::near ? s.enter : s.leave, crossing, touching, on_surface);
+Enclosed<E> enclose_crossing(const JoinedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+    return enclose_root(crossing == Crossing::near ? s.enter : s.leave, crossing, touching, on_surface);
 }
 
 /// Answer of a convention for a ray that begins inside a primitive or on its surface.
@@ -279,23 +279,23 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Span
     const Tri entered = s.compare_entry(begin).less, leaving = s.compare_exit(begin).at_most;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool on_surface = touching || entered.is_no() || leaving.is_yes();
-    const Enclosed<E> none{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
-    const bool no_exits = convention.inside == Inside::miss && !touching;
+    const Enclosed<E> miss{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
+    const bool ignores_exits = convention.inside == Inside::miss && !touching;
     if (on_surface) {
-        const bool counts =
+        const bool start_counts =
             convention.at_origin == AtOrigin::hit || (convention.at_origin == AtOrigin::exit && leaving.is_yes());
-        if (counts && !(no_exits && leaving.is_yes())) return enclosed_begin(s.d2, range, touching, true);
-        if (no_exits || leaving.is_yes()) return none;
+        if (start_counts && !(ignores_exits && leaving.is_yes())) return enclose_begin(s.d2, range, touching, true);
+        if (ignores_exits || leaving.is_yes()) return miss;
     } else if (convention.inside == Inside::zero) {
-        return enclosed_begin(s.d2, range);
-    } else if (no_exits) {
-        return none;
+        return enclose_begin(s.d2, range);
+    } else if (ignores_exits) {
+        return miss;
     }
     if (range) {
         const Tri in_range = is_before_range_end(s.compare_exit(range->end), *range);
-        if (!in_range.is_yes()) return in_range.is_no() ? none : Enclosed<E>{Tri::unknown};
+        if (!in_range.is_yes()) return in_range.is_no() ? miss : Enclosed<E>{Tri::unknown};
     }
-    return enclosed_at<E>(s, Crossing::far, touching, on_surface);
+    return enclose_crossing<E>(s, Crossing::far, touching, on_surface);
 }
 
 /// t* is the entry for a ray from outside and the exit for a ray from inside. A line touches if it runs along the
@@ -317,7 +317,7 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
     const bool touching = crosses.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
     if (begins_inside.is_yes()) return enclose_from_inside<E>(s, begin, range, convention, touching);
-    return enclosed_at<E>(s, Crossing::near, touching, false);
+    return enclose_crossing<E>(s, Crossing::near, touching, false);
 }
 
 /// Defined in side.hpp.
@@ -327,7 +327,7 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
 /// Convention by which to enclose a span. If a span cannot be hit behind a touch, touching counts here, and the caller
 /// decides whether it is a hit.
 template <class Span>
-intersect::Convention asked_of_span(intersect::Convention convention) {
+intersect::Convention convention_for_span(intersect::Convention convention) {
     if (!Span::may_hit_beyond_touch) convention.touching = intersect::Touching::hit;
     return convention;
 }
@@ -337,7 +337,7 @@ template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const SpanRange<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     return with_span(ray, primitive, [&]<class Span>(const Span& span) {
-        return enclose<E>(span, range, asked_of_span<Span>(convention));
+        return enclose<E>(span, range, convention_for_span<Span>(convention));
     });
 }
 

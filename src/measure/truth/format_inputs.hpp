@@ -30,23 +30,24 @@ struct FormatInputs {
     std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};
     /// Reach of the closed primitive's truth by `Perturbed` and `Length` (see `truth::reach`); empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
-    bool ideal = false;   ///< the inputs are exactly those of the truth
-    bool paired = false;  ///< ray i is aimed at primitive i alone
+    bool is_ideal = false;  ///< the inputs are exactly those of the truth
+    bool paired = false;    ///< ray i is tested only against primitive i
     /// Index of the primitives that forms are tested against. It is for spheres; other shapes have `candidates` ray by
     /// ray. If both are null, forms are tested against all primitives.
     std::shared_ptr<const culling::SphereIndex> index = {};
     std::shared_ptr<const culling::CandidateLists> candidates = {};
     intersect::process::StopToken stop = {};  ///< the band's token, for code that runs forms on the inputs
 
+    /// Truth of these inputs of ray i by a convention. Needs `stored_truth`.
     [[nodiscard]] Truth find_stored_truth(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
     /// Target of a ray: a copy of one primitive, or all primitives together, with the constants of a march.
-    class AimedAt {
+    class OwnedTarget {
     public:
-        explicit AimedAt(const Primitive<double>& single) : single_(single) {}
-        AimedAt(std::span<const Primitive<double>> all, const intersect::MarchConstants<double>& march)
+        explicit OwnedTarget(const Primitive<double>& single) : single_(single) {}
+        OwnedTarget(std::span<const Primitive<double>> all, const intersect::MarchConstants<double>& march)
             : all_(all), march_(&march) {}
         operator intersect::Target<double>() const {
             return march_ ? intersect::Target<double>(all_, *march_) : intersect::Target<double>(single_);
@@ -57,15 +58,17 @@ struct FormatInputs {
         std::span<const Primitive<double>> all_;
         const intersect::MarchConstants<double>* march_ = nullptr;
     };
-    [[nodiscard]] AimedAt target_for(const intersect::table::Intersector& form, std::size_t primitive) const {
-        return !is_primitive(form.shape) ? AimedAt(primitives.listed(), march.value()) : AimedAt(primitives[primitive]);
+    [[nodiscard]] OwnedTarget target_for(const intersect::table::Intersector& form, std::size_t primitive) const {
+        return !is_primitive(form.shape) ? OwnedTarget(primitives.listed(), march.value())
+                                         : OwnedTarget(primitives[primitive]);
     }
 };
 
+/// Optional parts of the inputs of a format that a measurement needs.
 struct BandNeeds {
     bool unit_rays = false;
     bool stored_truth = false;
-    bool no_forms = false;                          ///< all answers are given, so no form is tested against candidates
+    bool without_forms = false;                     ///< all answers are given, so candidates for forms are not needed
     std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
 
     void add_reach(Perturbed perturbed, Length length) {

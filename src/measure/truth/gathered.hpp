@@ -23,9 +23,10 @@ inline constexpr std::size_t column_capacity = batch_size + 24;
 /// Number of doubles in the widest register.
 inline constexpr std::size_t most_lanes = 8;
 
-using Spans = std::array<std::span<const double>, 6>;
+/// Columns of the origin and the direction.
+using SixColumns = std::array<std::span<const double>, 6>;
 
-/// Rays [begin, end) of a block as columns of machine words: in place, or copied.
+/// Rays [begin, end) of a block as columns of machine words: in place for double, copied for `Real`.
 template <class S>
 class WordColumns {
 public:
@@ -47,7 +48,8 @@ public:
         };
         tmin = block_part(rays.tmin), tmax = block_part(rays.tmax);
     }
-    Spans words, low = {};
+    SixColumns words;     ///< first words of the origin and the direction
+    SixColumns low = {};  ///< second words; empty for double
     std::span<const double> tmin = {}, tmax = {};
 
 private:
@@ -61,25 +63,26 @@ bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open
            std::ranges::any_of(tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
 }
 
-/// Calls `use(column, raw_column, absent)` for each column of the problems: with the column, that of the stages, and
-/// the number of a missing column, which is empty. Second words are skipped if they are missing.
+/// Calls `use_column(column, raw_column, default_number)` for each column of the problems: with the column, the
+/// column of the stages, and the number that stands for each element if the column is empty. Second words are skipped
+/// if they are missing.
 template <class S, class Raw, class Use>
-void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
-    for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
-    for (std::size_t k = 0; k < most_stored; ++k) use(p.primitive[k], raw.primitive[k], 0);
-    use(p.tmin, raw.tmin, 0);
-    use(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
+void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use_column) {
+    for (std::size_t k = 0; k < 6; ++k) use_column(p.ray[k], raw.ray[k], 0);
+    for (std::size_t k = 0; k < most_stored; ++k) use_column(p.primitive[k], raw.primitive[k], 0);
+    use_column(p.tmin, raw.tmin, 0);
+    use_column(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
     raw.two_words = !p.ray_low[0].empty();
     if (!raw.two_words) return;
-    for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
-    for (std::size_t k = 0; k < most_stored; ++k) use(p.primitive_low[k], raw.primitive_low[k], 0);
+    for (std::size_t k = 0; k < 6; ++k) use_column(p.ray_low[k], raw.ray_low[k], 0);
+    for (std::size_t k = 0; k < most_stored; ++k) use_column(p.primitive_low[k], raw.primitive_low[k], 0);
 }
 /// Indices of the first columns of the ray, the primitive, the range and the second words.
 inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6, tmin_column = 6 + most_stored,
                              tmax_column = tmin_column + 1, first_low_column = tmax_column + 1,
                              most_columns = first_low_column + 6 + most_stored;
 
-/// Findings of the stages on up to `settled_together` problems.
+/// Findings of the stages on up to `batch_size` problems.
 struct BatchFindings {
     std::uint8_t settled[column_capacity], hit[column_capacity], touches[column_capacity], on_surface[column_capacity];
     double hi[column_capacity], lo[column_capacity], bound[column_capacity];
@@ -94,12 +97,12 @@ struct BatchFindings {
 template <class S>
 struct GatheredProblems {
     alignas(64) S numbers[most_columns][column_capacity];
-    BatchFindings found;
+    BatchFindings findings;
     std::size_t size = 0;  ///< number of problems that were added one by one
 
     /// Buffer of this thread for a shape, or for columns of any shape. It is reused, because some callers settle one
     /// ray at a time, thousands of times.
-    static GatheredProblems& of_thread(std::optional<Shape> shape = {}) {
+    static GatheredProblems& for_thread(std::optional<Shape> shape = {}) {
         thread_local std::array<std::unique_ptr<GatheredProblems>, shape_rows.size() + 1> buffers;
         auto& buffer = buffers[shape ? static_cast<std::size_t>(*shape) : shape_rows.size()];
         if (!buffer) buffer = std::make_unique<GatheredProblems>();
@@ -111,13 +114,13 @@ struct GatheredProblems {
     stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> indices,
                                   std::size_t lanes) {
         const std::size_t padded_size = (indices.size() + lanes - 1) / lanes * lanes;
-        auto raw = stages::raw_problems<S>(padded_size, found.raw());
+        auto raw = stages::raw_problems<S>(padded_size, findings.raw());
         raw.open = p.open, raw.matrix = p.matrix;
         S* target = numbers[0];
-        for_each_column(p, raw, [&](std::span<const From> source, stages::RawColumn<S>& column, From absent) {
+        for_each_column(p, raw, [&](std::span<const From> source, stages::RawColumn<S>& column, From default_number) {
             column = {target, source.size() <= 1 ? std::size_t{0} : std::size_t{1}};
             if (source.size() <= 1) {
-                std::fill_n(target, lanes, static_cast<S>(source.empty() ? absent : source[0]));
+                std::fill_n(target, lanes, static_cast<S>(source.empty() ? default_number : source[0]));
             } else {
                 for (std::size_t i = 0; i < indices.size(); ++i) target[i] = static_cast<S>(source[indices[i]]);
                 std::fill(target + indices.size(), target + padded_size, target[indices.size() - 1]);
@@ -127,8 +130,8 @@ struct GatheredProblems {
         return raw;
     }
 
-    /// Sets numbers of the problem that is added next, from index `column` on.
-    void set(std::size_t column, std::span<const S> next) {
+    /// Sets numbers of the problem that is added next, in the columns from index `column` on.
+    void set_numbers(std::size_t column, std::span<const S> next) {
         for (const S& x : next) numbers[column++][size] = x;
     }
     /// Added problems as columns of one word per number, for rays without ranges and primitives without matrices.
@@ -139,9 +142,9 @@ struct GatheredProblems {
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.primitive[k] = column(first_primitive_column + k);
         return p;
     }
-    /// Added problems, for rays without ranges; with `two_words`, also their second words.
-    stages::RawProblems<S> added(std::size_t lanes, bool two_words) {
-        auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, found.raw());
+    /// Added problems in whole registers, for rays without ranges; with `two_words`, also their second words.
+    stages::RawProblems<S> added_problems(std::size_t lanes, bool two_words) {
+        auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, findings.raw());
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
         const auto point_to_columns = [this](std::size_t first, std::size_t count, stages::RawColumn<S>* target) {
             for (std::size_t k = 0; k < count; ++k) target[k] = {numbers[first + k], 1};
@@ -161,16 +164,18 @@ struct GatheredProblems {
 template <class S>
 class ProblemsInPlace {
 public:
-    explicit ProblemsInPlace(const ProblemColumns<S>& p) : problems_(p), ranged_(have_ranges(p.tmin, p.tmax, p.open)) {
+    explicit ProblemsInPlace(const ProblemColumns<S>& p)
+        : problems_(p), has_ranges_(have_ranges(p.tmin, p.tmax, p.open)) {
         stages::RawProblems<S> raw{};
         S* target = repeated_[0];
-        for_each_column(p, raw, [&](std::span<const S> source, stages::RawColumn<S>&, S absent) {
-            std::fill_n(target, most_lanes, source.empty() ? absent : source[0]);
+        for_each_column(p, raw, [&](std::span<const S> source, stages::RawColumn<S>&, S default_number) {
+            std::fill_n(target, most_lanes, source.empty() ? default_number : source[0]);
             target += most_lanes;
         });
     }
-    [[nodiscard]] bool has_own_ranges() const { return ranged_; }
-    /// Runs a stage on `count` problems from `begin` on. The findings are written from where `found` points to.
+    /// True if the range of some ray is not everything ahead.
+    [[nodiscard]] bool has_ranges() const { return has_ranges_; }
+    /// Runs a stage on `count` problems from `begin` on, and writes its findings to `found`.
     void settle(const stages::ShapeStage<S>& stage, std::size_t lanes, std::size_t begin, std::size_t count,
                 const stages::RawFindings& found) const {
         const std::size_t whole_count = count - count % lanes, rest_count = count - whole_count;
@@ -178,9 +183,9 @@ public:
         if (rest_count == 0) return;
         std::array<std::size_t, most_lanes> rest_indices;
         std::iota(rest_indices.begin(), rest_indices.end(), begin + whole_count);
-        auto& gathered = GatheredProblems<S>::of_thread();
+        auto& gathered = GatheredProblems<S>::for_thread();
         auto raw = gathered.gather(problems_, std::span(rest_indices).first(rest_count), lanes);
-        raw.ranged = ranged_;
+        raw.ranged = has_ranges_;
         if (!found.t.hi) raw.out.t = {};
         if (!found.distance.hi) raw.out.distance = {};
         stage(raw);
@@ -191,7 +196,7 @@ public:
             if (target.hi)
                 copy_rest(source.hi, target.hi), copy_rest(source.lo, target.lo), copy_rest(source.bound, target.bound);
         };
-        copy_rest(gathered.found.settled, found.settled), copy_rest(gathered.found.hit, found.hit);
+        copy_rest(gathered.findings.settled, found.settled), copy_rest(gathered.findings.hit, found.hit);
         copy_length(raw.out.t, found.t), copy_length(raw.out.distance, found.distance);
     }
 
@@ -200,7 +205,7 @@ private:
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
         raw.open = problems_.open, raw.matrix = problems_.matrix;
-        raw.ranged = ranged_;
+        raw.ranged = has_ranges_;
         const S* repeated = repeated_[0];
         for_each_column(problems_, raw, [&](std::span<const S> source, stages::RawColumn<S>& column, S) {
             column =
@@ -211,7 +216,7 @@ private:
     }
 
     const ProblemColumns<S>& problems_;
-    bool ranged_;
+    bool has_ranges_;
     alignas(64) S repeated_[most_columns][most_lanes];
 };
 

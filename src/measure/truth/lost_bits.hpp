@@ -20,15 +20,15 @@ inline bool may_round_to(const Certified& x, double t, const FloatFormat& format
 /// the error is 0.
 inline double ulp_error(double t, const Certified& truth, const FloatFormat& format) {
     if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : t;
-    return scaled_difference(exactly(t), truth, ulp_exponent(format, truth.floor_log2()));
+    return scaled_difference(as_certified(t), truth, ulp_exponent(format, truth.floor_log2()));
 }
 
 /// Lost bits of an error in ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.
 inline double lost_bits(double ulps, int precision) {
-    const double size = std::fabs(ulps);
-    if (!(size > 0.5)) return 0;
-    if (std::isinf(size)) return precision;
-    return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
+    const double magnitude = std::fabs(ulps);
+    if (!(magnitude > 0.5)) return 0;
+    if (std::isinf(magnitude)) return precision;
+    return std::min(bits::log2_of(magnitude) + 1, static_cast<double>(precision));
 }
 
 /// log2 of the unit of a `reach` (reach.hpp). The unit is the power of two of t*, so that a reach does not leave the
@@ -50,7 +50,7 @@ inline double excess_bits(double t, const Certified& truth, const FloatFormat& f
     if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
     if (std::isinf(reach)) return 0;
     const int scale = std::ilogb(reach);
-    const double difference = scaled_difference(exactly(t), truth, exponent_of_unit(truth) + scale);
+    const double difference = scaled_difference(as_certified(t), truth, exponent_of_unit(truth) + scale);
     const double ratio = std::fabs(difference) / std::ldexp(reach, -scale);
     if (!(ratio > 1)) return 0;
     return std::isinf(ratio) ? precision : std::min(bits::log2_of(ratio), static_cast<double>(precision));

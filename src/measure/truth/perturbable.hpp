@@ -17,13 +17,14 @@
 
 namespace lostbits::measure::truth {
 
-/// Factor for the roundings of the bound itself, a few dozen u.
-inline constexpr double outward = 1 + 0x1p-40;
-inline constexpr double anywhere = std::numeric_limits<double>::infinity();
+/// Factor that covers the roundings of a bound itself, a few dozen u.
+inline constexpr double rounding_factor = 1 + 0x1p-40;
+inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 inline constexpr int exponent_of_zero = -1000000;
-inline constexpr double tiny =
-    std::numeric_limits<double>::denorm_min();  ///< largest loss of a product that underflows
+/// Largest loss of a product that underflows.
+inline constexpr double underflow_loss = std::numeric_limits<double>::denorm_min();
 
+/// Number with a bound of its error.
 using WithinErrors = Bounded<double>;
 /// Number with a derivative for each number of a problem of any shape.
 using Differentiated = Dual<WithinErrors, 6 + most_stored>;
@@ -51,12 +52,12 @@ struct AllValues {
     double low, high;
 
     explicit AllValues(const WithinErrors& x)
-        : low(std::nextafter(x.value() - x.error(), -anywhere)),
-          high(std::nextafter(x.value() + x.error(), anywhere)) {}
-    /// Largest and least absolute value in the interval.
-    [[nodiscard]] double most() const { return std::max(std::fabs(low), std::fabs(high)); }
-    [[nodiscard]] double least() const { return std::max({0.0, low, -high}); }
-    void join(const AllValues& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
+        : low(std::nextafter(x.value() - x.error(), -unbounded)),
+          high(std::nextafter(x.value() + x.error(), unbounded)) {}
+    /// Largest and least absolute values in the interval.
+    [[nodiscard]] double largest_magnitude() const { return std::max(std::fabs(low), std::fabs(high)); }
+    [[nodiscard]] double least_magnitude() const { return std::max({0.0, low, -high}); }
+    void extend(const AllValues& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
 };
 
 /// Numbers of a problem (of the origin, the direction, the primitive and its matrix) and the error bound of each. The
@@ -67,13 +68,13 @@ struct AllValues {
 class ProblemNumbers {
 public:
     template <class S>
-    ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbed,
+    ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbation,
                    Length length)
         : matrix_begin_(6 + row_of(s.shape).numbers),
           count_(matrix_begin_ + (s.placed ? Affine<S>::numbers : 0)),
           shape_(s.shape),
-          normwise_(perturbed == Perturbed::normwise),
-          as_distance_(length == Length::distance) {
+          is_normwise_(perturbation == Perturbed::normwise),
+          is_distance_(length == Length::distance) {
         const auto number = [&](std::size_t i) {
             return i < 3               ? r.origin[static_cast<int>(i)]
                    : i < 6             ? r.direction[static_cast<int>(i - 3)]
@@ -96,54 +97,58 @@ public:
             *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // zeros get emin
         }
         for (std::size_t i = 0; i < count_; ++i) {
-            x_[i] = scaled(number(i), -unit_of(i));
-            if (S(ldexp(S(x_[i]), unit_of(i))) != number(i)) rounding_error_[i] = std::fabs(x_[i]) * 0x1p-53 + tiny;
-            input_error_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
+            numbers_[i] = scaled(number(i), -unit_of(i));
+            if (S(ldexp(S(numbers_[i]), unit_of(i))) != number(i))
+                rounding_error_[i] = std::fabs(numbers_[i]) * 0x1p-53 + underflow_loss;
+            input_error_[i] =
+                scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + underflow_loss;
         }
-        if (normwise_)
+        if (is_normwise_)
             for_each_vector([&](std::size_t first, std::size_t end) {
                 std::fill(&input_error_[first], &input_error_[first] + (end - first),
-                          scaled(length_of(x_, first, end), -format.precision) + tiny);
+                          scaled(length_of(numbers_, first, end), -format.precision) + underflow_loss);
             });
         for (std::size_t i = 0; i < count_; ++i)
-            total_error_[i] = (input_error_[i] + rounding_error_[i]) * outward + tiny;
+            total_error_[i] = (input_error_[i] + rounding_error_[i]) * rounding_factor + underflow_loss;
     }
 
     [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
     [[nodiscard]] Shape shape() const { return shape_; }
-    /// Interval of the values that number i may have.
-    [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], total_error_[i]}; }
+    /// Number i with the largest error that it may have.
+    [[nodiscard]] WithinErrors perturbed(std::size_t i) const { return {numbers_[i], total_error_[i]}; }
     /// Number i as it is stored, without an error of the input. The bound is 0 if a double holds the number in its
     /// unit. If the number underflows to 0 in its unit, the bound is above 0.
-    [[nodiscard]] WithinErrors stored(std::size_t i) const { return {x_[i], rounding_error_[i]}; }
+    [[nodiscard]] WithinErrors stored(std::size_t i) const { return {numbers_[i], rounding_error_[i]}; }
     /// log2 of the unit of t, or of the distance.
-    [[nodiscard]] int unit_exponent() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }
-    [[nodiscard]] WithinErrors of(const Certified& t) const {
+    [[nodiscard]] int unit_exponent() const { return is_distance_ ? units_[0] : units_[0] - units_[1]; }
+    /// t, or the distance, in its unit.
+    [[nodiscard]] WithinErrors in_units(const Certified& t) const {
         const auto e = std::clamp<std::int64_t>(t.exponent - unit_exponent(), -5000, 5000);
         const double value = std::ldexp(t.hi, static_cast<int>(e));
-        return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + tiny);
+        return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + underflow_loss);
     }
 
     /// Bound of |f(x') − f(x)|: Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem);
     /// for vectors, Σ hᵥ |∇ᵥ f|.
-    [[nodiscard]] double moved(const Differentiated& f) const {
+    [[nodiscard]] double bound_change(const Differentiated& f) const {
         std::array<double, capacity> movements;
         for (std::size_t i = 0; i < count_; ++i) {
-            const double most = AllValues(f.derivative(i)).most();
-            movements[i] = most == 0 ? 0 : input_error_[i] * most + tiny;
+            const double steepest = AllValues(f.derivative(i)).largest_magnitude();
+            movements[i] = steepest == 0 ? 0 : input_error_[i] * steepest + underflow_loss;
         }
         double sum = 0;
-        if (!normwise_)
+        if (!is_normwise_)
             for (std::size_t i = 0; i < count_; ++i) sum += movements[i];
         else for_each_vector([&](std::size_t first, std::size_t end) { sum += length_of(movements, first, end); });
-        return sum * outward;
+        return sum * rounding_factor;
     }
 
     /// Bound of |f(x')| for an f that is 0 if t is its root. If f is not 0 (the range begins at t, or the ray meets
     /// another face), a second bound is the part of the enclosure of f(x') beyond 0, which is often empty.
-    [[nodiscard]] double deviation(const Differentiated& f) const {
+    [[nodiscard]] double bound_at_root(const Differentiated& f) const {
         const WithinErrors& enclosure = f.value();
-        return std::min(moved(f), std::max(0.0, enclosure.error() * outward - std::fabs(enclosure.value())));
+        return std::min(bound_change(f),
+                        std::max(0.0, enclosure.error() * rounding_factor - std::fabs(enclosure.value())));
     }
 
     /// Bound of |t' − t| by a ball of radius R that holds the primitive. The ray meets the primitive at X = o + t d,
@@ -155,25 +160,25 @@ public:
     /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
     /// simple norm inequality, 1964).
     [[nodiscard]] double ball_bound(const WithinErrors& t) const {
-        if (placed_ || !has_bounding_box(shape_)) return anywhere;
-        Primitive<double> plain(shape_);
-        std::copy_n(x_.begin() + 6, plain.shape_numbers().size(), plain.numbers.begin());
+        if (placed_ || !has_bounding_box(shape_)) return unbounded;
+        Primitive<double> unplaced(shape_);
+        std::copy_n(numbers_.begin() + 6, unplaced.shape_numbers().size(), unplaced.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
-        double distance = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
+        double distance = 2 * ball_around(unplaced).radius + 0x1p-48 * length_of(numbers_, 6, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {
             if (first != 3) distance += length_of(input_error_, first, end);
         });
-        const double direction_error = length_of(input_error_, 3, 6), d = length_of(x_, 3, 6) - direction_error;
-        if (!(d > 0)) return anywhere;
+        const double direction_error = length_of(input_error_, 3, 6), d = length_of(numbers_, 3, 6) - direction_error;
+        if (!(d > 0)) return unbounded;
         const double unit_direction_error =
-            as_distance_ ? 2 * direction_error / (2 * d + direction_error) : direction_error;
-        return (distance + std::fabs(t.value()) * unit_direction_error) * (1 + 0x1p-30) / (as_distance_ ? 1 : d);
+            is_distance_ ? 2 * direction_error / (2 * d + direction_error) : direction_error;
+        return (distance + std::fabs(t.value()) * unit_direction_error) * (1 + 0x1p-30) / (is_distance_ ? 1 : d);
     }
 
 protected:
     std::size_t matrix_begin_, count_;      ///< index of the first number of the matrix; count of all numbers
     std::optional<Placement<int>> placed_;  ///< kind of the matrix, without its numbers
-    [[nodiscard]] bool is_as_distance() const { return as_distance_; }
+    [[nodiscard]] bool is_distance() const { return is_distance_; }
 
 private:
     static constexpr std::size_t capacity = 6 + most_stored;
@@ -188,15 +193,16 @@ private:
         return i < matrix_begin_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
     }
     [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_index(i)]; }
-    /// Sets the units of a matrix. A point x' of the object is at A x' + τ in the world, or the other way round, so the
-    /// unit of A is the quotient of both units. If A is larger than this quotient, the unit of its result grows.
+    /// Sets the units of a matrix. A point x' of the primitive is at A x' + τ in the world, or the inverse holds, so
+    /// the unit of A is the quotient of both units. If A is larger than this quotient, the unit of its result grows.
     void set_units_of_matrix() {
-        const bool inverse = placed_->is_inverse;
-        int &result = units_[inverse ? 2 : 0], &source = units_[inverse ? 0 : 2], &linear = units_[3];
+        const bool is_inverse = placed_->is_inverse;
+        int &result = units_[is_inverse ? 2 : 0], &source = units_[is_inverse ? 0 : 2], &linear = units_[3];
         source = std::max(source, -1000);  // if all numbers are zeros
         result = std::max(result, linear + source);
         linear = result - source;
     }
+    /// Calls `act(first, end)` for the indices of each vector and each length.
     template <class Act>
     void for_each_vector(const Act& act) const {
         act(0, 3), act(3, 6);
@@ -205,10 +211,10 @@ private:
     }
 
     Shape shape_;
-    bool normwise_, as_distance_;
+    bool is_normwise_, is_distance_;
     std::array<int, 5> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
     std::array<bool, capacity> is_direction_{};
-    std::array<double, capacity> x_, input_error_, total_error_, rounding_error_{};
+    std::array<double, capacity> numbers_, input_error_, total_error_, rounding_error_{};
 };
 
 /// A problem as a function of its numbers: f(ray, primitive) encloses f(x') for any x' within the errors. For distances
@@ -234,17 +240,17 @@ public:
     Primitive<Differentiated> primitive;
 
     explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
-        const auto number = [&](std::size_t i) { return Differentiated::input(at(i), i, count_); };
+        const auto number = [&](std::size_t i) { return Differentiated::input(perturbed(i), i, count_); };
         ray = ray_of(number);
         fill(primitive, number);
-        if (!is_as_distance()) return;
-        const Differentiated size = sqrt(square(ray.direction));
-        ray.direction = {ray.direction.x / size, ray.direction.y / size, ray.direction.z / size};
+        if (!is_distance()) return;
+        const Differentiated length = sqrt(square(ray.direction));
+        ray.direction = {ray.direction.x / length, ray.direction.y / length, ray.direction.z / length};
     }
 
     /// Calls `act(shape, ray)` in object space, with a ray that starts at the point at t.
     template <class Act>
-    [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
+    [[nodiscard]] auto in_object_space_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> moved_ray{ray.origin + Differentiated(t) * ray.direction, ray.direction};
         return visit_shape(primitive, [&]<template <class> class Of>() {
             return visit_in_object_space<Of>(moved_ray, primitive, act);
@@ -252,7 +258,7 @@ public:
     }
     /// Calls `act(shape, ray)` in object space with the problem as it is stored.
     template <class Act>
-    [[nodiscard]] auto with_stored(const Act& act) const {
+    [[nodiscard]] auto in_object_space_as_stored(const Act& act) const {
         const auto number = [&](std::size_t i) { return stored(i); };
         const Ray<WithinErrors> stored_ray = ray_of(number);
         Primitive<WithinErrors> stored_primitive(shape());

@@ -19,10 +19,11 @@ namespace lostbits::measure::truth {
 
 namespace {
 
-/// Truths that columns cannot hold, with the indices of their rays, and counts of the stages that settled the truths.
-struct UnsettledTruths {
+/// Results of one thread: truths that columns cannot hold, with the indices of their rays, and counts of the stages
+/// that settled the truths.
+struct ThreadResults {
     StageCounts counts;
-    std::vector<std::pair<std::size_t, Truth>> whole;
+    std::vector<std::pair<std::size_t, Truth>> complete_truths;
 };
 
 /// Finds the truths of rays [begin, end), at most `batch_size`.
@@ -31,28 +32,28 @@ class BlockSearch {
 public:
     static constexpr bool two_words = !std::is_same_v<S, double>;
 
-    BlockSearch(const RaysAndPrimitives<S>& problems, TruthLimit limit, std::size_t begin, std::size_t end,
-                RayTruths& out, UnsettledTruths& unsettled)
+    BlockSearch(const RaysAndPrimitives<S>& problems, ProofLimit limit, std::size_t begin, std::size_t end,
+                RayTruths& out, ThreadResults& results)
         : problems_(problems),
           limit_(limit),
           begin_(begin),
           count_(end - begin),
           rays_(problems.rays, begin, end),
           out_(out),
-          unsettled_(unsettled),
+          results_(results),
           isa_(intersect::simd::current_isa()),
-          ranged_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open)) {}
+          has_ranges_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open)) {}
 
     /// Finds the truths. With an index, each ray is tested against its candidates; without one, each primitive is
     /// tested against whole columns of rays.
     void find() {
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
-        if (problems_.paired) test_own_primitives();
+        if (problems_.paired) test_paired_primitives();
         else
-            for (std::size_t s = 0; s < problems_.primitives.size(); ++s) test_primitive(s);
+            for (std::size_t k = 0; k < problems_.primitives.size(); ++k) test_primitive(k);
         const auto open = static_cast<std::size_t>(std::ranges::count(open_, 1));
-        unsettled_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.primitives.size());
+        results_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.primitives.size());
         if (open > 0) find_pairs([this](std::size_t i) { return open_[i] != 0; });
     }
 
@@ -70,10 +71,10 @@ private:
                 .ray_low = rays_.low};
     }
 
-    /// Tests every ray against one primitive, and keeps the hits that come first.
-    void test_primitive(std::size_t s) {
+    /// Tests every ray against one primitive, and stores the hits that come first.
+    void test_primitive(std::size_t primitive_index) {
         limit_.stop.check();
-        const Primitive<S> primitive = problems_.primitives[s];
+        const Primitive<S> primitive = problems_.primitives[primitive_index];
         const Primitive<double> words = transformed(primitive, [](const S& x) { return word_of(x); });
         const Primitive<double> low = transformed(primitive, [](const S& x) { return low_word_of(x); });
         ProblemColumns<double> columns = columns_for(primitive.shape);
@@ -85,7 +86,8 @@ private:
         set_columns(words, columns.primitive);
         columns.matrix = under_matrix(primitive);
         if constexpr (two_words) set_columns(low, columns.primitive_low);
-        test_columns(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
+        test_columns(columns, primitive_index == 0,
+                     [primitive_index](std::size_t) { return static_cast<std::int32_t>(primitive_index); });
     }
 
     static stages::UnderMatrix under_matrix(const Primitive<S>& primitive) {
@@ -94,7 +96,7 @@ private:
     }
 
     /// Tests every ray against the primitive that it is paired with.
-    void test_own_primitives() {
+    void test_paired_primitives() {
         limit_.stop.check();
         if (problems_.primitives[begin_].placed) {  // each primitive has a matrix of its own
             std::ranges::fill(open_, 1);
@@ -128,33 +130,35 @@ private:
         };
         if (is_first) {
             auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data()) + begin_;
-            const auto at_begin = [this](std::vector<double>& column) { return column.data() + begin_; };
+            const auto from_begin = [this](std::vector<double>& column) { return column.data() + begin_; };
             std::uint8_t settled[batch_size];
             const auto length = [&](RayTruths::Lengths& lengths) {
-                return stages::RawLength{at_begin(lengths.hi), at_begin(lengths.lo), at_begin(lengths.bound)};
+                return stages::RawLength{from_begin(lengths.hi), from_begin(lengths.lo), from_begin(lengths.bound)};
             };
             run_stage({settled, hit, length(out_.t), length(out_.distance)});
-            for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? primitive_of(i) : -1;
+            for (std::size_t i = 0; i < count_; ++i) out_.primitive[begin_ + i] = hit[i] != 0 ? primitive_of(i) : -1;
             return;
         }
-        BatchFindings& found = GatheredProblems<double>::of_thread(shape_rows.front().shape).found;
+        BatchFindings& found = GatheredProblems<double>::for_thread(shape_rows.front().shape).findings;
         run_stage(found.raw());
         for (std::size_t i = 0; i < count_; ++i)
-            if (found.hit[i] != 0) keep_nearest(found, i, primitive_of(i));
+            if (found.hit[i] != 0) store_if_nearest(found, i, primitive_of(i));
     }
 
-    void keep_nearest(const BatchFindings& found, std::size_t i, std::int32_t primitive) {
+    /// Stores the hit of ray i at `primitive` if it comes before the hits that are stored. If the first words do not
+    /// decide the order, the ray stays open.
+    void store_if_nearest(const BatchFindings& found, std::size_t i, std::int32_t primitive) {
         // The first words order two lengths that differ by 2^-40 of themselves: the second words and both bounds are
         // far smaller.
         constexpr double nearer = 1 - 0x1p-40, farther = 1 + 0x1p-40;
         const std::size_t ray = begin_ + i;
-        if (out_.object[ray] >= 0) {
+        if (out_.primitive[ray] >= 0) {
             const double best = out_.t.hi[ray];
             if (found.hi[i] > best * farther) return;
             if (!(found.hi[i] < best * nearer)) open_[i] = 1;
         }
         out_.decision[ray] = Truth::Decision::hit;
-        out_.object[ray] = primitive;
+        out_.primitive[ray] = primitive;
         out_.t.hi[ray] = found.hi[i], out_.t.lo[ray] = found.lo[i], out_.t.bound[ray] = found.bound[i];
         out_.distance.hi[ray] = found.distance_hi[i], out_.distance.lo[ray] = found.distance_lo[i];
         out_.distance.bound[ray] = found.distance_bound[i];
@@ -167,10 +171,10 @@ private:
     };
 
     /// Finds the truths of all rays for which `is_wanted(i)` is true: settles each pair of such a ray and a primitive
-    /// that it can meet, and joins the results ray by ray.
+    /// that it can meet, and merges the results ray by ray.
     template <class IsWanted>
     void find_pairs(const IsWanted& is_wanted) {
-        for (const ShapeRow& shape_row : shape_rows) gathered(shape_row.shape).size = 0;
+        for (const ShapeRow& shape_row : shape_rows) gathered_problems(shape_row.shape).size = 0;
         matrices_.fill({});
         std::vector<std::size_t> batch;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -180,11 +184,11 @@ private:
             if (problems_.index) find_candidates(batch);
             for (std::size_t k = 0; k < batch.size(); ++k) {
                 add_pairs(batch[k], k);
-                if (pairs_.size() >= batch_size) join_pairs();
+                if (pairs_.size() >= batch_size) merge_pairs();
             }
             batch.clear();
         }
-        join_pairs();
+        merge_pairs();
     }
 
     /// Finds the candidates of these rays, and loads the primitives into the cache.
@@ -215,21 +219,21 @@ private:
         }
     }
 
-    void add_pair(std::size_t i, std::uint32_t s) {
-        const Primitive<S> primitive = problems_.primitives[s];
-        GatheredProblems<double>& target = gathered(primitive.shape);
+    void add_pair(std::size_t i, std::uint32_t primitive_index) {
+        const Primitive<S> primitive = problems_.primitives[primitive_index];
+        GatheredProblems<double>& target = gathered_problems(primitive.shape);
         stages::UnderMatrix& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
         if (const auto matrix_kind = under_matrix(primitive); !(matrix_kind == matrix)) {
             settle(primitive.shape);
             matrix = matrix_kind;
         }
-        const auto set_ray_columns = [&](std::size_t first, const Spans& source) {
+        const auto set_ray_columns = [&](std::size_t first, const SixColumns& source) {
             for (std::size_t k = 0; k < 6; ++k) target.numbers[first + k][target.size] = source[k][i];
         };
         set_ray_columns(first_ray_column, rays_.words);
         const auto set_primitive_columns = [&](std::size_t first, const Primitive<double>& numbers) {
-            target.set(first, numbers.numbers);
-            if (numbers.placed) target.set(first + most_numbers, numbers.placed->matrix);
+            target.set_numbers(first, numbers.numbers);
+            if (numbers.placed) target.set_numbers(first + most_numbers, numbers.placed->matrix);
         };
         set_primitive_columns(first_primitive_column, transformed(primitive, [](const S& x) { return word_of(x); }));
         target.numbers[tmin_column][target.size] = rays_.tmin.empty() ? 0 : rays_.tmin[i];
@@ -240,17 +244,20 @@ private:
                                   transformed(primitive, [](const S& x) { return low_word_of(x); }));
         }
         pair_indices(primitive.shape)[target.size++] = pairs_.size();
-        pairs_.push_back({i, s, {}});
+        pairs_.push_back({i, primitive_index, {}});
         if (target.size == batch_size) settle(primitive.shape);
     }
 
-    static GatheredProblems<double>& gathered(Shape shape) { return GatheredProblems<double>::of_thread(shape); }
+    static GatheredProblems<double>& gathered_problems(Shape shape) {
+        return GatheredProblems<double>::for_thread(shape);
+    }
     std::array<std::size_t, batch_size>& pair_indices(Shape shape) {
         return pair_indices_[static_cast<std::size_t>(shape)];
     }
 
+    /// Settles the gathered pairs of one shape, and empties their buffer.
     void settle(Shape shape) {
-        GatheredProblems<double>& problems = gathered(shape);
+        GatheredProblems<double>& problems = gathered_problems(shape);
         if (problems.size == 0) return;
         std::vector<std::size_t> open_pairs(problems.size);
         std::iota(open_pairs.begin(), open_pairs.end(), std::size_t{0});
@@ -271,20 +278,21 @@ private:
     /// Settles the gathered pairs of one shape that are in `open_pairs`. Pairs that stay open remain there.
     void settle_gathered(Shape shape, std::vector<std::size_t>& open_pairs) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
-        auto& problems = gathered(shape);
-        auto raw = problems.added(stages.lanes, two_words);
-        raw.open = problems_.rays.open, raw.ranged = ranged_;
+        auto& problems = gathered_problems(shape);
+        auto raw = problems.added_problems(stages.lanes, two_words);
+        raw.open = problems_.rays.open, raw.ranged = has_ranges_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.double_double(raw);
-        store_findings(problems.found, shape, open_pairs, [&open_pairs](std::size_t k) { return open_pairs[k]; });
+        store_findings(problems.findings, shape, open_pairs, [&open_pairs](std::size_t k) { return open_pairs[k]; });
     }
+    /// Settles pairs in which a ray may touch its primitive or start on it, if the stages have such code for the shape.
     void settle_ties(Shape shape, std::vector<std::size_t>& open_pairs) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
-        const bool are_plain = !two_words && !ranged_ && !matrices_[static_cast<std::size_t>(shape)].placed;
+        const bool are_plain = !two_words && !has_ranges_ && !matrices_[static_cast<std::size_t>(shape)].placed;
         if (open_pairs.empty() || !stages.ties || !are_plain) return;
-        GatheredProblems<double>& ties = GatheredProblems<double>::of_thread();
-        stages.ties(ties.gather(gathered(shape).columns(shape), open_pairs, stages.lanes));
-        store_findings(ties.found, shape, open_pairs, [](std::size_t k) { return k; });
+        GatheredProblems<double>& ties = GatheredProblems<double>::for_thread();
+        stages.ties(ties.gather(gathered_problems(shape).columns(shape), open_pairs, stages.lanes));
+        store_findings(ties.findings, shape, open_pairs, [](std::size_t k) { return k; });
     }
     /// Stores the findings on the pairs of `open_pairs`; that on `open_pairs[k]` has the index `index_of(k)`. Pairs
     /// that stay open remain in `open_pairs`.
@@ -299,46 +307,48 @@ private:
         open_pairs.resize(open_count);
     }
     void store_finding(const BatchFindings& found, std::size_t k, RayAndPrimitive& pair) {
-        ++unsettled_.counts.double_double;
-        pair.truth.bits = 106;
+        ++results_.counts.double_double;
+        pair.truth.proof_bits = 106;
         if (found.hit[k] == 0) return;
         pair.truth.decision = Truth::Decision::hit;
-        pair.truth.object = 0;
+        pair.truth.primitive = 0;
         pair.truth.touches = found.touches[k] != 0;
         pair.truth.on_surface = found.on_surface[k] != 0;
-        pair.truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
-        pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
+        pair.truth.t = make_certified(found.hi[k], found.lo[k], found.bound[k]);
+        pair.truth.distance = make_certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
     }
 
+    /// Settles a pair that all columns left open.
     void settle_pair(RayAndPrimitive& pair) {
         const std::size_t ray = begin_ + pair.ray;
         pair.truth = find_truth(problems_.rays[ray], problems_.primitives[pair.primitive], limit_, {},
                                 problems_.rays.range(ray));
-        unsettled_.counts.count_single(pair.truth);
+        results_.counts.count_single(pair.truth);
     }
 
-    void join_pairs() {
+    /// Settles the pairs that are left, and stores the truth of each of their rays.
+    void merge_pairs() {
         for (const ShapeRow& shape_row : shape_rows) settle(shape_row.shape);
         auto pair = pairs_.cbegin();
         for (const std::size_t i : pair_rays_) {
             Truth best;
             for (; pair != pairs_.cend() && pair->ray == i; ++pair)
-                join(pair->truth, static_cast<int>(pair->primitive), best);
-            if (!out_.put(begin_ + i, best)) unsettled_.whole.emplace_back(begin_ + i, best);
+                merge_truth(pair->truth, static_cast<int>(pair->primitive), best);
+            if (!out_.store(begin_ + i, best)) results_.complete_truths.emplace_back(begin_ + i, best);
         }
         pairs_.clear();
         pair_rays_.clear();
     }
 
     const RaysAndPrimitives<S>& problems_;
-    TruthLimit limit_;
+    ProofLimit limit_;
     std::size_t begin_, count_;
     WordColumns<S> rays_;
     RayTruths& out_;
-    UnsettledTruths& unsettled_;
+    ThreadResults& results_;
     intersect::simd::Isa isa_;
-    bool ranged_;
-    std::vector<std::uint8_t> open_;      ///< 1: columns do not settle the ray
+    bool has_ranges_;
+    std::vector<std::uint8_t> open_;      ///< 1 for each ray that columns do not settle
     std::vector<std::size_t> pair_rays_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndPrimitive> pairs_;
     /// Indices into `pairs_` of the gathered pairs, by shape.
@@ -351,38 +361,39 @@ private:
 };
 
 template <class S>
-StageCounts find_all(const RaysAndPrimitives<S>& problems, TruthLimit limit, RayTruths& out) {
-    const std::size_t n = problems.rays.size();
-    out.resize(n);
-    tbb::combinable<UnsettledTruths> unsettled_by_thread;
+StageCounts find_truths_of_rays(const RaysAndPrimitives<S>& problems, ProofLimit limit, RayTruths& out) {
+    const std::size_t ray_count = problems.rays.size();
+    out.resize(ray_count);
+    tbb::combinable<ThreadResults> results_by_thread;
     const auto find = [&](std::size_t begin, std::size_t end) {
         intersect::process::require_standard("the truth of rays");
-        BlockSearch<S>(problems, limit, begin, end, out, unsettled_by_thread.local()).find();
+        BlockSearch<S>(problems, limit, begin, end, out, results_by_thread.local()).find();
     };
-    if (n <= batch_size) {
-        find(0, n);
+    if (ray_count <= batch_size) {
+        find(0, ray_count);
     } else {
-        intersect::process::in_parallel(std::size_t{0}, (n + batch_size - 1) / batch_size, [&](std::size_t block) {
-            find(block * batch_size, std::min(n, (block + 1) * batch_size));
-        });
+        intersect::process::in_parallel(
+            std::size_t{0}, (ray_count + batch_size - 1) / batch_size,
+            [&](std::size_t block) { find(block * batch_size, std::min(ray_count, (block + 1) * batch_size)); });
     }
     StageCounts counts;
-    out.whole.clear();
-    unsettled_by_thread.combine_each([&](const UnsettledTruths& unsettled) {
-        counts += unsettled.counts;
-        out.whole.insert(out.whole.end(), unsettled.whole.begin(), unsettled.whole.end());
+    out.complete_truths.clear();
+    results_by_thread.combine_each([&](const ThreadResults& results) {
+        counts += results.counts;
+        out.complete_truths.insert(out.complete_truths.end(), results.complete_truths.begin(),
+                                   results.complete_truths.end());
     });
-    std::ranges::sort(out.whole, {}, &std::pair<std::size_t, Truth>::first);
+    std::ranges::sort(out.complete_truths, {}, &std::pair<std::size_t, Truth>::first);
     return counts;
 }
 
 }  // namespace
 
-StageCounts find_truths(const RaysAndPrimitives<double>& problems, TruthLimit limit, RayTruths& out) {
-    return find_all(problems, limit, out);
+StageCounts find_truths(const RaysAndPrimitives<double>& problems, ProofLimit limit, RayTruths& out) {
+    return find_truths_of_rays(problems, limit, out);
 }
-StageCounts find_truths(const RaysAndPrimitives<Real>& problems, TruthLimit limit, RayTruths& out) {
-    return find_all(problems, limit, out);
+StageCounts find_truths(const RaysAndPrimitives<Real>& problems, ProofLimit limit, RayTruths& out) {
+    return find_truths_of_rays(problems, limit, out);
 }
 
 }  // namespace lostbits::measure::truth

@@ -16,19 +16,19 @@ namespace lostbits::measure::truth {
 
 namespace {
 
-/// The quadratic P near t. `B` bounds |P(t)|, `slope` is half of the slope at t, and |P''|/2 lies between `least` and
-/// `most` on the way to t'.
+/// Bounds of the quadratic P near t. `B` bounds |P(t)|, `slope` is half of the slope at t, and |P''|/2 lies between
+/// `least` and `most` on the way to t'.
 struct LocalQuadratic {
     double B;
     AllValues slope;
     double least, most;
-    double unevenness = 1;  ///< √(most/least) if P'' may change on the way
+    double parabola_ratio = 1;  ///< √(most/least) if P'' may change on the way
 
     LocalQuadratic(const Perturbable& problem, const QuadraticSpan<Differentiated>& s)
-        : B(problem.deviation(s.c)),
+        : B(problem.bound_at_root(s.c)),
           slope(s.h.value()),
-          least(AllValues(s.a.value()).least()),
-          most(AllValues(s.a.value()).most()) {}
+          least(AllValues(s.a.value()).least_magnitude()),
+          most(AllValues(s.a.value()).largest_magnitude()) {}
 };
 
 /// Bound on |δ|, δ = t' − t. The ray begins at t here, so that all numbers are of the size of the primitive, however
@@ -48,24 +48,25 @@ struct LocalQuadratic {
 /// the least and the largest a', and the first bound holds. Near a tangent, the root comes no later than the minimum of
 /// P. The minimum is at most |s'|/a' away for the smallest a', and s'² < a'B for the largest a'. So the bound is
 /// √(B/a') for the smallest a', times √(most/least).
-double moved_root(const LocalQuadratic& local) {
+double bound_root(const LocalQuadratic& local) {
     if (local.B == 0) return 0;
-    const double sigma = std::max(local.slope.low, -local.slope.high), aB = local.most * local.B * outward + tiny;
+    const double sigma = std::max(local.slope.low, -local.slope.high),
+                 aB = local.most * local.B * rounding_factor + underflow_loss;
     if (sigma > 0 && sigma * sigma >= aB) return local.B / (sigma + std::sqrt(sigma * sigma - aB));
-    if (!(local.least > 0)) return anywhere;
-    return std::sqrt(local.B / local.least) * local.unevenness + 2 * std::max(0.0, -sigma) / local.least;
+    if (!(local.least > 0)) return unbounded;
+    return std::sqrt(local.B / local.least) * local.parabola_ratio + 2 * std::max(0.0, -sigma) / local.least;
 }
 
-double moved_root(const Perturbable& problem, const QuadraticSpan<Differentiated>& s) {
-    return moved_root(LocalQuadratic(problem, s));
+double bound_root(const Perturbable& problem, const QuadraticSpan<Differentiated>& s) {
+    return bound_root(LocalQuadratic(problem, s));
 }
 
 /// Bound on |δ|. δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. If |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other
 /// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order,
 /// this is B/|f'| for k = 1. For k = 2 it is the bound that holds at a tangent, a square root of the errors; and so on
 /// for larger k.
-double moved_root(const Perturbable& problem, const QuarticSpan<Differentiated>& s) {
-    const double B = problem.deviation(s.f.at(s.b));
+double bound_root(const Perturbable& problem, const QuarticSpan<Differentiated>& s) {
+    const double B = problem.bound_at_root(s.f.at(s.b));
     if (B == 0) return 0;
     std::array<double, 5> most{B}, least{};
     Polynomial<Differentiated> f = s.f;
@@ -74,22 +75,24 @@ double moved_root(const Perturbable& problem, const QuarticSpan<Differentiated>&
         f = f.slope(), factorial *= k;
         const auto c = (power * f.at(s.b) / Differentiated(factorial)).value();
         power = power * s.a;
-        most[static_cast<std::size_t>(k)] = std::fabs(c.value()) + c.error() * outward;
-        least[static_cast<std::size_t>(k)] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * outward;
+        most[static_cast<std::size_t>(k)] = std::fabs(c.value()) + c.error() * rounding_factor;
+        least[static_cast<std::size_t>(k)] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * rounding_factor;
     }
     const auto sum_of_others = [&most](std::size_t k, double rho) {
         double sum = 0;
         for (std::size_t j = 5; j-- > 0;) sum = sum * rho + (j == k ? 0 : most[j]);
-        return sum * outward;
+        return sum * rounding_factor;
     };
-    double best = anywhere;
+    double best = unbounded;
     for (std::size_t k = 1; k <= 4; ++k) {
         if (!(least[k] > 0)) continue;
-        double rho = std::pow(B / least[k], 1.0 / static_cast<double>(k)) * outward;
+        double rho = std::pow(B / least[k], 1.0 / static_cast<double>(k)) * rounding_factor;
         for (int i = 0; i < 64 && rho < best; ++i) {
             const double sum = sum_of_others(k, rho);
             if (least[k] * std::pow(rho, static_cast<double>(k)) > sum) best = rho;
-            else rho = std::max(rho * (1 + 0x1p-20), std::pow(sum / least[k], 1.0 / static_cast<double>(k)) * outward);
+            else
+                rho = std::max(rho * (1 + 0x1p-20),
+                               std::pow(sum / least[k], 1.0 / static_cast<double>(k)) * rounding_factor);
         }
     }
     return best;
@@ -97,29 +100,29 @@ double moved_root(const Perturbable& problem, const QuarticSpan<Differentiated>&
 
 /// Bound on |t' − t| = |n'/m'| for t = n/m, where n is 0 because the ray begins at t. If the ray is known to begin on
 /// the inner side of a plane (n > 0), that plane comes no nearer.
-double moved_quotient(const Perturbable& problem, const Differentiated& n, const Differentiated& m) {
-    const double B = problem.deviation(n);
+double bound_quotient(const Perturbable& problem, const Differentiated& n, const Differentiated& m) {
+    const double B = problem.bound_at_root(n);
     if (B == 0) return 0;
-    const double least = AllValues(m.value()).least();
-    return least > 0 ? B / least : anywhere;
+    const double least = AllValues(m.value()).least_magnitude();
+    return least > 0 ? B / least : unbounded;
 }
 
-double moved_root(const Perturbable& problem, const FlatSpan<Differentiated>& s) {
-    return moved_quotient(problem, s.at.n, s.at.m);
+double bound_root(const Perturbable& problem, const FlatSpan<Differentiated>& s) {
+    return bound_quotient(problem, s.at.n, s.at.m);
 }
 
-double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s) {
-    return moved_root(problem, s.primitive.side);
+double bound_root(const Perturbable& problem, const WallSpan<Differentiated>& s) {
+    return bound_root(problem, s.primitive.side);
 }
 
 /// Bound on |t' − t| for slabs. t lies on one of their planes, and moves at most as far as any plane that can come to
 /// this point of the line. If the line does not cross a slab, the quotients of its planes are 1/0, which no error
 /// moves.
-[[maybe_unused]] double moved_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
+[[maybe_unused]] double bound_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
     double most = 0;
     for (std::size_t i = 0; i < s.entry.size(); ++i)
         for (const auto& plane : {s.entry[i], s.exit[i]})
-            most = std::max(most, moved_quotient(problem, plane.n, plane.m));
+            most = std::max(most, bound_quotient(problem, plane.n, plane.m));
     return most;
 }
 
@@ -130,12 +133,13 @@ struct Slab {
     Differentiated from_low, from_high, across;
     bool is_along = false;
 
-    [[nodiscard]] double moved(const Perturbable& problem, AnswerFaces answer_faces = AnswerFaces::every_face) const {
+    [[nodiscard]] double bound_movement(const Perturbable& problem,
+                                        AnswerFaces answer_faces = AnswerFaces::every_face) const {
         if (is_along) return 0;
         const AllValues speed(across.value());
-        const bool both = answer_faces == AnswerFaces::every_face;
-        const double by_low = both || speed.high > 0 ? moved_quotient(problem, from_low, across) : 0,
-                     by_high = both || speed.low < 0 ? moved_quotient(problem, from_high, across) : 0;
+        const bool all_faces = answer_faces == AnswerFaces::every_face;
+        const double by_low = all_faces || speed.high > 0 ? bound_quotient(problem, from_low, across) : 0,
+                     by_high = all_faces || speed.low < 0 ? bound_quotient(problem, from_high, across) : 0;
         return std::max(by_low, by_high);
     }
 };
@@ -147,32 +151,33 @@ Slab slab_of(const Vec<Differentiated>& base, const Vec<Differentiated>& top, co
             dot(axis, ray.direction)};
 }
 
-/// True for the slabs along which the line of the stored ray runs. The slabs of a box are in the order of the axes; the
-/// slab of a capped primitive is the first. A speed counts as 0 only if it is exactly 0: in units of the largest
-/// component, 2^300, a component of 2^-900 also underflows to 0, with a bound above 0.
+/// For each slab: true if the line of the stored ray runs along its planes. The slabs of a box are in the order of the
+/// axes; the slab of a capped primitive is the first. A speed counts as 0 only if it is exactly 0: in units of the
+/// largest component, 2^300, a component of 2^-900 also underflows to 0, with a bound above 0.
 using AlongSlabs = std::array<bool, 3>;
 
 AlongSlabs along_slabs(const Perturbable& problem) {
     const auto is_zero = [](const WithinErrors& speed) { return speed.value() == 0 && speed.error() == 0; };
-    return problem.with_stored([&]<class Shape>(const Shape& s, const Ray<WithinErrors>& ray) -> AlongSlabs {
-        const Vec<WithinErrors>& d = ray.direction;
-        if constexpr (requires { s.lo; }) return {is_zero(d.x), is_zero(d.y), is_zero(d.z)};
-        else if constexpr (requires { s.base; }) return {is_zero(dot(Vec<WithinErrors>(s.top - s.base), d))};
-        else return {};
-    });
+    return problem.in_object_space_as_stored(
+        [&]<class Shape>(const Shape& s, const Ray<WithinErrors>& ray) -> AlongSlabs {
+            const Vec<WithinErrors>& d = ray.direction;
+            if constexpr (requires { s.lo; }) return {is_zero(d.x), is_zero(d.y), is_zero(d.z)};
+            else if constexpr (requires { s.base; }) return {is_zero(dot(Vec<WithinErrors>(s.top - s.base), d))};
+            else return {};
+        });
 }
 
 /// Bound on |t' − t| for a primitive between planes across the axes. t is the largest or smallest parameter of a plane,
 /// so it moves at most as far as any plane that can become this largest or smallest one.
 template <class Shape>
-double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
+double bound_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
                              AnswerFaces answer_faces) {
     const AlongSlabs along = along_slabs(problem);
     double most = 0;
     for (int i = 0; i < 3; ++i) {
         const Slab slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i],
                         along[static_cast<std::size_t>(i)]};
-        most = std::max(most, slab.moved(problem, answer_faces));
+        most = std::max(most, slab.bound_movement(problem, answer_faces));
     }
     return most;
 }
@@ -189,11 +194,11 @@ public:
           quadratics_{LocalQuadratic(problem, ball(s.start, s.radius, ray)), LocalQuadratic(problem, side(s, ray)),
                       LocalQuadratic(problem, ball(s.end, s.radius, ray))} {}
 
-    [[nodiscard]] double moved() const {
-        const auto start_pieces = within(0);
-        const double first_bound = moved_root(joined(start_pieces, start_pieces));
-        const auto passed_pieces = within(first_bound);
-        return passed_pieces == start_pieces ? first_bound : moved_root(joined(start_pieces, {true, true, true}));
+    [[nodiscard]] double bound_movement() const {
+        const auto start_pieces = pieces_within(0);
+        const double first_bound = bound_root(bounds_over(start_pieces, start_pieces));
+        const auto passed_pieces = pieces_within(first_bound);
+        return passed_pieces == start_pieces ? first_bound : bound_root(bounds_over(start_pieces, {true, true, true}));
     }
 
 private:
@@ -214,18 +219,19 @@ private:
         return {dot(m, n) / v2, square(m) / v2 - square(s.radius), square(n) / v2, zero, zero};
     }
     /// Pieces in which the ray may be at any t between −`max_t` and `max_t`.
-    [[nodiscard]] Pieces within(double max_t) const {
-        const double path = max_t == 0 ? 0 : max_t * AllValues(slab_.across.value()).most() * outward;
+    [[nodiscard]] Pieces pieces_within(double max_t) const {
+        const double path =
+            max_t == 0 ? 0 : max_t * AllValues(slab_.across.value()).largest_magnitude() * rounding_factor;
         const AllValues low(slab_.from_low.value()), high(slab_.from_high.value());
         return {!(low.low - path > 0), !(low.high + path < 0) && !(high.high + path < 0), !(high.low - path > 0)};
     }
     /// Bounds of P(t) and its slope over `start_pieces`, and of its second derivative over `passed_pieces`.
-    [[nodiscard]] LocalQuadratic joined(const Pieces& start_pieces, const Pieces& passed_pieces) const {
+    [[nodiscard]] LocalQuadratic bounds_over(const Pieces& start_pieces, const Pieces& passed_pieces) const {
         std::optional<LocalQuadratic> bounds;
         for (std::size_t i = 0; i < 3; ++i) {
             if (!start_pieces[i]) continue;
             if (!bounds) bounds = quadratics_[i];
-            bounds->B = std::max(bounds->B, quadratics_[i].B), bounds->slope.join(quadratics_[i].slope);
+            bounds->B = std::max(bounds->B, quadratics_[i].B), bounds->slope.extend(quadratics_[i].slope);
         }
         for (std::size_t i = 0; i < 3; ++i) {
             if (!passed_pieces[i]) continue;
@@ -233,7 +239,7 @@ private:
             bounds->most = std::max(bounds->most, quadratics_[i].most);
         }
         const auto pieces = std::ranges::count(passed_pieces, true);
-        if (pieces > 1) bounds->unevenness = std::sqrt(bounds->most / bounds->least) * outward;
+        if (pieces > 1) bounds->parabola_ratio = std::sqrt(bounds->most / bounds->least) * rounding_factor;
         return *bounds;
     }
 
@@ -248,37 +254,38 @@ private:
 /// - along an axis with caps: t is on a root or a cap, so the larger of the bounds for both;
 /// - other shapes: from the span alone.
 template <class Shape>
-double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray, AnswerFaces answer_faces) {
-    if constexpr (requires { s.lo; }) return moved_between_corners(problem, s, ray, answer_faces);
-    else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).moved();
+double bound_answer(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
+                    AnswerFaces answer_faces) {
+    if constexpr (requires { s.lo; }) return bound_between_corners(problem, s, ray, answer_faces);
+    else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).bound_movement();
     else if constexpr (requires { s.base; }) {
         Slab caps = slab_of(s.base, s.top, ray);
         caps.is_along = along_slabs(problem)[0];
-        return std::max(moved_root(problem, s.span(ray).side), caps.moved(problem));
-    } else return moved_root(problem, s.span(ray));
+        return std::max(bound_root(problem, s.span(ray).side), caps.bound_movement(problem));
+    } else return bound_root(problem, s.span(ray));
 }
 
-double reach_of(const ProblemNumbers& numbers, const Certified& answer, AnswerFaces answer_faces) {
+double find_reach(const ProblemNumbers& numbers, const Certified& answer, AnswerFaces answer_faces) {
     const Perturbable problem(numbers);
-    const WithinErrors t = problem.of(answer);
-    const double root = problem.with_ray_from(t, [&](const auto& shape, const Ray<Differentiated>& ray) {
-        return moved_at(problem, shape, ray, answer_faces);
+    const WithinErrors t = problem.in_units(answer);
+    const double root = problem.in_object_space_from(t, [&](const auto& shape, const Ray<Differentiated>& ray) {
+        return bound_answer(problem, shape, ray, answer_faces);
     });
     if (root == 0) return 0;
     const double ball_bound = problem.ball_bound(t), least_bound = root < ball_bound ? root : ball_bound;
     const auto e = std::clamp<std::int64_t>(problem.unit_exponent() - exponent_of_unit(answer), -5000, 5000);
-    return std::ldexp(least_bound * outward, static_cast<int>(e)) + tiny;
+    return std::ldexp(least_bound * rounding_factor, static_cast<int>(e)) + underflow_loss;
 }
 
 }  // namespace
 
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed, AnswerFaces answer_faces) {
-    return reach_of(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
+    return find_reach(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
 }
 double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed, AnswerFaces answer_faces) {
-    return reach_of(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
+    return find_reach(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
 }
 
 }  // namespace lostbits::measure::truth

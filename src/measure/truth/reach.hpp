@@ -22,15 +22,15 @@ enum class Perturbed : std::uint8_t { componentwise, normwise };
 inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
 
 /// Faces of a box that can move the answer. For a ray that begins inside at tmin, the answer is max(tmin, largest
-/// entry); where this is tmin, no face through which the ray leaves moves it.
+/// entry). If this is tmin, no face through which the ray leaves moves it.
 enum class AnswerFaces : std::uint8_t { every_face, entered_faces };
 
-/// Bound of |t' − t|, or of how far the distance moves, for every problem within these errors whose answer is the same
+/// Bound of |t' − t|, or of the change of the distance, for every problem within these errors whose answer is the same
 /// root: both the near root or both the far one, on the same face. The bound is never too small; reach.cpp has the
-/// inequalities. `answer` is the t or the distance of the root, or of the start of the range; the bound is in units of
-/// the power of two of `answer` (`exponent_of_unit`). Where the line may pass the rim, or the origin the surface, a
-/// problem within the errors may also miss or meet another root first. The inputs do not decide then, and the bound
-/// does not cover such answers.
+/// inequalities. `answer` is the t or the distance of the root, or of the start of the range. The unit of the bound is
+/// the power of two of `answer` (`exponent_of_unit`). If the errors may move the line past the rim, or the origin
+/// across the surface, a problem within the errors may also miss or meet another root first. The inputs do not decide
+/// then, and the bound does not cover such answers.
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
              AnswerFaces answer_faces = AnswerFaces::every_face);

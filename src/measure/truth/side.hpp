@@ -1,4 +1,4 @@
-// Orders an exact length t* and a given number by signs of dyadic polynomials, without computing the length. Also finds
+// Compares an exact length t* with a number by signs of dyadic polynomials, without computing the length. Also finds
 // the root at which a ray meets a surface of degree four, for `enclose`.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace lostbits::measure::truth {
 template <class Find>
 auto by_rising_precision(const Find& find) {
     auto found = find.template operator()<Ball>();
-    for (int bits = 192; !found && bits <= TruthLimit{}.bits; bits *= 2) {
+    for (int bits = 192; !found && bits <= ProofLimit{}.max_bits; bits *= 2) {
         const Interval::Precision precision(bits);
         found = find.template operator()<Interval>();
     }
@@ -65,14 +65,14 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing root, const 
     if (*sign_of_a < 0)
         return side_of_root<E>({-s.h, -s.c, -s.a, s.q, s.d2}, root == Crossing::near ? Crossing::far : Crossing::near,
                                m, length);
-    const bool parameter = length == Length::parameter;
-    const auto sign_of_p = parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
-                                     : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
+    const bool is_parameter = length == Length::parameter;
+    const auto sign_of_p = is_parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
+                                        : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
     if (!sign_of_p) return std::nullopt;
     if (*sign_of_p < 0) return root == Crossing::near ? -1 : 1;
     // Here P(m) ≥ 0, so m lies at a root or outside both. If m is before the middle of the roots, it is below the far
     // root; if m is after the middle, it is above the near root.
-    const auto past_middle = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
+    const auto past_middle = is_parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
     if (!past_middle) return std::nullopt;
     if (root == Crossing::near) return *past_middle > 0 ? -1 : *sign_of_p;
     return *past_middle < 0 ? 1 : -*sign_of_p;
@@ -87,7 +87,7 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        crossing = found.at;
+        crossing = found.crossing;
     } else {
         const auto sign_of_c = sign(s.c);
         if (!sign_of_c) return std::nullopt;
@@ -126,8 +126,8 @@ requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(c
                                                                                intersect::Convention convention) {
     const Enclosed<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    return side_at<E>(s, found.at, m, length);
+    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    return side_at<E>(s, found.crossing, m, length);
 }
 
 /// Order of t* relative to m > 0, for a ray that hits. t* is the start of the range, the first entry, or the first exit
@@ -139,7 +139,7 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        if (found.at == Crossing::far) answer = smallest_exit(s);
+        if (found.crossing == Crossing::far) answer = smallest_exit(s);
     } else if (convention.inside == intersect::Inside::exit && (answer.n <= E(0)).is_yes()) {
         answer = smallest_exit(s);
     }
@@ -171,7 +171,7 @@ struct RootHit {
     Tri hit;
     int root = -1;
     bool touching = false, on_surface = false;
-    Crossing at = Crossing::begin;
+    Crossing crossing = Crossing::begin;
     EnclosedRoots<F> roots = {};
 };
 
@@ -207,7 +207,7 @@ private:
         return std::move(result_);
     }
     [[nodiscard]] RootHit<F> hit_at_begin() {
-        result_.root = -1, result_.at = Crossing::begin;
+        result_.root = -1, result_.crossing = Crossing::begin;
         return finish(Tri::yes);
     }
     [[nodiscard]] RootHit<F> hit_from_inside(int next) {
@@ -219,23 +219,23 @@ private:
     /// ray may meet the surface again after it leaves.
     [[nodiscard]] RootHit<F> hit_from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
-        const bool leaving = result_.roots[root].sign_beyond > 0;
+        const bool is_leaving = result_.roots[root].sign_beyond > 0;
         const auto to_end = order_to_end(root);
         if (!to_end) return {Tri::unknown};
-        const bool touching = !result_.roots[root].changes_sign || (!leaving && *to_end == 0);
+        const bool touching = !result_.roots[root].changes_sign || (!is_leaving && *to_end == 0);
         result_.on_surface = true;
         if (!touching || convention_.touching == Touching::hit) {
-            const bool no_exits = convention_.inside == Inside::miss && !touching;
-            const bool counts =
-                convention_.at_origin == AtOrigin::hit || (convention_.at_origin == AtOrigin::exit && leaving);
-            if (counts && !(no_exits && leaving)) {
+            const bool ignores_exits = convention_.inside == Inside::miss && !touching;
+            const bool start_counts =
+                convention_.at_origin == AtOrigin::hit || (convention_.at_origin == AtOrigin::exit && is_leaving);
+            if (start_counts && !(ignores_exits && is_leaving)) {
                 result_.touching = touching;
                 if (known_sign(begin_of(range_)) == 0) return hit_at_begin();
-                result_.root = root, result_.at = leaving ? Crossing::far : Crossing::near;
+                result_.root = root, result_.crossing = is_leaving ? Crossing::far : Crossing::near;
                 return finish(Tri::yes);
             }
         }
-        return leaving ? next_hit(root + 1) : hit_from_inside(root + 1);
+        return is_leaving ? next_hit(root + 1) : hit_from_inside(root + 1);
     }
     /// Order of a root relative to the end of the range.
     [[nodiscard]] std::optional<int> order_to_end(int root) const {
@@ -254,7 +254,7 @@ private:
         if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return finish(Tri::no);
         const bool touching = !result_.roots[root].changes_sign || (*to_end == 0 && crossing == Crossing::near);
         if (touching && convention_.touching == intersect::Touching::miss) return finish(Tri::no);
-        result_.root = root, result_.at = crossing, result_.touching = touching;
+        result_.root = root, result_.crossing = crossing, result_.touching = touching;
         return finish(Tri::yes);
     }
 
@@ -280,7 +280,7 @@ template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
-    if (found.at == Crossing::begin) return enclosed_begin(s.d2, range, found.touching, found.on_surface);
+    if (found.crossing == Crossing::begin) return enclose_begin(s.d2, range, found.touching, found.on_surface);
     E x(found.roots[found.root].root);
     if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
         const E f = s.f.at(x);
@@ -295,7 +295,7 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
             .distance = t * sqrt(s.d2),
             .touching = found.touching,
             .on_surface = found.on_surface,
-            .at = found.at,
+            .crossing = found.crossing,
             .at_double_root = !found.roots[found.root].changes_sign};
 }
 
@@ -318,7 +318,7 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
                            intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
     const EnclosedRoots<E>& roots = found.roots;
     if (length == Length::parameter) return roots.order(found.root, s.x_at(m));
     const QuadraticSurd<E> x{s.b * s.d2, s.a * m, s.d2};

@@ -22,9 +22,10 @@ std::optional<std::int64_t> straddled_power(const Certified& x) {
     return std::nullopt;
 }
 
-Interval interval_at_power(std::int64_t exponent) {
+/// The number 2^exponent, also beyond the range of double.
+Interval power_of_two_interval(std::int64_t exponent) {
     Interval power(1);
-    // Multiplies by powers of two that double holds, until nothing of the exponent is left.
+    // Multiplies by powers of two that a double can hold.
     while (exponent != 0) {
         const std::int64_t part = std::clamp<std::int64_t>(exponent, -1000, 1000);
         power *= Interval(std::ldexp(1.0, static_cast<int>(part)));
@@ -34,7 +35,7 @@ Interval interval_at_power(std::int64_t exponent) {
 }
 
 /// x, narrowed to one side of the power of two that its bound straddles: below it, at it or above it.
-Certified on_side(const Certified& x, int side) {
+Certified narrow_to_side(const Certified& x, int side) {
     if (side == 0) return {.hi = 1, .lo = 0, .bound = 0, .exponent = x.exponent};
     // The interval [lo − bound, 0] or [0, lo + bound], given by its middle. Below the power, the middle must stay
     // negative even where it underflows.
@@ -74,28 +75,28 @@ bool is_finite(const S& x) {
 }
 
 template <class S>
-bool is_ray(const Ray<S>& r) {
-    bool finite = true, moves = false;
+bool is_valid_ray(const Ray<S>& r) {
+    bool all_finite = true, has_direction = false;
     for (int i = 0; i < 3; ++i) {
-        finite = finite && is_finite(r.origin[i]) && is_finite(r.direction[i]);
-        moves = moves || r.direction[i] != 0;
+        all_finite = all_finite && is_finite(r.origin[i]) && is_finite(r.direction[i]);
+        has_direction = has_direction || r.direction[i] != 0;
     }
-    return finite && moves;
+    return all_finite && has_direction;
 }
 
 template <class S>
-bool is_proper_primitive(const Primitive<S>& primitive) {
+bool is_valid_primitive(const Primitive<S>& primitive) {
     return std::ranges::all_of(primitive.shape_numbers(), is_finite<S>) && !broken_limit(primitive) &&
            (!primitive.placed || primitive.placed->is_proper());
 }
 
 /// Limit, convention and range by which the truth about one primitive is found.
-struct Terms {
-    TruthLimit limit;
+struct ProofTerms {
+    ProofLimit limit;
     Convention convention;
     Range<double> range;
 
-    Terms(TruthLimit truth_limit, Convention full_convention, Range<double> full_range)
+    ProofTerms(ProofLimit truth_limit, Convention full_convention, Range<double> full_range)
         : limit(truth_limit), range(full_range) {
         if (full_convention.endless) range.tmax = HUGE_VAL;
         convention = convention_in(range, full_convention);
@@ -103,65 +104,67 @@ struct Terms {
 };
 
 template <class E>
-Enclosed<E> enclose_by(const Ray<E>& ray, const Primitive<E>& primitive, const Terms& terms) {
+Enclosed<E> enclose_under(const Ray<E>& ray, const Primitive<E>& primitive, const ProofTerms& terms) {
     const auto range = range_over<E>(terms.range);
     return enclose<E>(ray, primitive, range ? &*range : nullptr, terms.convention);
 }
 
+/// Finds the truth about one primitive in MPFI, at precisions that double up to the limit.
 template <class S>
-Truth escalate(const Ray<S>& ray, const Primitive<S>& primitive, const Terms& terms) {
+Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const ProofTerms& terms) {
     Truth truth;
-    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= terms.limit.bits; bits *= 2) {
+    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= terms.limit.max_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        truth.bits = bits;
+        truth.proof_bits = bits;
         const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
         const Primitive<Interval> wide_primitive = lift_primitive<Interval>(primitive);
         const auto decide_binade = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
             const auto range = range_over<Interval>(terms.range);
-            const auto side = side_of(wide_ray, wide_primitive, interval_at_power(*power), length,
+            const auto side = side_of(wide_ray, wide_primitive, power_of_two_interval(*power), length,
                                       range ? &*range : nullptr, terms.convention);
-            if (side) x = on_side(x, *side);
+            if (side) x = narrow_to_side(x, *side);
             return side.has_value();
         };
-        if (settle(enclose_by(wide_ray, wide_primitive, terms), terms.convention, truth, decide_binade)) return truth;
+        if (settle(enclose_under(wide_ray, wide_primitive, terms), terms.convention, truth, decide_binade))
+            return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Primitive<S>> primitives, TruthLimit limit,
-               const Convention& convention, const Range<double>& range) {
+Truth find_first_hit(const Ray<S>& ray, std::span<const Primitive<S>> primitives, ProofLimit limit,
+                     const Convention& convention, const Range<double>& range) {
     intersect::process::require_standard("the truth of a ray");
     Truth best;
-    if (!is_ray(ray)) return best;
+    if (!is_valid_ray(ray)) return best;
     const Ray<Ball> ball_ray = lift_ray<Ball>(ray);
     for (std::size_t index = 0; index < primitives.size(); ++index) {
         const Primitive<S>& primitive = primitives[index];
-        const Terms terms(limit, convention.of(primitive.shape), range);
-        if (!terms.range.holds_any() || !is_proper_primitive(primitive)) continue;
+        const ProofTerms terms(limit, convention.of(primitive.shape), range);
+        if (!terms.range.holds_any() || !is_valid_primitive(primitive)) continue;
         Truth truth;
-        truth.bits = 106;
+        truth.proof_bits = 106;
         const auto is_binade_known = [](const Certified& x, Length) { return !straddled_power(x); };
-        if (!settle(enclose_by(ball_ray, lift_primitive<Ball>(primitive), terms), terms.convention, truth,
+        if (!settle(enclose_under(ball_ray, lift_primitive<Ball>(primitive), terms), terms.convention, truth,
                     is_binade_known))
-            truth = escalate(ray, primitive, terms);
-        join(truth, static_cast<int>(index), best);
+            truth = find_in_intervals(ray, primitive, terms);
+        merge_truth(truth, static_cast<int>(index), best);
     }
     return best;
 }
 
 template <class S>
-double round_exactly(const Truth& truth, const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
-                     Length length, const Terms& terms) {
+double round_by_side(const Truth& truth, const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
+                     Length length, const ProofTerms& terms) {
     const auto [lower, upper] = round_ends(length == Length::parameter ? truth.t : truth.distance, format);
     if (lower == upper) return lower;
-    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
+    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= ProofLimit{}.max_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        // The rounding boundary that the bound straddles: midway between the two, or half a last place above the
-        // largest number.
+        // The bound straddles this rounding boundary, midway between both ends or half an ulp above the largest finite
+        // number.
         const Interval boundary = std::isinf(upper)
                                       ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                       : (Interval(lower) + Interval(upper)) / Interval(2);
@@ -177,44 +180,44 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
 
 }  // namespace
 
-void join(const Truth& truth, int i, Truth& best) {
+void merge_truth(const Truth& truth, int i, Truth& best) {
     const bool touches = best.touches || truth.touches, on_surface = best.on_surface || truth.on_surface;
-    const int bits = std::max(best.bits, truth.bits);
+    const int proof_bits = std::max(best.proof_bits, truth.proof_bits);
     if (truth.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
         best.decision = Truth::Decision::unresolved;
     } else if (truth.is_hit() && (!best.is_hit() || compare(truth.t, best.t) < 0)) {
         best = truth;
-        best.object = i;
+        best.primitive = i;
     } else if (truth.is_hit() && compare(truth.t, best.t) == 0) {
         best.t = nearer(best.t, truth.t);
         best.distance = nearer(best.distance, truth.distance);
     }
-    best.bits = bits;
+    best.proof_bits = proof_bits;
     best.touches = touches;
     best.on_surface = on_surface;
 }
 
-Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, TruthLimit limit,
+Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, ProofLimit limit,
                  Convention convention, const Range<double>& range) {
-    return find_all(ray, primitives, limit, convention, range);
+    return find_first_hit(ray, primitives, limit, convention, range);
 }
-Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, TruthLimit limit,
+Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, ProofLimit limit,
                  Convention convention, const Range<double>& range) {
-    return find_all(ray, primitives, limit, convention, range);
+    return find_first_hit(ray, primitives, limit, convention, range);
 }
 
-bool is_proper(const Ray<double>& ray) { return is_ray(ray); }
-bool is_proper(const Ray<Real>& ray) { return is_ray(ray); }
-bool is_proper(const Primitive<double>& primitive) { return is_proper_primitive(primitive); }
-bool is_proper(const Primitive<Real>& primitive) { return is_proper_primitive(primitive); }
+bool is_valid(const Ray<double>& ray) { return is_valid_ray(ray); }
+bool is_valid(const Ray<Real>& ray) { return is_valid_ray(ray); }
+bool is_valid(const Primitive<double>& primitive) { return is_valid_primitive(primitive); }
+bool is_valid(const Primitive<Real>& primitive) { return is_valid_primitive(primitive); }
 
 double round_truth(const Truth& truth, const Ray<double>& ray, const Primitive<double>& primitive,
                    const FloatFormat& format, Length length, const Convention& convention, const Range<double>& range) {
-    return round_exactly(truth, ray, primitive, format, length, {{}, convention, range});
+    return round_by_side(truth, ray, primitive, format, length, {{}, convention, range});
 }
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Primitive<Real>& primitive,
                    const FloatFormat& format, Length length, const Convention& convention, const Range<double>& range) {
-    return round_exactly(truth, ray, primitive, format, length, {{}, convention, range});
+    return round_by_side(truth, ray, primitive, format, length, {{}, convention, range});
 }
 
 }  // namespace lostbits::measure::truth

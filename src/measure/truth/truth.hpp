@@ -22,9 +22,9 @@ struct Truth {
     Decision decision = Decision::miss;
     /// Index of the primitive that is hit first; −1 for a miss. If the order of several hits is not decided, it is the
     /// lowest of their indices.
-    int object = -1;
+    int primitive = -1;
     /// Bits of precision that the proof took; 106 for the double-double stage.
-    int bits = 0;
+    int proof_bits = 0;
     /// The ray only touches some primitive, so the two conventions on touching may differ on this ray.
     bool touches = false;
     /// The ray begins on the surface of some primitive, so conventions on t = 0 may differ on this ray.
@@ -41,10 +41,10 @@ struct Truth {
 /// Names in files, in the order of `Truth::Decision`.
 inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
-/// Limit of the precision of a proof.
+/// Limit of the precision of a proof, and a token that stops the search for it.
 ///
 /// Enclosures start at double-double (`Ball`). A problem that this leaves open is tried in MPFI at 192 bits (at 384 for
-/// `Real`), and at twice the bits each time, as long as these are at most `bits`. So with 32768 the last precision
+/// `Real`), and at twice the bits each time, as long as these are at most `max_bits`. So with 32768 the last precision
 /// tried is 24576. A problem that is open even then is `unresolved`. The worst case of the tests needed 6144 bits.
 ///
 /// Every decision rests on the sign of a dyadic polynomial in the inputs. An interval of enough bits encloses its value
@@ -56,8 +56,8 @@ inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "
 /// - Degree 34 or more (tori): more than 24576 bits, if the exponents of the numbers are some 700 apart.
 ///
 /// Code that finds many truths, or that asks forms about the same rays, checks `stop` on the way.
-struct TruthLimit {
-    int bits = 32768;  ///< largest precision that may be tried
+struct ProofLimit {
+    int max_bits = 32768;  ///< largest precision that may be tried
     intersect::process::StopToken stop = {};
 };
 
@@ -68,32 +68,35 @@ struct TruthLimit {
 /// inputs). A ray with a number that is not finite, or with a direction of zero, meets nothing. Nothing meets a
 /// primitive with such a number, a sphere without a positive radius, a box with lo > hi, or a primitive under a
 /// singular matrix.
-Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, TruthLimit limit = {},
+Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, ProofLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
-Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, TruthLimit limit = {},
+Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, ProofLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 
 /// Merges `truth`, which is about primitive `i` alone, into `best`, the truth about the primitives before it.
-void join(const Truth& truth, int i, Truth& best);
+void merge_truth(const Truth& truth, int i, Truth& best);
 
-bool is_proper(const Ray<double>& ray);
-bool is_proper(const Ray<Real>& ray);
-bool is_proper(const Primitive<double>& primitive);
-bool is_proper(const Primitive<Real>& primitive);
+/// True if every number of the ray is finite and its direction is not zero. No other ray meets anything.
+bool is_valid(const Ray<double>& ray);
+bool is_valid(const Ray<Real>& ray);
+/// True if a ray can meet the primitive: every number is finite and within the limits of its shape, and the matrix is
+/// not singular.
+bool is_valid(const Primitive<double>& primitive);
+bool is_valid(const Primitive<Real>& primitive);
 
-inline Truth find_truth(const Ray<double>& ray, const Primitive<double>& primitive, TruthLimit limit = {},
+inline Truth find_truth(const Ray<double>& ray, const Primitive<double>& primitive, ProofLimit limit = {},
                         intersect::Convention convention = {}, const Range<double>& range = {}) {
     return find_truth(ray, std::span(&primitive, 1), limit, convention, range);
 }
-inline Truth find_truth(const Ray<Real>& ray, const Primitive<Real>& primitive, TruthLimit limit = {},
+inline Truth find_truth(const Ray<Real>& ray, const Primitive<Real>& primitive, ProofLimit limit = {},
                         intersect::Convention convention = {}, const Range<double>& range = {}) {
     return find_truth(ray, std::span(&primitive, 1), limit, convention, range);
 }
 
-/// Kind of length: the parameter t*, in lengths of the direction as stored, or the distance t*·|d|.
+/// Kinds of lengths: the parameter t*, in lengths of the direction as stored, or the distance t*·|d|.
 enum class Length { parameter, distance };
-inline Length length_of(intersect::Direction unit_of) {
-    return unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
+inline Length length_of(intersect::Direction direction) {
+    return direction == intersect::Direction::unit ? Length::distance : Length::parameter;
 }
 
 /// t* (or the distance) correctly rounded to a format, ties decided exactly: if the certified bound straddles a

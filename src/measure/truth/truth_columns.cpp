@@ -16,31 +16,30 @@ static_assert(static_cast<int>(Truth::Decision::miss) == 0 && static_cast<int>(T
 
 namespace {
 
+/// Truth of problem i, found without columns.
 template <class S>
-Truth truth_of_ray(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
-    const auto number_of_ray = [i](std::span<const S> column) {
+Truth find_single_truth(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
+    const auto number_in = [i](std::span<const S> column) {
         return static_cast<double>(column[column.size() == 1 ? 0 : i]);
     };
     const auto& r = p.ray;
     Primitive<double> primitive;
     primitive.shape = p.shape;
-    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
-        primitive.numbers[k] = number_of_ray(p.primitive[k]);
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = number_in(p.primitive[k]);
     if (p.matrix.placed) {
         primitive.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
         for (std::size_t k = most_numbers; k < most_stored; ++k)
-            primitive.placed->matrix[k - most_numbers] = number_of_ray(p.primitive[k]);
+            primitive.placed->matrix[k - most_numbers] = number_in(p.primitive[k]);
     }
     return find_truth(
-        {{number_of_ray(r[0]), number_of_ray(r[1]), number_of_ray(r[2])},
-         {number_of_ray(r[3]), number_of_ray(r[4]), number_of_ray(r[5])}},
+        {{number_in(r[0]), number_in(r[1]), number_in(r[2])}, {number_in(r[3]), number_in(r[4]), number_in(r[5])}},
         primitive, terms.limit, terms.convention,
-        {p.tmin.empty() ? 0 : number_of_ray(p.tmin), p.tmax.empty() ? HUGE_VAL : number_of_ray(p.tmax), p.open});
+        {p.tmin.empty() ? 0 : number_in(p.tmin), p.tmax.empty() ? HUGE_VAL : number_in(p.tmax), p.open});
 }
 
 /// Appends begin + i to `open` for each problem i that is not settled. Most problems are settled, so eight flags are
 /// checked together.
-void add_open(const std::uint8_t* settled, std::size_t begin, std::size_t count, std::vector<std::size_t>& open) {
+void append_open(const std::uint8_t* settled, std::size_t begin, std::size_t count, std::vector<std::size_t>& open) {
     constexpr std::uint64_t all_settled = 0x0101010101010101;
     for (std::size_t first = 0; first < count; first += 8) {
         const std::size_t flag_count = std::min<std::size_t>(8, count - first);
@@ -52,6 +51,7 @@ void add_open(const std::uint8_t* settled, std::size_t begin, std::size_t count,
     }
 }
 
+/// Finds the truth of the problems in columns, batch by batch.
 template <class S>
 class ColumnSearch {
 public:
@@ -61,92 +61,93 @@ public:
           out_(out),
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
           in_place_(problems) {
-        const bool are_plain = !in_place_.has_own_ranges() && !problems.matrix.placed;
+        const bool are_plain = !in_place_.has_ranges() && !problems.matrix.placed;
         ties_ = are_plain && problems.ray_low[0].empty() ? stages_.ties : stages::ShapeStage<double>();
     }
 
     void find() {
         for (std::size_t begin = 0; begin < problems_.size; begin += batch_size) {
             const std::size_t count = std::min(batch_size, problems_.size - begin);
-            open_.clear();
+            open_indices_.clear();
             if (terms_.convention.is_special()) {
-                open_.resize(count);
-                std::iota(open_.begin(), open_.end(), begin);
+                open_indices_.resize(count);
+                std::iota(open_indices_.begin(), open_indices_.end(), begin);
             } else if constexpr (std::is_same_v<S, float>) {
                 if (terms_.tightness == Tightness::ulps_of_binary32) {
                     settle_in_place(stages_.binary64, begin, count);
-                    out_.stages.binary64 += count - open_.size();
+                    out_.stages.binary64 += count - open_indices_.size();
                 } else {
-                    open_.resize(count);
-                    std::iota(open_.begin(), open_.end(), begin);
+                    open_indices_.resize(count);
+                    std::iota(open_indices_.begin(), open_indices_.end(), begin);
                 }
                 if (stages_.ties_first) settle_gathered(ties_);
                 settle_gathered(stages_.double_double);
                 if (!stages_.ties_first) settle_gathered(ties_);
             } else {
                 settle_in_place(stages_.double_double, begin, count);
-                out_.stages.double_double += count - open_.size();
+                out_.stages.double_double += count - open_indices_.size();
                 settle_gathered(ties_);
             }
-            for (const std::size_t i : open_) settle_alone(i);
+            for (const std::size_t i : open_indices_) settle_single(i);
         }
     }
 
 private:
-    /// Settles `count` problems from `begin` on, in their columns, and adds those that stay open to `open_`.
+    /// Settles `count` problems from `begin` on, in their columns, and adds those that stay open to `open_indices_`.
     void settle_in_place(const stages::ShapeStage<S>& stage, std::size_t begin, std::size_t count) {
         std::uint8_t settled[batch_size];
         auto* const hits = reinterpret_cast<std::uint8_t*>(out_.decision.data());
         stages::RawFindings found{settled, hits + begin, {}, {}};
         requested_length(found) = {out_.hi.data() + begin, out_.lo.data() + begin, out_.bound.data() + begin};
         in_place_.settle(stage, stages_.lanes, begin, count, found);
-        add_open(settled, begin, count, open_);
+        append_open(settled, begin, count, open_indices_);
     }
-    /// Settles the problems in `open_`. Problems that stay open remain there. Does nothing if the stage is missing.
+    /// Settles the problems in `open_indices_`. Problems that stay open remain there. Does nothing if the stage is
+    /// missing.
     void settle_gathered(const stages::ShapeStage<double>& stage) {
-        if (!stage || open_.empty()) return;
-        auto& gathered = GatheredProblems<double>::of_thread();
-        const std::vector<std::size_t> indices = std::exchange(open_, {});
+        if (!stage || open_indices_.empty()) return;
+        auto& gathered = GatheredProblems<double>::for_thread();
+        const std::vector<std::size_t> indices = std::exchange(open_indices_, {});
         auto raw = gathered.gather(problems_, indices, stages_.lanes);
-        raw.ranged = in_place_.has_own_ranges();
+        raw.ranged = in_place_.has_ranges();
         const stages::RawLength length = requested_length(raw.out);
         raw.out.t = raw.out.distance = {};
         requested_length(raw.out) = length;
         stage(raw);
         const auto is_settled = [&](std::size_t i) {
-            const auto& found = gathered.found;
+            const auto& found = gathered.findings;
             return found.settled[i] != 0 &&
                    !(stage == ties_ && matters(terms_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
         };
         for (std::size_t i = 0; i < indices.size(); ++i) {
-            out_.decision[indices[i]] = static_cast<Truth::Decision>(gathered.found.hit[i]);
+            out_.decision[indices[i]] = static_cast<Truth::Decision>(gathered.findings.hit[i]);
             out_.hi[indices[i]] = length.hi[i];
             out_.lo[indices[i]] = length.lo[i];
             out_.bound[indices[i]] = length.bound[i];
         }
         for (std::size_t i = 0; i < indices.size(); ++i)
-            if (!is_settled(i)) open_.push_back(indices[i]);
-        out_.stages.double_double += indices.size() - open_.size();
+            if (!is_settled(i)) open_indices_.push_back(indices[i]);
+        out_.stages.double_double += indices.size() - open_indices_.size();
     }
     [[nodiscard]] stages::RawLength& requested_length(stages::RawFindings& found) const {
         return terms_.length == Length::distance ? found.distance : found.t;
     }
-    void settle_alone(std::size_t i) {
-        const Truth truth = truth_of_ray(problems_, terms_, i);
+    void settle_single(std::size_t i) {
+        const Truth truth = find_single_truth(problems_, terms_, i);
         out_.decision[i] = truth.decision;
         out_.hi[i] = out_.lo[i] = out_.bound[i] = 0;
         if (truth.is_hit()) {
             const Certified& t = terms_.length == Length::parameter ? truth.t : truth.distance;
             const bool in_range = t.is_zero() || (t.exponent >= -900 && t.exponent < 900);
-            const auto scaled = [&](double x) {
+            const auto scale_part = [&](double x) {
                 return in_range ? std::ldexp(x, static_cast<int>(t.exponent)) : missing;
             };
-            out_.hi[i] = scaled(t.hi);
-            out_.lo[i] = scaled(t.lo);
-            out_.bound[i] = scaled(t.bound);
+            out_.hi[i] = scale_part(t.hi);
+            out_.lo[i] = scale_part(t.lo);
+            out_.bound[i] = scale_part(t.bound);
         }
         out_.stages.count_single(truth);
-        out_.alone.emplace_back(i, truth);
+        out_.single_truths.emplace_back(i, truth);
     }
 
     const ProblemColumns<S>& problems_;
@@ -155,14 +156,14 @@ private:
     stages::Stages stages_;
     ProblemsInPlace<S> in_place_;
     stages::ShapeStage<double> ties_;  ///< empty if no stage settles ties here
-    std::vector<std::size_t> open_;
+    std::vector<std::size_t> open_indices_;
 };
 
 template <class S>
 void find_columns(const ProblemColumns<S>& problems, const ColumnTerms& terms, TruthColumns& out) {
     out.decision.resize(problems.size);
     for (auto* column : {&out.hi, &out.lo, &out.bound}) column->resize(problems.size);
-    out.alone.clear();
+    out.single_truths.clear();
     out.stages = {};
     ColumnSearch<S>(problems, terms, out).find();
 }
@@ -182,7 +183,7 @@ void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerm
 
 void RayTruths::resize(std::size_t rays) {
     decision.assign(rays, Truth::Decision::miss);
-    object.assign(rays, -1);
+    primitive.assign(rays, -1);
     touches.assign(rays, 0);
     on_surface.assign(rays, 0);
     for (auto* length : {&t, &distance})
@@ -191,22 +192,22 @@ void RayTruths::resize(std::size_t rays) {
 
 Truth RayTruths::operator[](std::size_t i) const {
     if (std::isnan(t.hi[i]))
-        return std::ranges::lower_bound(whole, i, {}, &std::pair<std::size_t, Truth>::first)->second;
+        return std::ranges::lower_bound(complete_truths, i, {}, &std::pair<std::size_t, Truth>::first)->second;
     Truth truth;
     truth.decision = decision[i];
-    truth.object = object[i];
+    truth.primitive = primitive[i];
     truth.touches = touches[i] != 0;
     truth.on_surface = on_surface[i] != 0;
-    truth.bits = 106;
+    truth.proof_bits = 106;
     if (!truth.is_hit()) return truth;
-    truth.t = certified(t.hi[i], t.lo[i], t.bound[i]);
-    truth.distance = certified(distance.hi[i], distance.lo[i], distance.bound[i]);
+    truth.t = make_certified(t.hi[i], t.lo[i], t.bound[i]);
+    truth.distance = make_certified(distance.hi[i], distance.lo[i], distance.bound[i]);
     return truth;
 }
 
-bool RayTruths::put(std::size_t i, const Truth& truth) {
+bool RayTruths::store(std::size_t i, const Truth& truth) {
     decision[i] = truth.decision;
-    object[i] = truth.object;
+    primitive[i] = truth.primitive;
     touches[i] = truth.touches ? 1 : 0;
     on_surface[i] = truth.on_surface ? 1 : 0;
     bool is_exact = truth.decision != Truth::Decision::unresolved;
@@ -216,8 +217,8 @@ bool RayTruths::put(std::size_t i, const Truth& truth) {
             return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0;
         };
         lengths.hi[i] = scaled_part(x.hi), lengths.lo[i] = scaled_part(x.lo), lengths.bound[i] = scaled_part(x.bound);
-        is_exact =
-            is_exact && (!truth.is_hit() || are_equal(certified(lengths.hi[i], lengths.lo[i], lengths.bound[i]), x));
+        is_exact = is_exact &&
+                   (!truth.is_hit() || are_equal(make_certified(lengths.hi[i], lengths.lo[i], lengths.bound[i]), x));
     };
     store_length(truth.t, t);
     store_length(truth.distance, distance);

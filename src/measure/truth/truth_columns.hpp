@@ -17,8 +17,8 @@
 
 namespace lostbits::measure::truth {
 
-/// Rays, each with a primitive of one shape, as a structure of arrays. A column has `size` numbers, or one number for
-/// all rays. S is float, for which the cheapest stage exists, or double.
+/// Problems as a structure of arrays: rays, each with a primitive of the same shape. A column has `size` numbers, or
+/// one number for all rays. S is float, for which the cheapest stage exists, or double.
 template <class S>
 struct ProblemColumns {
     std::size_t size = 0;
@@ -36,35 +36,36 @@ struct ProblemColumns {
     std::array<std::span<const S>, most_stored> primitive_low = {};
 };
 
-/// True if the truth by a convention may differ from that of the closed primitive, because the ray touches it or starts
-/// on it.
+/// True if the truth by a convention may differ from the truth for the closed primitive, because the ray touches it or
+/// starts on it.
 [[nodiscard]] constexpr bool matters(const intersect::Convention& convention, bool touches, bool on_surface) {
     return (convention.touching == intersect::Touching::miss && touches) ||
            (convention.at_origin == intersect::AtOrigin::miss && on_surface);
 }
 
-/// Only the properties that `matters` reads.
+/// Convention with only the properties that `matters` reads.
 [[nodiscard]] constexpr intersect::Convention plain_part(const intersect::Convention& convention) {
     using intersect::AtOrigin;
     return {convention.touching, convention.at_origin == AtOrigin::miss ? AtOrigin::miss : AtOrigin::hit};
 }
-/// Key for a ray and these properties.
-[[nodiscard]] inline std::size_t key_of(std::size_t i, const intersect::Convention& convention) {
+/// Key of ray i with the properties in `plain_part` of the convention.
+[[nodiscard]] inline std::size_t convention_key(std::size_t i, const intersect::Convention& convention) {
     return 4 * i + (convention.touching == intersect::Touching::miss ? 2 : 0) +
            (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);
 }
 
-/// Accuracy that a measurement needs of a length.
+/// Accuracy of a length that a measurement needs.
 enum class Tightness {
     ulps_of_binary32,  ///< to 2^-33 of itself: an error in ulps of at most 24 bits is known to 2^-8
     certified          ///< to `certified_tightness`, as by `find_truth`
 };
 
+/// Convention, kind of length, accuracy and limit by which truths are found.
 struct ColumnTerms {
     intersect::Convention convention = {};
     Length length = Length::parameter;
     Tightness tightness = Tightness::certified;
-    TruthLimit limit = {};
+    ProofLimit limit = {};
 };
 
 /// Number of rays that each stage settled; the stage for ties also uses two words.
@@ -79,18 +80,18 @@ struct StageCounts {
         return *this;
     }
     /// Counts a truth that no pack settled, by the precision that its proof took.
-    void count_single(const Truth& truth) { ++(truth.bits <= 106 ? ball : interval); }
+    void count_single(const Truth& truth) { ++(truth.proof_bits <= 106 ? ball : interval); }
     [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
 };
 
-/// Truth of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends, so the binade of t* is
-/// proved. hi, lo and bound of a miss and of an unresolved ray are 0.
+/// Truths of many rays, as a structure of arrays. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends,
+/// so the binade of t* is proved. hi, lo and bound of a miss and of an unresolved ray are 0.
 struct TruthColumns {
     std::vector<Truth::Decision> decision;
     std::vector<double> hi, lo, bound;
-    /// Rays that no pack could settle, in rising order, with their complete truth. If |t*| is neither 0 nor within
+    /// Truths of the rays that no pack could settle, in rising order of their rays. If |t*| is neither 0 nor within
     /// [2^-900, 2^900], the columns hold NaN and the value is only here.
-    std::vector<std::pair<std::size_t, Truth>> alone;
+    std::vector<std::pair<std::size_t, Truth>> single_truths;
     StageCounts stages;
 
     [[nodiscard]] std::size_t size() const { return decision.size(); }
@@ -109,23 +110,24 @@ public:
         std::vector<double> hi, lo, bound;
     };
     std::vector<Truth::Decision> decision;
-    std::vector<std::int32_t> object;               ///< −1 for a miss
+    std::vector<std::int32_t> primitive;            ///< −1 for a miss
     std::vector<std::uint8_t> touches, on_surface;  ///< 1 or 0, as in `Truth`
     Lengths t, distance;
     /// Rays whose truth does not fit into doubles, in rising order: a length is 0 or out of range, or nothing is
     /// proved. Their `t.hi` is NaN.
-    std::vector<std::pair<std::size_t, Truth>> whole;
+    std::vector<std::pair<std::size_t, Truth>> complete_truths;
 
     void resize(std::size_t rays);
     [[nodiscard]] std::size_t size() const { return decision.size(); }
-    /// Truth of ray i, rebuilt from the columns. Read the columns if they are enough. Its `bits` are at least 106.
+    /// Truth of ray i, rebuilt from the columns. Read the columns if they are enough. Its `proof_bits` are at least
+    /// 106.
     [[nodiscard]] Truth operator[](std::size_t i) const;
     /// True if the truth of ray i by `convention`, which is not special, may differ from the stored truth.
     [[nodiscard]] bool may_differ(std::size_t i, const intersect::Convention& convention) const {
         return matters(convention, touches[i] != 0, on_surface[i] != 0);
     }
-    /// Stores a truth in the columns; false if they cannot hold all of it.
-    bool put(std::size_t i, const Truth& truth);
+    /// Stores a truth in the columns. Returns false if they cannot hold all of it.
+    bool store(std::size_t i, const Truth& truth);
 };
 
 /// Rays, and the primitives that each can meet.
@@ -135,14 +137,14 @@ struct RaysAndPrimitives {
     const scene::rays::PrimitiveList<S>& primitives;
     /// Finds the primitives that a ray can meet; null: a ray can meet every primitive.
     const culling::PrimitiveIndex* index = nullptr;
-    bool paired = false;  ///< ray i can meet primitive i alone; all are of one shape
+    bool paired = false;  ///< ray i can meet only primitive i; all primitives are of one shape
 };
 
 /// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.
 /// Returns how many pairs of a ray and a primitive each stage settled.
-StageCounts find_truths(const RaysAndPrimitives<double>& problems, TruthLimit limit, RayTruths& out);
+StageCounts find_truths(const RaysAndPrimitives<double>& problems, ProofLimit limit, RayTruths& out);
 /// Uses two machine words for each number. If they do not enclose the numbers of a ray, the later stages settle the
 /// ray.
-StageCounts find_truths(const RaysAndPrimitives<Real>& problems, TruthLimit limit, RayTruths& out);
+StageCounts find_truths(const RaysAndPrimitives<Real>& problems, ProofLimit limit, RayTruths& out);
 
 }  // namespace lostbits::measure::truth

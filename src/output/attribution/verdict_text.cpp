@@ -328,7 +328,7 @@ bool is_wrong_root(const Explanation& explanation) {
         return false;  // under a matrix
     return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.inputs),
                                              measure::tape::primitive_of(explanation.inputs, primitive),
-                                             measure::truth::exactly(*explanation.true_t), explanation.result.t);
+                                             measure::truth::as_certified(*explanation.true_t), explanation.result.t);
 }
 
 NodeId culprit_operation(const Explanation& explanation) {

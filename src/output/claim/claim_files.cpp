@@ -107,7 +107,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& claim = claims[i];
         auto further = Json::array();
-        for (const double x : results[i].further) further.push_back(json_number(x));
+        for (const double x : results[i].further_measured) further.push_back(json_number(x));
         const auto& p99_bounds = results[i].bounds;
         const auto bounds = p99_bounds ? Json{json_number(p99_bounds->low), json_number(p99_bounds->high)} : Json();
         array.push_back({{"id", claim.id},

@@ -51,7 +51,7 @@ std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.6
 /// Range of a number over the draws: ` (0.44 to 0.47 over 4 draws)` or ` (in each of 4 draws)`. Empty if nothing is
 /// random or only one draw was measured.
 std::string spread_text(const ClaimResult& result) {
-    if (result.further.empty()) return "";
+    if (result.further_measured.empty()) return "";
     const auto s = result.spread();
     if (s.low == s.high) return fmt::format(" (in each of {} draws)", s.draws);
     return fmt::format(" ({} to {} over {} draws)", short_number(s.low), short_number(s.high), s.draws);
@@ -77,7 +77,7 @@ std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimRes
 /// Option of `lostbits check` that made the draws: ` --seeds 3`.
 std::string draws_option(const std::vector<ClaimResult>& results) {
     std::size_t further_draws = 0;
-    for (const ClaimResult& result : results) further_draws = std::max(further_draws, result.further.size());
+    for (const ClaimResult& result : results) further_draws = std::max(further_draws, result.further_measured.size());
     return further_draws == 0 ? "" : fmt::format(" --seeds {}", further_draws);
 }
 

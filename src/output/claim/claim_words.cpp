@@ -107,9 +107,9 @@ namespace {
 std::string expected_and_measured(const Claim& claim, const ClaimResult& result) {
     const std::string expected = fmt::format("expected {} in [{}, {}]", quantity_text(claim), file::decimal(claim.low),
                                              file::decimal(claim.high));
-    if (result.state == State::unmeasurable && !result.further.empty())
+    if (result.state == State::unmeasurable && !result.further_measured.empty())
         return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, result.reason, result.spread().draws,
-                           1 + result.further.size());
+                           1 + result.further_measured.size());
     if (result.state == State::unmeasurable || result.state == State::skipped)
         return fmt::format("{}, but {}", expected, result.reason);
     if (result.evaluations > 0)
@@ -117,7 +117,8 @@ std::string expected_and_measured(const Claim& claim, const ClaimResult& result)
                            result.evaluations);
     if (result.floats > 0)
         return fmt::format("{}, measured {} over {}", expected, file::decimal(result.measured), floats_text(result));
-    if (result.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(result.measured));
+    if (result.further_measured.empty())
+        return fmt::format("{}, measured {}", expected, file::decimal(result.measured));
     const auto s = result.spread();
     return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(result.measured),
                        file::decimal(s.low), file::decimal(s.high), scene::toml::count_with_noun(s.draws, "draw"));

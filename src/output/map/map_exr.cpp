@@ -71,7 +71,7 @@ void add_truth(pixel::ExrLayers<Band>& layers) {
                [](const Band& band, std::size_t i, std::uint32_t* samples) {
                    const measure::truth::Truth truth = band.result->truth(i);
                    samples[0] = static_cast<std::uint32_t>(truth.decision);
-                   samples[1] = truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0;
+                   samples[1] = truth.is_hit() ? static_cast<std::uint32_t>(truth.primitive + 1) : 0;
                });
 }
 

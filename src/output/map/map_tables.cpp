@@ -163,7 +163,7 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
                     [](const R& r) { return when(r.has_hit(), r.result->answers->object[r.i]); }},
                    {"truth_object", "primitive that the ray truly hits first, from 0", [](const R& r) {
                         const measure::truth::Truth& truth = r.result->truth(r.i);
-                        return when(truth.is_hit(), truth.object);
+                        return when(truth.is_hit(), truth.primitive);
                     }}};
     table.add_exact(
         {"t", "t", "the form's answer, in its own unit", [](const R& r) { return when(r.has_hit(), r.t()); }});

@@ -123,7 +123,7 @@ Table<NeededPixel> needed_pixel_table(int bits) {
             {"truth", "hit, miss or unresolved",
              [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
             {"truth_object", "primitive that the ray truly hits first, from 0",
-             [](const R& r) { return when(r.truth.is_hit(), r.truth.object); }},
+             [](const R& r) { return when(r.truth.is_hit(), r.truth.primitive); }},
             {"needed", "bits",
              fmt::format("smallest width that suffices for {} correct bits, as does every wider one; inf if not even "
                          "53 bits suffice",

@@ -146,7 +146,7 @@ std::string measured_cell(const ClaimResult& result) {
     if (!result.is_random()) return number_html(result.measured);
     const auto spread = result.spread();
     const std::string draws =
-        result.further.empty() ? ""
+        result.further_measured.empty() ? ""
         : spread.low == spread.high
             ? fmt::format("in each of {} draws ", spread.draws)
             : fmt::format("{} to {} over {} draws ", number_html(spread.low), number_html(spread.high), spread.draws);

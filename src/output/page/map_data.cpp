@@ -63,14 +63,14 @@ struct MapData::Group {
         const auto& [direction, convention, generator] = kind;
         const measure::truth::Truth& ray_truth = result.truth(i);
         decision.set(pixel, static_cast<std::uint64_t>(ray_truth.decision));
-        primitive.set(pixel, static_cast<std::uint64_t>(ray_truth.object + 1));
+        primitive.set(pixel, static_cast<std::uint64_t>(ray_truth.primitive + 1));
         if (i % static_cast<std::size_t>(result.width) == 0) truth_predictor_.begin_row();
         if (!ray_truth.is_hit()) return;
         const measure::truth::Certified& exact = direction == Direction::unit ? ray_truth.distance : ray_truth.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
         truth.set(pixel, truth_predictor_.encode(std::bit_cast<std::uint64_t>(rounded), 8));
-        remainder.set(
-            pixel, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
+        remainder.set(pixel, static_cast<float>(
+                                 measure::truth::scaled_difference(exact, measure::truth::as_certified(rounded), 0)));
         bound.set(pixel, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
         if (stores_condition) condition.set(pixel, static_cast<float>(result.band->condition(i, convention)));
     }

@@ -143,7 +143,9 @@ std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& first_onset = onsets.front();
     return fmt::format(", among {}{}", scene::toml::count_with_noun(first_onset.rays, "ray"),
-                       first_onset.further.empty() ? "" : fmt::format(" ({} draws)", 1 + first_onset.further.size()));
+                       first_onset.further_first_bad.empty()
+                           ? ""
+                           : fmt::format(" ({} draws)", 1 + first_onset.further_first_bad.size()));
 }
 
 }  // namespace

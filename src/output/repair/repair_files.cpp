@@ -44,12 +44,12 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     const auto& original_row = summary.request.row;
     const std::string wider_format = wider_format_name(repair.wider);
     std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row, repair.operations, 0,
-                               &repair.own, &repair.own_held_out, &repair.own_probed}};
+                               &repair.own_quality, &repair.own_held_out, &repair.own_probed}};
     const auto add_proposal = [&](const Proposal& proposal) {
         if (proposal.rewritten)
             return rows.push_back(
                 {"rewritten", rule_names(*proposal.rewritten), original_row, proposal.rewritten->operations,
-                 proposal.rewritten->set ? proposal.rewritten->set->operations.size() : 0, proposal.quality,
+                 proposal.rewritten->wider_set ? proposal.rewritten->wider_set->operations.size() : 0, proposal.quality,
                  proposal.held_out_quality, proposal.probe_qualities, rule_names(*proposal.rewritten)});
         const std::string name =
             fmt::format("{} of {} in {}", proposal.wider_operations->size(), repair.operations, wider_format);
@@ -63,8 +63,9 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
     std::for_each(proposals.begin(), rewritten, add_proposal);
     rows.push_back({"all_wider", fmt::format("all {} in {}", repair.operations, wider_format), original_row,
-                    repair.operations, repair.operations, &repair.all, repair.set ? nullptr : &repair.set_held_out,
-                    repair.set ? nullptr : &repair.set_probed});
+                    repair.operations, repair.operations, &repair.all_wider_quality,
+                    repair.wider_set ? nullptr : &repair.set_held_out,
+                    repair.wider_set ? nullptr : &repair.set_probed});
     std::for_each(rewritten, proposals.end(), add_proposal);
     for (FormRow& row : rows) row.wider_format = row.wider_operations == 0 ? "" : wider_format;
     const std::size_t first_of_catalogue = rows.size();
@@ -91,7 +92,7 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
 }
 
 std::string change_text(const RepairSummary& summary, const FormRow& row) {
-    const RowQuality &old_quality = summary.repair.own, &new_quality = *row.quality;
+    const RowQuality &old_quality = summary.repair.own_quality, &new_quality = *row.quality;
     const auto& requirement = summary.request.requirement;
     std::string text = fmt::format(
         "{}: {} → {} bits, {}",
@@ -223,12 +224,12 @@ std::vector<int> count_steps(const Tape& tape) {
 std::vector<MinimalRow> minimal_rows(const RepairSummary& summary) {
     std::vector<MinimalRow> rows;
     if (!summary.has_wider_set()) return rows;
-    const measure::repair::WiderSet& wider_set = *summary.repair.set;
+    const measure::repair::WiderSet& wider_set = *summary.repair.wider_set;
     const std::vector<int> steps = count_steps(summary.repair.tape);
     for (std::size_t k = 0; k < wider_set.operations.size(); ++k)
         rows.push_back({operation_text(summary, wider_set.operations[k]),
-                        steps[static_cast<std::size_t>(wider_set.operations[k])], &wider_set.without[k],
-                        wider_set.without[k].meets(summary.request.requirement)});
+                        steps[static_cast<std::size_t>(wider_set.operations[k])], &wider_set.quality_without[k],
+                        wider_set.quality_without[k].meets(summary.request.requirement)});
     return rows;
 }
 
@@ -285,7 +286,7 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
                     summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
         "Made by " + command};
     if (summary.request.row.form->is_placed)
-        head_lines.emplace_back(are_inverses(summary.request)
+        head_lines.emplace_back(are_matrices_inverse(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");
     return {.name = name,
@@ -293,7 +294,7 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
             .source = command,
             .head_lines = std::move(head_lines),
             .uses_two_words = repair.wider != binary64,
-            .is_binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+            .is_binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->wider_set)};
 }
 
 }  // namespace
@@ -314,7 +315,8 @@ std::string emitted_file_text(const RepairSummary& summary, const std::filesyste
         throw InputError(fmt::format(
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
             file.string(), summary.request.row.form->info->name,
-            summary.repair.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
+            summary.repair.wider_set ? "it meets the requirement as it is"
+                                     : "it also fails with all operations wider"));
     if (file.extension() == ".patch") {
         if (summary.patches.empty())
             throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
@@ -322,7 +324,7 @@ std::string emitted_file_text(const RepairSummary& summary, const std::filesyste
         const auto& patch = summary.patches[static_cast<std::size_t>(best - proposals.data())];
         if (patch.diff.empty())
             throw InputError(fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(),
-                                         patch.file, patch.why_not));
+                                         patch.file, patch.reason));
         return patch.diff;
     }
     const bool is_shader = file.extension() == ".glsl";

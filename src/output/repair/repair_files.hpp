@@ -41,7 +41,7 @@ struct RepairSummary {
     std::vector<measure::repair::Patch> patches = {};
 
     /// True if a wider set was found and is not empty. An empty set means that the form meets the requirement as it is.
-    [[nodiscard]] bool has_wider_set() const { return repair.set && !repair.set->operations.empty(); }
+    [[nodiscard]] bool has_wider_set() const { return repair.wider_set && !repair.wider_set->operations.empty(); }
 };
 
 /// Collects the results. Measures the catalogue and all margins, and makes the patches, but measures no times.

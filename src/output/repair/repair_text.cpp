@@ -74,8 +74,8 @@ std::string change_listing(const RepairSummary& summary, std::size_t k) {
     if (patch == nullptr || patch->diff.empty()) {
         for (const std::string& line : changed_lines(summary, list_proposals(summary)[k].tape))
             text += fmt::format("    {}\n", line);
-        if (patch != nullptr && !patch->why_not.empty())
-            text += fmt::format("  It is not a patch of {}: {}.\n", patch->file, patch->why_not);
+        if (patch != nullptr && !patch->reason.empty())
+            text += fmt::format("  It is not a patch of {}: {}.\n", patch->file, patch->reason);
         return text;
     }
     text = "  As a patch for `patch -p0`; the patched file was compiled and has these operations' bits:\n";
@@ -123,7 +123,8 @@ std::string probes_text(const RepairSummary& summary, const std::vector<RowQuali
     std::vector<std::string> met_probes;
     std::vector<std::pair<std::string, std::vector<std::string>>> failed_probes;  // each quality, and its probes
     for (std::size_t k = 0; k < probed.size(); ++k) {
-        const std::string probe_text(summary.repair.probes[k]->words), quality = quality_text(probed[k], requirement);
+        const std::string probe_text(summary.repair.probes[k]->description),
+            quality = quality_text(probed[k], requirement);
         if (probed[k].meets(requirement)) met_probes.push_back(probe_text);
         else if (!failed_probes.empty() && failed_probes.back().first == quality)
             failed_probes.back().second.push_back(probe_text);
@@ -164,25 +165,30 @@ std::string wider_set_text(const RepairSummary& summary) {
     const auto& repair = summary.repair;
     const auto& requirement = summary.request.requirement;
     const std::string wider_format = wider_format_name(repair.wider);
-    const std::size_t size = repair.set->operations.size();
-    std::string text = fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size,
-                                   repair.operations, wider_format, quality_text(repair.set->quality, requirement),
-                                   quality_text(repair.all, requirement));
-    text += fmt::format("  Statements with wider operations: {}.\n", statement_names(summary, repair.set->operations));
+    const std::size_t size = repair.wider_set->operations.size();
+    std::string text =
+        fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size, repair.operations,
+                    wider_format, quality_text(repair.wider_set->quality, requirement),
+                    quality_text(repair.all_wider_quality, requirement));
+    text += fmt::format("  Statements with wider operations: {}.\n",
+                        statement_names(summary, repair.wider_set->operations));
     text += change_listing(summary, 0);
-    const auto best = std::ranges::min_element(repair.set->without, measure::repair::is_more_accurate);
+    const auto best = std::ranges::min_element(repair.wider_set->quality_without, measure::repair::is_more_accurate);
     text += fmt::format(
         "  No operation can be spared: if any one of the {} is not widened, the requirement fails; the best of these "
         "{} variants keeps {}.\n",
         size, size, quality_text(*best, requirement));
-    if (repair.set->none_of > 0) {
+    if (repair.wider_set->largest_failing_size > 0) {
         const std::string smaller_sets =
-            repair.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", repair.set->none_of);
+            repair.wider_set->largest_failing_size == 1
+                ? "No operation alone"
+                : fmt::format("No set of {} or fewer", repair.wider_set->largest_failing_size);
         text += fmt::format("  {} is enough (all were tried){}.\n", smaller_sets,
-                            repair.set->none_of + 1 == size ? ", so this set is one of the smallest"
-                                                            : "; sets of sizes between were not all tried");
+                            repair.wider_set->largest_failing_size + 1 == size
+                                ? ", so this set is one of the smallest"
+                                : "; sets of sizes between were not all tried");
     }
-    return text + held_out_text(summary, repair.set->quality, repair.set_held_out) +
+    return text + held_out_text(summary, repair.wider_set->quality, repair.set_held_out) +
            probes_text(summary, repair.set_probed) + margins_text(summary.margins, summary) +
            symmetric_set_text(summary);
 }
@@ -190,9 +196,10 @@ std::string wider_set_text(const RepairSummary& summary) {
 /// Sentence or two on the errors that remain if the operations of the form do not round.
 std::string obstruction_text(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
-    const auto& [exact, with_unit, off_unit] = *summary.repair.obstruction;
+    const auto& [exact, with_unit_directions, largest_length_error] = *summary.repair.obstruction;
     const auto& form = *summary.request.row.form->info;
-    if (summary.repair.own.hits == 0) return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
+    if (summary.repair.own_quality.hits == 0)
+        return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > summary.request.row.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", summary.request.row.format.name,
                            summary.request.row.format.parameters.precision);
@@ -201,12 +208,14 @@ std::string obstruction_text(const RepairSummary& summary) {
         exact_text +=
             fmt::format(" ({} of these are {})", exact.main_fault_count,
                         exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
-    if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
+    if (with_unit_directions && !exact.meets(requirement) &&
+        measure::repair::is_more_accurate(*with_unit_directions, exact))
         return fmt::format(
             "  In the way: {} assumes directions of length one, but after rounding to {} their lengths differ from one "
             "by up to {:.2g}. "
             "On a sample, {}; with directions of length one to 53 bits, they {}.\n",
-            form.name, summary.request.row.format.name, off_unit, exact_text, quality_clause(*with_unit, requirement));
+            form.name, summary.request.row.format.name, largest_length_error, exact_text,
+            quality_clause(*with_unit_directions, requirement));
     if (!exact.meets(requirement))
         return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", exact_text);
     return fmt::format("  In the way: more rounding than {} removes. On a sample, {}; a wider format is needed.\n",
@@ -214,12 +223,13 @@ std::string obstruction_text(const RepairSummary& summary) {
 }
 
 std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
-    const auto& rewritten = summary.repair.rewriting.found[k];
+    const auto& rewritten = summary.repair.rewriting.forms[k];
     const std::string wider_text =
-        rewritten.set ? fmt::format(", {} of it in {},",
-                                    scene::toml::count_with_noun(rewritten.set->operations.size(), "operation"),
-                                    wider_format_name(summary.repair.wider))
-                      : "";
+        rewritten.wider_set
+            ? fmt::format(", {} of it in {},",
+                          scene::toml::count_with_noun(rewritten.wider_set->operations.size(), "operation"),
+                          wider_format_name(summary.repair.wider))
+            : "";
     std::string text =
         fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
                     quality_text(rewritten.quality, summary.request.requirement),
@@ -232,7 +242,7 @@ std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
-    text += change_listing(summary, list_proposals(summary).size() - summary.repair.rewriting.found.size() + k);
+    text += change_listing(summary, list_proposals(summary).size() - summary.repair.rewriting.forms.size() + k);
     text += held_out_text(summary, rewritten.quality, rewritten.held_out) + probes_text(summary, rewritten.probed);
     return k < summary.rewritten_margins.size() ? text + margins_text(summary.rewritten_margins[k], summary) : text;
 }
@@ -282,7 +292,7 @@ std::vector<std::string> changed_lines(const RepairSummary& summary, const Tape&
 RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
                                const measure::repair::RepairResult& repair) {
     RepairSummary summary{.request = request, .repair = repair, .catalogue = {}, .catalogue_quality = {}};
-    for (const auto& [row, quality] : ranked_catalogue(request)) {
+    for (const auto& [row, quality] : rank_catalogue(request)) {
         summary.catalogue.push_back(row);
         summary.catalogue_quality.push_back(quality);
     }
@@ -296,7 +306,7 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
     measure::repair::Patcher patcher(request, repair.tape);
     if (!patcher.has_file()) return summary;
     for (const Proposal& proposal : list_proposals(summary))
-        summary.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.patch_of(proposal.tape)
+        summary.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.make_patch(proposal.tape)
                                                                                : measure::repair::Patch());
     return summary;
 }
@@ -305,12 +315,12 @@ std::vector<Proposal> list_proposals(const RepairSummary& summary) {
     std::vector<Proposal> proposals;
     const auto& repair = summary.repair;
     if (summary.has_wider_set())
-        proposals.push_back({with_wider(repair, repair.set->operations), &repair.set->quality, &repair.set_held_out,
-                             &repair.set_probed, nullptr, &repair.set->operations});
+        proposals.push_back({widen_operations(repair, repair.wider_set->operations), &repair.wider_set->quality,
+                             &repair.set_held_out, &repair.set_probed, nullptr, &repair.wider_set->operations});
     if (const auto& set = repair.symmetric)
-        proposals.push_back({with_wider(repair, set->operations), &set->quality, &set->held_out, &set->probed, nullptr,
-                             &set->operations, true});
-    for (const auto& rewritten : repair.rewriting.found)
+        proposals.push_back({widen_operations(repair, set->operations), &set->quality, &set->held_out, &set->probed,
+                             nullptr, &set->operations, true});
+    for (const auto& rewritten : repair.rewriting.forms)
         proposals.push_back(
             {rewritten.tape, &rewritten.quality, &rewritten.held_out, &rewritten.probed, &rewritten, nullptr});
     for (std::size_t k = 0; k < proposals.size() && !summary.prices.empty(); ++k)
@@ -340,7 +350,8 @@ const Proposal* best_proposal(const std::vector<Proposal>& proposals, const Repa
 std::string rule_names(const measure::repair::Rewritten& rewritten) {
     std::vector<std::string_view> names;
     for (const auto* rule : rewritten.rules) names.push_back(rule->name);
-    if (rewritten.set) return fmt::format("{}, {} wider", fmt::join(names, ", "), rewritten.set->operations.size());
+    if (rewritten.wider_set)
+        return fmt::format("{}, {} wider", fmt::join(names, ", "), rewritten.wider_set->operations.size());
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -375,14 +386,14 @@ std::string repair_text(const RepairSummary& summary) {
     const auto& repair = summary.repair;
     std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(),
                                    choice::requirement_text(requirement), summary.request.row.form->info->name,
-                                   summary.request.row.format.name, quality_text(repair.own, requirement));
-    if (!repair.set)
+                                   summary.request.row.format.name, quality_text(repair.own_quality, requirement));
+    if (!repair.wider_set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
-                            repair.operations, wider_format_name(repair.wider), quality_text(repair.all, requirement),
-                            obstruction_text(summary));
-    else text += repair.set->operations.empty() ? unchanged_is_enough_text(summary) : wider_set_text(summary);
-    if (repair.set && repair.set->operations.empty()) text += probes_text(summary, repair.own_probed);
-    for (std::size_t k = 0; k < repair.rewriting.found.size(); ++k) text += rewritten_text(summary, k);
+                            repair.operations, wider_format_name(repair.wider),
+                            quality_text(repair.all_wider_quality, requirement), obstruction_text(summary));
+    else text += repair.wider_set->operations.empty() ? unchanged_is_enough_text(summary) : wider_set_text(summary);
+    if (repair.wider_set && repair.wider_set->operations.empty()) text += probes_text(summary, repair.own_probed);
+    for (std::size_t k = 0; k < repair.rewriting.forms.size(); ++k) text += rewritten_text(summary, k);
     if (!summary.catalogue.empty()) {
         const auto meeting_count = std::ranges::count_if(
             summary.catalogue_quality, [&](const RowQuality& quality) { return quality.meets(requirement); });

@@ -53,25 +53,27 @@ void fields(Bits& bits, measure::evaluate::NeededSummary& summary) {
 
 LOSTBITS_FIELDS(measure::sweep::SweepStep, values, rows)
 LOSTBITS_FIELDS(measure::sweep::Onset, row, event, statistic, threshold, from_last, found, from_start, last_good,
-                first_bad, value_at_first_bad, recovers, good_at_end, last_good_after, bad_again, rays, views, further)
+                first_bad, value_at_first_bad, recovers, good_at_end, last_good_after, bad_again, rays, views,
+                further_first_bad)
 LOSTBITS_FIELDS(measure::sweep::SweepFindings, steps, onsets)
-LOSTBITS_FIELDS(measure::sweep::FloatTally::Worst, place, ulps)
-LOSTBITS_FIELDS(measure::sweep::FloatTally::Wrong, place, outcome)
-LOSTBITS_FIELDS(measure::sweep::FloatTally::Padding, place, u)
-LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, at_most, first_wrong, last_wrong, first, padding)
-LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, tried, tallies, stages)
+LOSTBITS_FIELDS(measure::sweep::FloatTally::Worst, float_index, ulps)
+LOSTBITS_FIELDS(measure::sweep::FloatTally::Wrong, float_index, outcome)
+LOSTBITS_FIELDS(measure::sweep::FloatTally::Padding, float_index, u)
+LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, error_bound, first_wrong, last_wrong, first_floats,
+                padding)
+LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, floats_tried, tallies, stages)
 LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, truth, distance, evaluations)
 LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, true_t)
 LOSTBITS_FIELDS(measure::edges::EdgeCount, rays, with)
 LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
-LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, unit, true_t, other_measure, hit, t)
+LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, is_unit, true_t, other_t, hit, t)
 LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, float_answers, most_digits,
                 inexact_decimals, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
-LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations, further,
-                bounds, seconds)
+LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
+                further_measured, bounds, seconds)
 
 /// Returns the bits of values, as `BitWriter` writes them.
 template <class... T>

@@ -26,13 +26,13 @@ using table::Table;
 struct FloatsRow {
     struct Worst {
         std::uint32_t float_index;
-        double ulps, at_most;
+        double ulps, error_bound;
         measure::sweep::FloatAnswer answer;
     };
     /// Finds the worst float by asking the form again.
     void find_worst() {
         if (const auto& w = tally.worst)
-            worst = {w->place, w->ulps, tally.at_most, answer_at(request, ray, row, w->place)};
+            worst = {w->float_index, w->ulps, tally.error_bound, answer_at(request, ray, row, w->float_index)};
     }
     /// The command that explains the form on the ray at a float.
     [[nodiscard]] std::string explain(std::uint32_t float_index) const {
@@ -117,7 +117,7 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
           "bound on the size of the error of every float: close to the worst, and above it by at most 2^-8 ulp "
           "if thousands "
           "of floats are equally bad",
-          &W::at_most},
+          &W::error_bound},
          {"worst_at", unit, "the worst float", [](const W& w) { return float_at(w.float_index); }},
          {"worst_hex", unit, "the worst float, exactly", [](const W& w) { return hex_of(w.float_index); }},
          {"worst_bits", "bits of the worst float", [](const W& w) { return float_bits(w.float_index); }},
@@ -136,8 +136,8 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
     const auto add = [&](const std::string& position, std::optional<Wrong> FloatTally::*member) {
         table.add<Wrong>(
             {{position + "_wrong_hex", unit, "the " + position + " float with a wrong decision, exactly",
-              [](const Wrong& x) { return hex_of(x.place); }},
-             {position + "_wrong_bits", "bits of that float", [](const Wrong& x) { return float_bits(x.place); }},
+              [](const Wrong& x) { return hex_of(x.float_index); }},
+             {position + "_wrong_bits", "bits of that float", [](const Wrong& x) { return float_bits(x.float_index); }},
              {position + "_wrong_outcome", "outcome of that float",
               [](const Wrong& x) { return outcome_name(x.outcome); }}},
             [member](const R& r) -> const auto& { return r.tally.*member; });
@@ -146,7 +146,7 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
     add("last", &FloatTally::last_wrong);
     return table.add(
         {{"fault_explain", "the command that explains the first float with a wrong decision",
-          [](const R& r) { return r.tally.first_wrong ? r.explain(r.tally.first_wrong->place) : ""; }},
+          [](const R& r) { return r.tally.first_wrong ? r.explain(r.tally.first_wrong->float_index) : ""; }},
          {"padding_max", "u",
           "for a form that tests a box: the largest padding of tmax that any hit it misses would need, which is the "
           "metric padding; 0 if it misses none whose slab intervals come apart",
@@ -154,8 +154,9 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
               const double padding = measure::sweep::padding_max(r.request.rows[r.row], r.tally);
               return table::when(padding >= 0, padding);
           }},
-         {"padding_hex", unit, "the float that needs this padding, exactly",
-          [](const R& r) { return r.tally.padding ? std::optional(hex_of(r.tally.padding->place)) : std::nullopt; }}});
+         {"padding_hex", unit, "the float that needs this padding, exactly", [](const R& r) {
+              return r.tally.padding ? std::optional(hex_of(r.tally.padding->float_index)) : std::nullopt;
+          }}});
 }
 
 Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
@@ -271,14 +272,14 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& find
         return text;
     }
     const auto& wrong = *tally.first_wrong;
-    const auto last_right = finding.before(wrong.place);
+    const auto last_right = finding.float_before(wrong.float_index);
     text += last_right ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",
                                      finding.floats.falls() ? "down to" : "up to", float_text(*last_right),
-                                     float_text(wrong.place), failure_phrase(wrong.outcome))
+                                     float_text(wrong.float_index), failure_phrase(wrong.outcome))
                        : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
     text += fmt::format("; it is wrong for {} in all{}, the last at {}",
                         scene::toml::count_with_noun(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
-                        float_text(tally.last_wrong->place));
+                        float_text(tally.last_wrong->float_index));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));
     return text;
@@ -297,7 +298,7 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
                 FloatsRow floats_row{request_, ray, row_index, binades[b].floats,
-                                     state.tallies[request_.place(b, ray, row_index)]};
+                                     state.tallies[request_.tally_index(b, ray, row_index)]};
                 floats_row.find_worst();
                 floats_row.binade = binades[b].binade.name();
                 binades_.add(floats_row);
@@ -309,11 +310,11 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
 void ExhaustiveFiles::add_onsets(const RangeFinding& finding) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         if (!request_.sweep.mesh && !is_of_one_primitive(first_events[e])) continue;
-        const auto first_bad = finding.tally.first[e];
+        const auto first_bad = finding.tally.first_floats[e];
         onsets_.add({{request_, finding.ray, finding.row, finding.floats, finding.tally},
                      e,
                      first_bad,
-                     first_bad ? finding.before(*first_bad) : std::nullopt});
+                     first_bad ? finding.float_before(*first_bad) : std::nullopt});
     }
 }
 
@@ -324,7 +325,8 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
         FloatsRow floats_row{request_, finding.ray, finding.row, finding.floats, finding.tally};
         floats_row.find_worst();
         if (const auto& wrong = finding.tally.first_wrong)
-            if (const auto last_right = finding.before(wrong->place)) floats_row.right_up_to = hex_of(*last_right);
+            if (const auto last_right = finding.float_before(wrong->float_index))
+                floats_row.right_up_to = hex_of(*last_right);
         floats_row.statement = statement(request_, finding);
         statements_.add(floats_row);
     }

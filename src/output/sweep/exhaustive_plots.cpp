@@ -73,7 +73,7 @@ public:
         for (std::size_t b = 0; b < parts_.size(); ++b) {
             if (!is_on_axis(parts_[b]) || parts_[b].binade.negative != half.is_negative) continue;
             const auto [low, high] = size_range_of(parts_[b]);
-            const double y = value(state_.tallies[request_.place(b, half.ray, half.row)]);
+            const double y = value(state_.tallies[request_.tally_index(b, half.ray, half.row)]);
             const bool goes_last = series.x.empty() || series.x.back() < low;
             series.x.insert(goes_last ? series.x.end() : series.x.begin(), {low, high});
             series.y.insert(goes_last ? series.y.end() : series.y.begin(), {y, y});

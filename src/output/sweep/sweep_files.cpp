@@ -103,7 +103,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
          {"rays", "number of rays in each step; with more rays the first failure comes earlier", &R::rays},
          {"views", views_meaning, &R::views},
          {"draws", "sets of rays tried, one per seed; the columns above are for the file's own seed",
-          [](const R& r) { return 1 + r.further.size(); }},
+          [](const R& r) { return 1 + r.further_first_bad.size(); }},
          {"draws_found", "draws in which the event happens within the sweep; the columns below are about these draws",
           [](const R& r) { return r.spread().draws; }},
          {"first_bad_low", axis.unit, "smallest first bad value of these draws",

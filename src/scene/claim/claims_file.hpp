@@ -85,8 +85,8 @@ struct Claim {
     /// claim holds, of none of them if it is refuted, and of all or none if it is qualified. Without a criterion the
     /// statement describes the number, and the interval is what it says.
     std::optional<Criterion> criterion;
-    /// Number of draws from which the interval was derived (see `interval_of` in measure/claim). 0: the claim has no
-    /// random numbers, or the interval has another origin.
+    /// Number of draws from which the interval was derived (see `expected_interval` in measure/claim). 0: the claim has
+    /// no random numbers, or the interval has another origin.
     int draws = 0;
 };
 

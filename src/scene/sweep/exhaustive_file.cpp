@@ -132,7 +132,7 @@ void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& axis
         return;
     }
     // If a limit of lengths holds at two numbers, it holds between them. A normal may be 0 between them, and a point
-    // may be on one line with two others: no ray meets such a primitive (`truth::is_proper`).
+    // may be on one line with two others: no ray meets such a primitive (`truth::is_valid`).
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
             if (const auto broken = broken_limit(primitive_at(float_at(end))))

@@ -140,7 +140,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
             const BoxSample s = distribution.make(r, binary32);
             const Primitive<double> triangle = triangle_in(r, s.box);
             if (!counts(s.ray.direction)) continue;
-            if (measure::truth::is_proper(triangle) && truly_meets(s.ray, triangle, s.tmax)) {
+            if (measure::truth::is_valid(triangle) && truly_meets(s.ray, triangle, s.tmax)) {
                 ++found.hits;
                 for (const char* box : boxes) {
                     const Intersector& row =

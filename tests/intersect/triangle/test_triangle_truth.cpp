@@ -94,7 +94,7 @@ TEST_CASE("the nearest of two triangles is chosen among those that face the ray"
     for (const auto& [facing, object] : first) {
         intersect::Convention asked;
         asked.facing = facing;
-        CHECK(find_truth(ray, primitives, {}, asked).object == object);
+        CHECK(find_truth(ray, primitives, {}, asked).primitive == object);
         // A mirror does not change a side that is decided in the space of the primitive.
         Primitive<double> mirrored(far);
         mirrored.placed = placement_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
@@ -126,9 +126,9 @@ TEST_CASE("a batch of rays and single rays have the same truth for one-sided tri
                 const Truth alone = find_truth(rays[i], primitives, {}, asked), there = band.truth(i, asked);
                 INFO(i << ", facing " << static_cast<int>(facing));
                 REQUIRE(there.decision == alone.decision);
-                REQUIRE(there.object == alone.object);
+                REQUIRE(there.primitive == alone.primitive);
                 REQUIRE(compare(there.t, alone.t) == 0);
-                different += there.object != band.truth(i, {}).object;
+                different += there.primitive != band.truth(i, {}).primitive;
             }
         }
     }
@@ -161,7 +161,7 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
                     different += found.decision[i] != right[i].decision;
                     if (!right[i].is_hit()) continue;
                     const measure::truth::Certified t =
-                        measure::truth::certified(found.hi[i], found.lo[i], found.bound[i]);
+                        measure::truth::make_certified(found.hi[i], found.lo[i], found.bound[i]);
                     different += compare(t, right[i].t) != 0;
                 }
                 CHECK(different == 0);
@@ -169,7 +169,7 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
                 // needles, whose exponents are too far apart.
                 const bool is_closed = convention == Convention();
                 if (name != "a needle")
-                    CHECK(found.alone.size() <= (is_closed ? rays.size() / 20 : ties + rays.size() / 20));
+                    CHECK(found.single_truths.size() <= (is_closed ? rays.size() / 20 : ties + rays.size() / 20));
             }
         }
     }

@@ -171,7 +171,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         const measure::truth::Band band = there->rays.band({});
         std::size_t hits = 0;
         for (std::size_t i = 0; i < here.pixels() && growth != Growth::radius; ++i) {
-            REQUIRE(band.truth(i, {}).object == here.truth(i, {}).object);
+            REQUIRE(band.truth(i, {}).primitive == here.truth(i, {}).primitive);
             if (!here.truth(i, {}).is_hit()) continue;
             ++hits;
             const auto point = [i](const IdealRays& rays, const measure::truth::Band& of) {

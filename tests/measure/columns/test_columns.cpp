@@ -48,12 +48,12 @@ struct Problems {
                                          : random.between(-12, std::min(30, f.parameters.emax - 2)));
             double hi = std::ldexp(1 + random.unit(), e);
             if (random.one_in(8)) hi = std::ldexp(1.0, e);  // where the binade depends on lo
-            Certified t = measure::truth::exactly(hi);
+            Certified t = measure::truth::as_certified(hi);
             if (!random.one_in(6))
                 t.lo = random.sign() *
                        std::ldexp(random.unit(), -54 - static_cast<int>(random.between(0, extreme ? 240 : 40)));
             if (extreme && random.one_in(50)) t = {};
-            Truth truth{.decision = Truth::Decision::hit, .object = 0, .t = t, .distance = t};
+            Truth truth{.decision = Truth::Decision::hit, .primitive = 0, .t = t, .distance = t};
             double answer = stored(hi, f);
             const int wrong = static_cast<int>(random.between(-3, f.parameters.precision + 2));
             if (wrong > 0)
@@ -160,7 +160,7 @@ TEST_CASE("an error of half an ulp loses no bit and 2^k ulps lose k + 1, in colu
     in_registers([&] {
         for (int k = -1; k < 51; ++k) {
             for (std::size_t i = 0; i < 8; ++i) {
-                p.truths[i].t = measure::truth::exactly(1.0);
+                p.truths[i].t = measure::truth::as_certified(1.0);
                 p.answers[i] = 1 + std::ldexp(1.0, k - 52);  // exactly 2^k ulps, but for half an ulp
                 if (k < 0) {
                     p.truths[i].t.lo = 0x1p-53;

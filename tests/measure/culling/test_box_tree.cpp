@@ -161,7 +161,7 @@ TEST_CASE("the truth through a tree equals the truth among all primitives", "[cu
     find_truths({rays, list}, {}, slow);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         CHECK(quick[i].decision == slow[i].decision);
-        CHECK(quick[i].object == slow[i].object);
+        CHECK(quick[i].primitive == slow[i].primitive);
         CHECK(compare(quick[i].t, slow[i].t) == 0);
     }
 }
@@ -237,7 +237,7 @@ TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", 
         for (std::size_t i = 0; i < quick.pixels(); ++i) {
             const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
             CHECK(a.decision == b.decision);
-            CHECK(a.object == b.object);
+            CHECK(a.primitive == b.primitive);
             if (a.is_hit() && b.is_hit()) CHECK(compare(a.t, b.t) == 0);
         }
         CHECK(compare_sets(quick, slow) > 30);
@@ -324,7 +324,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
                 INFO("2^" << power << ", " << format.precision << " bits, ray " << i);
                 const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
                 CHECK(a.decision == b.decision);
-                CHECK(a.object == b.object);
+                CHECK(a.primitive == b.primitive);
                 culler.index_for_truth()->find_candidates(group.rays[i], found);
                 asked += found.size(), pairs += primitives.size();
                 if (!a.is_hit() || !b.is_hit()) continue;
@@ -334,7 +334,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
                     const Truth one = find_truth(group.rays[i], primitives[s]);
                     if (!one.is_hit()) continue;
                     CHECK(std::ranges::binary_search(found, s));
-                    ties += static_cast<int>(s) != a.object && compare(one.t, a.t) == 0;
+                    ties += static_cast<int>(s) != a.primitive && compare(one.t, a.t) == 0;
                 }
             }
         }

@@ -50,7 +50,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
         for (const Touching touching : {Touching::hit, Touching::miss}) {
             const measure::truth::Truth &a = quick.truth(i, touching), &b = slow.truth(i, touching);
             CHECK(a.decision == b.decision);
-            CHECK(a.object == b.object);
+            CHECK(a.primitive == b.primitive);
             CHECK(a.touches == b.touches);
             if (a.is_hit() && b.is_hit()) CHECK(compare(a.t, b.t) == 0);
         }
@@ -61,7 +61,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
                                            all = slow.inputs(format, {.unit_rays = true, .stored_truth = true});
         CHECK(all.index == nullptr);
         for (std::size_t i = 0; i < in.stored_truth.size(); ++i)
-            CHECK(in.stored_truth[i].object == all.stored_truth[i].object);
+            CHECK(in.stored_truth[i].primitive == all.stored_truth[i].primitive);
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) {
             in.index->find_candidates(in.rays[i], found);

@@ -78,7 +78,7 @@ TEST_CASE("of two maps in one process one is stopped at the requested ray and th
 TEST_CASE("every computation stops where its own request says so") {
     const std::atomic<bool> flag{true};
     const StopToken stop(flag);
-    const measure::truth::TruthLimit limit{.stop = stop};
+    const measure::truth::ProofLimit limit{.stop = stop};
     const std::filesystem::path data = LOSTBITS_DATA_DIR, sweeps = data / "sweeps";
     const auto scene = scene_named("raycast-acne");
     const measure::evaluate::TestedForm row = test::row("sphere.half_b", "f32");
@@ -142,7 +142,7 @@ TEST_CASE("every computation stops where its own request says so") {
         INFO(what);
         CHECK_THROWS_AS(ask(), Interrupted);
     }
-    CHECK(state.tried == 0);
+    CHECK(state.floats_tried == 0);
 }
 
 }  // namespace lostbits::test::test_interrupted

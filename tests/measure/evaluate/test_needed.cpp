@@ -14,7 +14,7 @@ namespace test_needed {
 using namespace lostbits;
 using namespace lostbits::measure::evaluate;
 using measure::answer::Outcome;
-using measure::truth::exactly;
+using measure::truth::as_certified;
 using measure::truth::Truth;
 using test::load;
 
@@ -129,22 +129,22 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
 }
 
 TEST_CASE("an answer keeps B bits up to an error of half an ulp of B bits", "[needed]") {
-    const measure::truth::Certified one = exactly(1);
+    const measure::truth::Certified one = as_certified(1);
     CHECK(keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
     CHECK_FALSE(keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
     CHECK(keeps_bits(1 - 0x1p-12, one, 12));
     CHECK_FALSE(keeps_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
     CHECK(keeps_bits(1.5, one, 1));
-    CHECK(keeps_bits(0, exactly(0), 52));
+    CHECK(keeps_bits(0, as_certified(0), 52));
     for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(keeps_bits(t, one, 1));
 }
 
 TEST_CASE("the width that one ray needs follows from its truth and its answers", "[needed]") {
     Truth hit, miss, open;
     hit.decision = Truth::Decision::hit;
-    hit.t = exactly(4);
-    hit.distance = exactly(8);
-    hit.object = 3;
+    hit.t = as_certified(4);
+    hit.distance = as_certified(8);
+    hit.primitive = 3;
     open.decision = Truth::Decision::unresolved;
     const intersect::Info& any = *test::form_named("sphere.schoolbook").info;
     const intersect::Info& unit = *test::form_named("sphere.unit_half_b").info;
@@ -153,8 +153,8 @@ TEST_CASE("the width that one ray needs follows from its truth and its answers",
     CHECK_FALSE(suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are not 12
     CHECK_FALSE(suffices(hit, any, 12, {true, 8}, 12));
     CHECK(suffices(hit, unit, 12, {true, 8}, 12));
-    CHECK(suffices(hit, any, 12, {true, 4, hit.object}, 12));
-    CHECK_FALSE(suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another primitive
+    CHECK(suffices(hit, any, 12, {true, 4, hit.primitive}, 12));
+    CHECK_FALSE(suffices(hit, any, 12, {true, 4, hit.primitive + 1}, 12));  // t of another primitive
     CHECK_FALSE(suffices(hit, any, 53, {false, 4}, 12));
     CHECK_FALSE(suffices(hit, any, 53, {true, std::nan("")}, 12));
     CHECK(suffices(miss, any, 2, {false, std::nan("")}, 12));
@@ -176,7 +176,7 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
                                .dy = {0, 0},
                                .dz = {1, 1}};
     const Primitive<double> primitive = Sphere<double>{{0x1p-120, 0, 0}, 1};
-    const measure::truth::Band band(rays, {primitive}, {.bits = 1});
+    const measure::truth::Band band(rays, {primitive}, {.max_bits = 1});
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =

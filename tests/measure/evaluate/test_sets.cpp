@@ -134,13 +134,13 @@ TEST_CASE("each primitive in a set is judged by the contract of its own form", "
                     Truth right;
                     for (std::size_t s = 0; s < mixed.all.size(); ++s) {
                         const Intersector& form = mixed.all[s].shape == a.shape ? a : b;
-                        measure::truth::join(
+                        measure::truth::merge_truth(
                             measure::truth::find_truth(mixed.rays[i], mixed.all[s], {}, form.info->convention(judged)),
                             static_cast<int>(s), right);
                     }
                     const Truth found = band.truth(i, set.info->convention(judged)), closed = band.truth(i, {});
                     wrong += found.decision != right.decision ||
-                             (right.is_hit() && (compare(found.t, right.t) != 0 || found.object != right.object));
+                             (right.is_hit() && (compare(found.t, right.t) != 0 || found.primitive != right.primitive));
                     apart += closed.decision != right.decision;
                 }
                 INFO(set.info->name << ", seed " << seed);

@@ -17,7 +17,7 @@ using namespace lostbits::measure::identity;
 using intersect::table::Intersector;
 using measure::repair::divides_by_zero;
 using measure::repair::RaySample;
-using measure::repair::with_inputs;
+using measure::repair::run_with_inputs;
 namespace tape = measure::tape;
 
 namespace {
@@ -58,7 +58,7 @@ int check_same(const Tape& before, const Tape& after, const Intersector& form, s
     int hits = 0;
     for (std::size_t ray = 0; ray < 12; ++ray) {
         const auto inputs = inputs_of(form, numbers, ray % 3);
-        const Tape a = with_inputs(before, inputs, false), b = with_inputs(after, inputs, false);
+        const Tape a = run_with_inputs(before, inputs, false), b = run_with_inputs(after, inputs, false);
         if (divides_by_zero(a) || divides_by_zero(b)) continue;
         INFO("ray " << ray);
         REQUIRE(a[a.outputs.hit].value == b[b.outputs.hit].value);
@@ -119,7 +119,7 @@ TEST_CASE("a formula keeps its value when converted to terms and back", "[mend]"
     int hits = 0;
     for (int ray = 0; ray < 40; ++ray) {
         const auto inputs = inputs_of(test::form_named("sphere.schoolbook"), numbers, 0);
-        const Tape a = with_inputs(before, inputs, true), b = with_inputs(after, inputs, true);
+        const Tape a = run_with_inputs(before, inputs, true), b = run_with_inputs(after, inputs, true);
         CHECK(a[a.outputs.hit].value == b[b.outputs.hit].value);
         if (a[a.outputs.hit].value == 0) continue;
         ++hits;
@@ -134,7 +134,7 @@ TEST_CASE("a wrong identity is detected on a sample of rays", "[mend]") {
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
     const RaySample sample({.scene = &scene, .row = test::row("sphere.schoolbook", "f32")});
-    CHECK(sample.agree(before, before));
+    CHECK(sample.have_same_answers(before, before));
     for (NodeId i = 0; i < before.size(); ++i) {
         Tape wrong = before;
         if (wrong[i].op == TapeOp::add) wrong[i].op = TapeOp::sub;
@@ -142,7 +142,7 @@ TEST_CASE("a wrong identity is detected on a sample of rays", "[mend]") {
         else continue;
         INFO("operation " << i << ", " << name_of(before[i].op) << " " << before[i].label);
         // The far root is not an answer if every ray starts outside.
-        if (computes(before, i, before.outputs.near)) CHECK_FALSE(sample.agree(before, wrong));
+        if (computes(before, i, before.outputs.near)) CHECK_FALSE(sample.have_same_answers(before, wrong));
     }
 }
 
@@ -180,14 +180,14 @@ TEST_CASE("the square of a root is its radicand, where the radicand is not negat
     CHECK(std::ranges::count(after.nodes, TapeOp::sqrt, &TapeNode::op) == 0);
     for (int k = 0; k <= 200; ++k) {
         const double value = std::ldexp(k, -3);
-        const Tape a = with_inputs(before, {value}, false), b = with_inputs(after, {value}, false);
+        const Tape a = run_with_inputs(before, {value}, false), b = run_with_inputs(after, {value}, false);
         CHECK(b[b.outputs.t].value == value);
         CHECK(is_near(a[a.outputs.t].value, value));
     }
     // Rounded, √x·√x is not x for x = 2.
-    const Tape rounded = with_inputs(before, {2}, true);
+    const Tape rounded = run_with_inputs(before, {2}, true);
     CHECK(rounded[rounded.outputs.t].value != 2);
-    const Tape negative = with_inputs(before, {-1}, false);
+    const Tape negative = run_with_inputs(before, {-1}, false);
     CHECK(std::isnan(negative[negative.outputs.t].value));
 }
 

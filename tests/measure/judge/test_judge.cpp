@@ -192,7 +192,7 @@ TEST_CASE("a ray with its own primitive has the truth and the answers of that ra
                     truth::find_truth(group.rays[i], group.primitives[i], {}, convention, group.rays.range(i));
                 const truth::Truth& found = band.truth(i, convention);
                 REQUIRE(found.decision == alone.decision);
-                REQUIRE(found.object == (alone.is_hit() ? static_cast<int>(i) : -1));
+                REQUIRE(found.primitive == (alone.is_hit() ? static_cast<int>(i) : -1));
                 if (alone.is_hit()) REQUIRE((found.t.hi == alone.t.hi && found.t.exponent == alone.t.exponent));
                 hits += alone.is_hit();
             }

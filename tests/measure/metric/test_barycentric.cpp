@@ -127,7 +127,7 @@ TEST_CASE("the error of a triangle's normal is the rounding of its edges", "[met
     const auto error = [&](const Triangle<double>& triangle) {
         const Primitive<double> primitive(triangle);
         const Ray<double> ray{{0.25, 0.25, 5}, {0, 0, -1}};
-        const auto truth = measure::truth::certified(5, 0, 0);
+        const auto truth = measure::truth::make_certified(5, 0, 0);
         return measure::metric::normal_error(
             Sample{.t = 5, .format = &format, .truth = &truth, .ray = &ray, .primitive = &primitive});
     };

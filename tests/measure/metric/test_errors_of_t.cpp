@@ -19,7 +19,7 @@ using measure::stability::is_wrong_root;
 namespace {
 
 bool is_wrong(const Primitive<double>& primitive, const Ray<double>& ray, double exact, double t) {
-    return is_wrong_root(ray, primitive, measure::truth::exactly(exact), t);
+    return is_wrong_root(ray, primitive, measure::truth::as_certified(exact), t);
 }
 
 const Intersector& form_named(std::string_view name) {
@@ -101,7 +101,7 @@ TEST_CASE("an error at t* = 0 is relative to the size of the problem", "[measure
     const Ray<double> ray{{3, 4, 0}, {-2, 0, 0}};
     const Primitive<double> sphere = Sphere<double>{{0, 0, 0}, 5};
     const auto error = [&](double t, double exact) {
-        const auto truth = measure::truth::exactly(exact);
+        const auto truth = measure::truth::as_certified(exact);
         return measure::metric::find_metric("error_at_zero")
             ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .primitive = &sphere});
     };

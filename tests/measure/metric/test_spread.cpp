@@ -18,7 +18,7 @@ claim::ClaimResult result_of(double own, std::vector<double> further) {
     claim::ClaimResult r;
     r.measured = own;
     r.samples = 1024;
-    r.further = std::move(further);
+    r.further_measured = std::move(further);
     return r;
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("a spread covers the draws that have the number, and its median is one
 
 TEST_CASE("a claim's interval is the range of its draws plus half of it on either side, within possible values") {
     const auto interval = [](const scene::claim::Claim& c, double own, std::vector<double> further) {
-        const auto s = claim::interval_of(c, result_of(own, std::move(further)));
+        const auto s = claim::expected_interval(c, result_of(own, std::move(further)));
         return std::pair(s.low, s.high);
     };
     CHECK(interval(claim_about("lost_bits_p50"), 10, {12, 11}) == std::pair(9.0, 13.0));

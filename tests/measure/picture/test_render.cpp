@@ -163,8 +163,10 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5:
     // 106 bits do not prove a byte there, and report this; the sphere of 0.95, 0.8, 0.2 needs no more.
     CHECK(run.summaries[0].unresolved() == 0);
-    const Collected hasty(
-        {.scene = s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
+    const Collected hasty({.scene = s,
+                           .stages = {Stage::visible},
+                           .rows = rows_of({"f64"}, "sphere.unified"),
+                           .limit = {.max_bits = 106}});
     const RenderSummary& r = hasty.summaries[0];
     CHECK(r.count(SeenContent::background) > 100);
     CHECK(r.unresolved() > r.count(SeenContent::background));

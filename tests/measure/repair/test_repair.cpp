@@ -36,7 +36,7 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 
 /// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
-    explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
+    explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(record_tape(asked)) {}
     RowQuality with(const std::vector<NodeId>& wider) {
         return judge.quality_of({tape::widen_operations(tape, wider, binary64)}).front();
     }
@@ -78,18 +78,18 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         CHECK(set.size() < search.all.size());
         CHECK(found.quality.meets(request.requirement));
         CHECK(same(quality_with(set), found.quality));
-        REQUIRE(found.without.size() == set.size());
+        REQUIRE(found.quality_without.size() == set.size());
         for (std::size_t k = 0; k < set.size(); ++k) {
             std::vector<NodeId> fewer = set;
             fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
             const RowQuality there = quality_with(fewer);
-            CHECK(same(there, found.without[k]));
+            CHECK(same(there, found.quality_without[k]));
             CHECK_FALSE(there.meets(request.requirement));
         }
         if (scene.id != "box-slabs") continue;
         // Three operations are needed: all sets of two were tried, and none of them is enough.
         REQUIRE(set.size() == 3);
-        CHECK(found.none_of == 2);
+        CHECK(found.largest_failing_size == 2);
         std::vector<Tape> pairs;
         for (const NodeId a : search.all)
             for (const NodeId b : search.all)
@@ -129,13 +129,13 @@ TEST_CASE("a form that meets the requirement has an empty set, one that double d
     const Scene scene = scene_named("near-benign", 32);
     const RepairRequest easy = request_of(scene, "sphere.half_b", 5);
     const RepairResult enough = repair_form(easy);
-    REQUIRE(enough.set);
-    CHECK(enough.set->operations.empty());
+    REQUIRE(enough.wider_set);
+    CHECK(enough.wider_set->operations.empty());
     // Its contract is a direction of length one, which a rounded direction is not.
     const Scene far = scene_named("rtg-fig-7-3-4100-oblique", 32);
     const RepairRequest hard = request_of(far, "sphere.pythagoras", 16);
     const RepairResult none = repair_form(hard);
-    CHECK_FALSE(none.set);
+    CHECK_FALSE(none.wider_set);
     const std::string words =
         output::repair::repair_text({.request = hard, .repair = none, .catalogue = {}, .catalogue_quality = {}});
     CHECK_THAT(words, Catch::Contains("does not meet the requirement"));
@@ -143,10 +143,10 @@ TEST_CASE("a form that meets the requirement has an empty set, one that double d
     // No precision helps, but directions of length one do.
     REQUIRE(none.obstruction);
     CHECK_FALSE(none.obstruction->exact.meets(hard.requirement));
-    REQUIRE(none.obstruction->with_unit);
-    CHECK(none.obstruction->with_unit->wrong < none.obstruction->exact.wrong);
-    CHECK(none.obstruction->off_unit > 0);
-    CHECK(none.obstruction->off_unit < 0x1p-22);
+    REQUIRE(none.obstruction->with_unit_directions);
+    CHECK(none.obstruction->with_unit_directions->wrong < none.obstruction->exact.wrong);
+    CHECK(none.obstruction->largest_length_error > 0);
+    CHECK(none.obstruction->largest_length_error < 0x1p-22);
 }
 
 TEST_CASE("the matrix of each probe times its transpose is the square of the divisor", "[mend]") {
@@ -161,8 +161,8 @@ TEST_CASE("the matrix of each probe times its transpose is the square of the div
     }
     const Scene scene = scene_named("box-slabs", 16);
     const auto box = scene.listed.front();
-    CHECK_FALSE(mapped(box, isometries[5]).has_value());
-    const auto mirrored = mapped(box, isometries[3]).value().box();
+    CHECK_FALSE(map_primitive(box, isometries[5]).has_value());
+    const auto mirrored = map_primitive(box, isometries[3]).value().box();
     CHECK(mirrored.lo.y == -box.box().hi.y);
     CHECK(mirrored.hi.z == -box.box().lo.z);
 }
@@ -216,8 +216,8 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
         RepairRequest request = request_of(scene, "box.baseline", bits);
         request.row = test::row("box.baseline", format);
         const RepairResult m = repair_form(request, 1);
-        REQUIRE(m.set);
-        CHECK(m.set->quality.meets(request.requirement));
+        REQUIRE(m.wider_set);
+        CHECK(m.wider_set->quality.meets(request.requirement));
         CHECK(m.set_probed.size() == m.probes.size());
         const bool holds = std::ranges::all_of(
             m.set_probed, [&](const RowQuality& quality) { return quality.meets(request.requirement); });
@@ -233,8 +233,8 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     const Scene scene = scene_named("box-slabs", 48);
     const RepairRequest request = request_of(scene, "box.baseline", 20);
     const RepairResult m = repair_form(request);
-    REQUIRE(m.set);
-    CHECK(m.set->operations.size() == 3);
+    REQUIRE(m.wider_set);
+    CHECK(m.wider_set->operations.size() == 3);
     REQUIRE(m.probes.size() == 5);  // a box is not rotated
     const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
     for (std::size_t k = 0; k < 3; ++k) CHECK_FALSE(meets(m.set_probed[k]));
@@ -249,7 +249,7 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     CHECK_FALSE(proposals.front().meets_on_exact_probes(result));
     REQUIRE(best_proposal(proposals, result) != nullptr);
     CHECK(best_proposal(proposals, result)->is_symmetric_set);
-    CHECK(probe_rows(result).size() == m.probes.size() * (3 + m.rewriting.found.size()));
+    CHECK(probe_rows(result).size() == m.probes.size() * (3 + m.rewriting.forms.size()));
 }
 
 TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
@@ -258,9 +258,9 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     request.two_words = true;
     const RepairResult m = repair_form(request, 1);
     CHECK(m.wider == tape::two_floats);
-    CHECK(m.all.kept_bits > 23);
-    CHECK((m.held_out_scene.width != scene.width && m.set_held_out.rays != m.own.rays));
-    CHECK(m.set.value().quality.meets(request.requirement));
+    CHECK(m.all_wider_quality.kept_bits > 23);
+    CHECK((m.held_out_scene.width != scene.width && m.set_held_out.rays != m.own_quality.rays));
+    CHECK(m.wider_set.value().quality.meets(request.requirement));
 }
 
 TEST_CASE("under matrices the operations that lead into the space of the primitive are made wider", "[mend]") {
@@ -290,7 +290,7 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         CHECK(search.smallest(0).quality.meets(request.requirement));
         CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
         request.row.form = &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
-        const RowQuality relative = Judge(request, scene).quality_of({recorded(request)}).front();
+        const RowQuality relative = Judge(request, scene).quality_of({record_tape(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());
@@ -311,7 +311,7 @@ TEST_CASE("a form that cannot be compiled has no cost, and the message says why"
     const Scene scene = scene_named("near-benign", 8);
     const RepairRequest request = request_of(scene, "sphere.half_b", 5);
     const Tape tape = tape::tape_of(*request.row.form, request.row.format);
-    const std::vector<RepairedSource> forms{{.tape = &tape, .header = "", .type = "None", .from = request.row}};
+    const std::vector<RepairedSource> forms{{.tape = &tape, .header = "", .type = "None", .original = request.row}};
     const test::Scratch folder;
     CHECK_THROWS_WITH(compile_and_load(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
     folder.write("form.flags", "");

@@ -35,8 +35,8 @@ inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& stor
 
 /// True if both truths are the same, to within their bounds.
 inline bool agree(const measure::truth::Truth& a, const measure::truth::Truth& b) {
-    return a.decision == b.decision && a.object == b.object && a.touches == b.touches && a.on_surface == b.on_surface &&
-           compare(a.t, b.t) == 0 && compare(a.distance, b.distance) == 0;
+    return a.decision == b.decision && a.primitive == b.primitive && a.touches == b.touches &&
+           a.on_surface == b.on_surface && compare(a.t, b.t) == 0 && compare(a.distance, b.distance) == 0;
 }
 
 }  // namespace lostbits::test

@@ -70,7 +70,7 @@ TEST_CASE("truth columns: numbers beyond double give the same truth as ray by ra
             std::size_t different = 0;
             for (std::size_t i = 0; i < ideal.primitives.size(); ++i) {
                 Truth alone = find_truth(ideal.rays[i], ideal.primitives[i], {}, {}, ideal.rays.range(i));
-                if (alone.is_hit()) alone.object = static_cast<int>(i);
+                if (alone.is_hit()) alone.primitive = static_cast<int>(i);
                 different += !agree(found[i], alone);
             }
             CHECK(different == 0);
@@ -103,7 +103,7 @@ TEST_CASE("truths of rays among spheres and boxes equal those of each ray alone"
         hits += alone.is_hit();
         const Truth there = found[i];
         different += !agree(there, alone);
-        if (alone.bits > 106) continue;
+        if (alone.proof_bits > 106) continue;
         different += there.t.hi != alone.t.hi || there.t.lo != alone.t.lo || there.t.exponent != alone.t.exponent ||
                      there.distance.hi != alone.distance.hi || there.distance.lo != alone.distance.lo;
     }

@@ -42,7 +42,7 @@ double settled_share(const Problems& problems) {
     std::size_t different = 0;
     for (std::size_t i = 0; i < problems.primitives.size(); ++i) {
         Truth alone = find_truth(problems.rays[i], problems.primitives[i]);
-        if (alone.is_hit()) alone.object = static_cast<int>(i);
+        if (alone.is_hit()) alone.primitive = static_cast<int>(i);
         different += !agree(found[i], alone);
     }
     CHECK(different == 0);

@@ -88,7 +88,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
         const double hi = std::ldexp(t.hi, static_cast<int>(t.exponent)),
                      lo = std::ldexp(t.lo, static_cast<int>(t.exponent));
         // The words are the same if the ray alone needed no wider intervals.
-        if (tight && alone.bits == 106) different += found.hi[i] != hi || found.lo[i] != lo;
+        if (tight && alone.proof_bits == 106) different += found.hi[i] != hi || found.lo[i] != lo;
         else
             different +=
                 !(std::fabs((found.hi[i] - hi) + (found.lo[i] - lo)) <= found.bound[i] + std::fabs(hi) * 0x1p-70);
@@ -184,7 +184,7 @@ TEST_CASE("truth columns: invalid rays and primitives get no answer") {
             for (const Length length : {Length::parameter, Length::distance}) {
                 find_truth_columns(Columns<S>(std::span(&p, 1)).get(),
                                    {.length = length, .tightness = Tightness::ulps_of_binary32}, found);
-                any |= found.alone.empty() || found.decision[0] != Truth::Decision::miss;
+                any |= found.single_truths.empty() || found.decision[0] != Truth::Decision::miss;
             }
         });
         return any;

@@ -139,29 +139,29 @@ TEST_CASE("wrong decisions rank before wrong values, and the most frequent of th
 TEST_CASE("an improper ray or primitive is never a hit") {
     const Ray<double> ray{{0, 0, -8}, {0, 0, 1}};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    CHECK(measure::truth::is_proper(ray));
-    CHECK(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {0, 0, -0x1p-1074}}));
-    CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {0, -0.0, 0}}));
-    CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, nan, 0}, {0, 1, 0}}));
-    CHECK_FALSE(measure::truth::is_proper(Ray<double>{{0, 0, 0}, {infinity, 1, 0}}));
-    CHECK_FALSE(measure::truth::is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(0)}}));
-    CHECK(measure::truth::is_proper(
+    CHECK(measure::truth::is_valid(ray));
+    CHECK(measure::truth::is_valid(Ray<double>{{0, 0, 0}, {0, 0, -0x1p-1074}}));
+    CHECK_FALSE(measure::truth::is_valid(Ray<double>{{0, 0, 0}, {0, -0.0, 0}}));
+    CHECK_FALSE(measure::truth::is_valid(Ray<double>{{0, nan, 0}, {0, 1, 0}}));
+    CHECK_FALSE(measure::truth::is_valid(Ray<double>{{0, 0, 0}, {infinity, 1, 0}}));
+    CHECK_FALSE(measure::truth::is_valid(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(0)}}));
+    CHECK(measure::truth::is_valid(
         Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(ldexp(Real(1), -5000))}}));
     const Primitive<double> good = Sphere<double>{{0, 0, 0}, 2};
     CHECK(measure::truth::find_truth(ray, good).is_hit());
     for (const double radius : {0.0, -2.0, nan, infinity}) {
         const Primitive<double> bad = Sphere<double>{{0, 0, 0}, radius};
-        CHECK_FALSE(measure::truth::is_proper(bad));
+        CHECK_FALSE(measure::truth::is_valid(bad));
         CHECK(measure::truth::find_truth(ray, bad).decision == measure::truth::Truth::Decision::miss);
         // It does not hide the primitive beside it, and is not named.
         const std::vector<Primitive<double>> both{bad, good};
         CHECK(measure::truth::find_truth(ray, both).is_hit());
-        CHECK(measure::truth::find_truth(ray, both).object == 1);
+        CHECK(measure::truth::find_truth(ray, both).primitive == 1);
     }
-    CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Sphere<double>{{nan, 0, 0}, 2})));
-    CHECK(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
-    CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
-    CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
+    CHECK_FALSE(measure::truth::is_valid(Primitive<double>(Sphere<double>{{nan, 0, 0}, 2})));
+    CHECK(measure::truth::is_valid(Primitive<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
+    CHECK_FALSE(measure::truth::is_valid(Primitive<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
+    CHECK_FALSE(measure::truth::is_valid(Primitive<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
     CHECK(measure::truth::find_truth(ray, Primitive<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision ==
           measure::truth::Truth::Decision::miss);
 }

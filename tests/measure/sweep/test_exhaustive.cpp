@@ -69,15 +69,16 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
     CHECK(packs.outcomes == alone.outcomes);
     CHECK(packs.first_wrong == alone.first_wrong);
     CHECK(packs.last_wrong == alone.last_wrong);
-    CHECK(packs.first == alone.first);
+    CHECK(packs.first_floats == alone.first_floats);
     CHECK(packs.padding == alone.padding);
     REQUIRE(packs.worst.has_value() == alone.worst.has_value());
     if (!alone.worst) return;
     const double worst = std::fabs(alone.worst->ulps), found = std::fabs(packs.worst->ulps);
     CHECK(found <= worst);
-    CHECK(packs.at_most >= worst);
+    CHECK(packs.error_bound >= worst);
     CHECK((worst == found || worst <= found + 0x1p-7));
-    if (packs.at_most < found + 0x1p-19 * std::max(found, 1.0)) CHECK((worst == found || worst <= packs.at_most));
+    if (packs.error_bound < found + 0x1p-19 * std::max(found, 1.0))
+        CHECK((worst == found || worst <= packs.error_bound));
 }
 
 sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<TestedForm> rows) {
@@ -112,7 +113,7 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& rows) {
                     alone.add(place, at.outcome, at.ulps);
                     if (at.padding > (alone.padding ? alone.padding->u : 0)) alone.padding = {place, at.padding};
                 }
-                const sweep::FloatTally& packs = state.tallies[request.place(b, r, k)];
+                const sweep::FloatTally& packs = state.tallies[request.tally_index(b, r, k)];
                 CAPTURE(rows[k].form->info->name, file.rays[r].name, binades[b].binade.name());
                 check_same(packs, alone);
                 compared.floats += alone.floats();

@@ -91,7 +91,7 @@ TEST_CASE("every float of a sweep through a mesh vertex is counted as its triang
     std::size_t at_vertex = 0;
     for (std::size_t s = 0; s < file.mesh->size(); ++s) {
         const auto truth = measure::truth::find_truth(through, (*file.mesh)[s]);
-        at_vertex += truth.touches && compare(truth.t, measure::truth::exactly(1023)) == 0;
+        at_vertex += truth.touches && compare(truth.t, measure::truth::as_certified(1023)) == 0;
     }
     CHECK(at_vertex == 6);
     const auto tallies = check_counts(file);
@@ -100,7 +100,7 @@ TEST_CASE("every float of a sweep through a mesh vertex is counted as its triang
     const sweep::FloatTally& filtered = tallies.back();
     CHECK(filtered.wrong() == 1);
     CHECK(filtered.count(Outcome::double_hit) == 1);
-    CHECK(scene::sweep::float_at(filtered.first_wrong->place) == -7.9921875F);
+    CHECK(scene::sweep::float_at(filtered.first_wrong->float_index) == -7.9921875F);
 }
 
 TEST_CASE("a sweep across a mesh moves numbers of the ray over a range", "[exhaustive][mesh]") {

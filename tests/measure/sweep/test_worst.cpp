@@ -56,8 +56,9 @@ struct Alone {
         hit = answer.has_value(), t = answer.value_or(0);
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.parameters, truth.t.floor_log2());
-        lost = measure::truth::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
-                                         row.format.parameters.precision);
+        lost =
+            measure::truth::lost_bits(measure::truth::scaled_difference(measure::truth::as_certified(t), truth.t, ulp),
+                                      row.format.parameters.precision);
     }
     measure::truth::Truth truth;
     double t = 0, lost = 0;

@@ -19,7 +19,7 @@ struct MarginProblem {
     Primitive<double> primitive;
 
     [[nodiscard]] bool is_proper() const {
-        return measure::truth::is_proper(ray) && measure::truth::is_proper(primitive);
+        return measure::truth::is_valid(ray) && measure::truth::is_valid(primitive);
     }
     /// True if the ray hits; empty if the problem is not valid.
     [[nodiscard]] std::optional<bool> hits() const {
@@ -51,7 +51,7 @@ public:
 
     std::optional<MarginProblem> draw(int kind) {
         MarginProblem p{{}, primitive(kind == whole)};
-        if (!measure::truth::is_proper(p.primitive)) return std::nullopt;
+        if (!measure::truth::is_valid(p.primitive)) return std::nullopt;
         Sphere<double> ball = ball_around(p.primitive);
         if (shape_ == Shape::plane) ball.radius = 2;
         if (kind == whole) p.ray = whole_ray(ball.centre);

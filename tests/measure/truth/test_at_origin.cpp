@@ -56,9 +56,9 @@ TEST_CASE("only the sphere on which the eye lies is skipped", "[measure][truth]"
     const Primitive<double> two[] = {Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
                                      Primitive<double>(Sphere<double>{{10, 0, 0}, 2})};
     const Truth closed = find_truth(ray, two), ahead = find_truth(ray, two, {}, {Touching::hit, AtOrigin::miss});
-    CHECK(closed.object == 0);
+    CHECK(closed.primitive == 0);
     CHECK(closed.t.is_zero());
-    CHECK(ahead.object == 1);
+    CHECK(ahead.primitive == 1);
     CHECK(round_truth(ahead, ray, two[1], binary64) == 5);
     // t = 0 has no κ. At the far root P = (−1, 2, 2), t = 2: from P·(∂o + ∂t d + t ∂d) = r ∂r with P·d = 1, ∂t/∂o = −P,
     // ∂t/∂r = 3 and ∂t/∂d.x = 2: (1·1 + 2·2 + 2·2 + 3·3 + 1·2)/2.

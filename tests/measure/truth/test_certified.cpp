@@ -13,9 +13,9 @@ namespace test_certified {
 
 using namespace lostbits;
 using namespace lostbits::test;
+using measure::truth::as_certified;
 using measure::truth::Certified;
 using measure::truth::certify;
-using measure::truth::exactly;
 using measure::truth::nearer;
 using measure::truth::ordinal;
 using measure::truth::round_certified;
@@ -75,7 +75,7 @@ TEST_CASE("scaled_difference is accurate even where the words cancel") {
 }
 
 TEST_CASE("scaled_difference overflows to infinity and underflows to zero with its scale") {
-    const Certified x = exactly(3.0), y = exactly(1.0);
+    const Certified x = as_certified(3.0), y = as_certified(1.0);
     CHECK(scaled_difference(x, y, -3000) == HUGE_VAL);
     CHECK(scaled_difference(y, x, -3000) == -HUGE_VAL);
     CHECK(scaled_difference(x, y, 3000) == 0);
@@ -187,13 +187,13 @@ TEST_CASE("certify keeps the enclosure of a ball or an interval") {
 
 TEST_CASE("a double certifies itself, and its binade is known") {
     for (const double x : {1.0, -1.0, 1.5, 0x1p-1074, 0x1.8p-1073, 0x1.fffffffffffffp+1023, -0x1p-1022}) {
-        const Certified c = exactly(x);
+        const Certified c = as_certified(x);
         CHECK(compare(Dyadic(c), Dyadic(x)) == 0);
         CHECK(c.bound == 0);
         CHECK(c.floor_log2() == std::ilogb(x));
         CHECK(round_certified(c, binary64) == x);
     }
-    CHECK(exactly(0.0).is_zero());
+    CHECK(as_certified(0.0).is_zero());
     CHECK(Certified{1, -0x1p-70, 0, 5}.floor_log2() == 4);
     CHECK(Certified{-1, 0x1p-70, 0, 5}.floor_log2() == 4);
     CHECK(Certified{1, 0x1p-70, 0, 5}.floor_log2() == 5);
@@ -233,7 +233,7 @@ TEST_CASE("an infinite answer loses nothing where the truth rounds to infinity, 
         for (const auto& x : {tie, beyond}) CHECK(ulp_error(HUGE_VAL, x, format) == 0);
         CHECK(ulp_error(HUGE_VAL, below, format) == HUGE_VAL);
         CHECK(ulp_error(-HUGE_VAL, beyond, format) == -HUGE_VAL);
-        CHECK(lost_bits(ulp_error(HUGE_VAL, exactly(1), format), p) == p);
+        CHECK(lost_bits(ulp_error(HUGE_VAL, as_certified(1), format), p) == p);
         CHECK(lost_bits(ulp_error(0, beyond, format), p) == p);
     }
 }

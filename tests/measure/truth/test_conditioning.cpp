@@ -15,7 +15,7 @@
 namespace test_conditioning {
 
 using namespace lostbits;
-using measure::truth::exactly;
+using measure::truth::as_certified;
 using test::reach_of_t;
 
 namespace {
@@ -109,14 +109,14 @@ TEST_CASE("t = 0 can move as far as the surface can move from the origin, and no
     const Sphere<double> sphere{{0, 0, 0}, 1};
     const double half_ulp = 0x1p-24;
     // c = z² − 1 moves by 2 z² + 2 half ulps, along a ray by that over 2|h| = 2.
-    CHECK(reach_of_t(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, exactly(0), binary32) == Approx(2 * half_ulp));
-    CHECK(reach_of_t(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, exactly(0), binary32) == 0);
+    CHECK(reach_of_t(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, as_certified(0), binary32) == Approx(2 * half_ulp));
+    CHECK(reach_of_t(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, as_certified(0), binary32) == 0);
     const Box<double> box{{-1, -1, -1}, {1, 1, 1}};
-    CHECK(reach_of_t(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, exactly(0), binary32) == Approx(4 * half_ulp));
-    CHECK(reach_of_t(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, exactly(0), binary32) == 0);
+    CHECK(reach_of_t(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, as_certified(0), binary32) == Approx(4 * half_ulp));
+    CHECK(reach_of_t(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, as_certified(0), binary32) == 0);
     // Beyond what a double's square holds.
     const double far = 0x1p600;
-    CHECK(reach_of_t(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, exactly(4 * far),
+    CHECK(reach_of_t(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, as_certified(4 * far),
                      binary32) < far / 64);
 }
 
@@ -126,8 +126,8 @@ TEST_CASE("inherent bits near a tangent are fewer than the condition number says
     const auto bits_at = [&](double x, double t) {
         const Ray<double> ray{{x, 0, 4}, {0, 0, -1}};
         const double reach =
-            measure::truth::reach(ray, sphere, exactly(t), measure::truth::Length::parameter, binary32);
-        return inherent_bits(reach, exactly(t), binary32);
+            measure::truth::reach(ray, sphere, as_certified(t), measure::truth::Length::parameter, binary32);
+        return inherent_bits(reach, as_certified(t), binary32);
     };
     const auto by_condition = [&](double x) {
         const double kappa = measure::truth::condition(Ray<double>{{x, 0, 4}, {0, 0, -1}}, sphere);
@@ -150,15 +150,15 @@ TEST_CASE("an error within the reach of t is excused") {
     using measure::truth::excess_bits;
     // A tangent at t = 8, which moves by 2^-11 of itself for half an ulp: 8.002 is due to the inputs, 0 loses all bits
     // beyond the 13.
-    CHECK(excess_bits(8.002, exactly(8), binary32, 0x1p-11) == 0);
-    CHECK(excess_bits(0, exactly(8), binary32, 0x1p-11) == 24 - 13);
+    CHECK(excess_bits(8.002, as_certified(8), binary32, 0x1p-11) == 0);
+    CHECK(excess_bits(0, as_certified(8), binary32, 0x1p-11) == 24 - 13);
     // t = 6 with the origin on the surface, where 0 is right; 1e-7 is due to the inputs.
-    CHECK(excess_bits(6, exactly(0), binary32, 0x1p-23) == 24);
-    CHECK(excess_bits(1e-7, exactly(0), binary32, 0x1p-23) == 0);
-    CHECK(excess_bits(6, exactly(0), binary64, 0) == 53);
-    CHECK(excess_bits(0, exactly(0), binary64, 0) == 0);
-    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, 0x1p-11) == 24 - 13);
-    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, HUGE_VAL) == 24);
+    CHECK(excess_bits(6, as_certified(0), binary32, 0x1p-23) == 24);
+    CHECK(excess_bits(1e-7, as_certified(0), binary32, 0x1p-23) == 0);
+    CHECK(excess_bits(6, as_certified(0), binary64, 0) == 53);
+    CHECK(excess_bits(0, as_certified(0), binary64, 0) == 0);
+    CHECK(excess_bits(HUGE_VAL, as_certified(8), binary32, 0x1p-11) == 24 - 13);
+    CHECK(excess_bits(HUGE_VAL, as_certified(8), binary32, HUGE_VAL) == 24);
 }
 
 TEST_CASE("every operation of Dual differentiates as a central difference does") {

@@ -152,7 +152,7 @@ TEST_CASE("a range of everything ahead changes no answer", "[measure][range]") {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const auto x = without.truth(i, form.info->convention()), y = with.truth(i, form.info->convention());
             REQUIRE(x.decision == y.decision);
-            REQUIRE((x.t.hi == y.t.hi && x.t.lo == y.t.lo && x.t.bound == y.t.bound && x.bits == y.bits));
+            REQUIRE((x.t.hi == y.t.hi && x.t.lo == y.t.lo && x.t.bound == y.t.bound && x.proof_bits == y.proof_bits));
         }
     });
 }

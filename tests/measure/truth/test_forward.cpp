@@ -17,8 +17,8 @@ namespace test_forward {
 using namespace lostbits;
 using measure::stability::backward_error;
 using measure::stability::CountedChange;
+using measure::truth::as_certified;
 using measure::truth::Certified;
-using measure::truth::exactly;
 using measure::truth::Perturbed;
 using test::reach_of_t;
 using test::Seeded;
@@ -27,7 +27,7 @@ namespace {
 
 /// |t - t*|, to 2^-50 of itself.
 double forward_error(double t, const Certified& truth) {
-    return std::fabs(measure::truth::scaled_difference(exactly(t), truth, 0));
+    return std::fabs(measure::truth::scaled_difference(as_certified(t), truth, 0));
 }
 
 /// Largest allowed (forward error)/(condition x backward error): `backward_error` stops looking within 2^(1/16) = 1.044
@@ -101,7 +101,7 @@ struct Both {
 };
 
 void try_ray(Both& both, const Ray<double>& ray, const Primitive<double>& primitive, bool anywhere, Seeded& rng) {
-    if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) return;
+    if (!measure::truth::is_valid(ray) || !measure::truth::is_valid(primitive)) return;
     const auto truth = measure::truth::find_truth(ray, primitive);
     if (!truth.is_hit() || truth.t.is_zero() || std::abs(truth.t.exponent) > 900) return;
     const Problem problem{ray, primitive, truth.t};

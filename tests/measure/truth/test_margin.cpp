@@ -181,7 +181,7 @@ void check_distributions(Shape shape, std::initializer_list<FloatFormat> formats
         Seeded rng(0x3a61);
         for (int k = 0; k < rays_per_distribution; ++k) {
             const auto [ray, primitive, range] = distributions[i].draw(rng);
-            if (measure::truth::is_proper(ray) && measure::truth::is_proper(primitive))
+            if (measure::truth::is_valid(ray) && measure::truth::is_valid(primitive))
                 try_ray(parts[i], ray, primitive, rng);
         }
     });
@@ -236,7 +236,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                         for (int i = 0; i < 3; ++i)
                             r.origin[i] *= 1 + by * rng.sign(), r.direction[i] *= 1 + by * rng.sign();
                         for (double& number : s.shape_numbers()) number *= 1 + by * rng.sign();
-                        if (measure::truth::is_proper(s)) CHECK(find_truth(r, s).is_hit() == truth.is_hit());
+                        if (measure::truth::is_valid(s)) CHECK(find_truth(r, s).is_hit() == truth.is_hit());
                     }
                 }
             }

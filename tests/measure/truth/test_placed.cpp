@@ -62,7 +62,7 @@ TEST_CASE("packs decide most rays at primitives under matrices, as single rays d
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const Truth packed = found[i], alone = find_truth(rays[i], primitives);
             REQUIRE(packed.decision == alone.decision);
-            REQUIRE(packed.object == alone.object);
+            REQUIRE(packed.primitive == alone.primitive);
             if (!alone.is_hit()) continue;
             ++hits;
             REQUIRE(compare(packed.t, alone.t) == 0);

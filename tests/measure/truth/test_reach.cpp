@@ -162,7 +162,7 @@ void check_distributions(const std::vector<test::HardDistribution>& distribution
         Seeded rng(0x7eac);
         for (int i = 0; i < rays_per_distribution; ++i) {
             const auto [ray, primitive, range] = distribution.draw(rng);
-            if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) continue;
+            if (!measure::truth::is_valid(ray) || !measure::truth::is_valid(primitive)) continue;
             Trial trial(ray, primitive, of_errors);
             if (!trial.is_of_use()) continue;
             const double ratio = trial.worst_of_componentwise(rng, 6);

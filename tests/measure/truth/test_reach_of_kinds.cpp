@@ -181,7 +181,7 @@ private:
         const Ray<Real> ray{{moved[0], moved[1], moved[2]}, {moved[3], moved[4], moved[5]}};
         Primitive<Real> primitive(problem_.primitive.shape);
         for (std::size_t i = 6; i < moved.size(); ++i) primitive.numbers[i - 6] = moved[i];
-        if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) return 0;
+        if (!measure::truth::is_valid(ray) || !measure::truth::is_valid(primitive)) return 0;
         const Truth found = find_truth(ray, primitive);
         if (!found.is_hit()) return 0;
         return std::fabs(measure::truth::scaled_difference(answer(found), answer(truth_),
@@ -226,7 +226,7 @@ Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed pert
         const int lengths = scale ? static_cast<int>(rng.integer(-widest, widest)) : 0,
                   directions = scale ? static_cast<int>(rng.integer(-widest, widest)) : 0;
         const auto problem = scaled_by(*drawn, lengths, directions);
-        if (!problem || !measure::truth::is_proper(problem->ray) || !measure::truth::is_proper(problem->primitive))
+        if (!problem || !measure::truth::is_valid(problem->ray) || !measure::truth::is_valid(problem->primitive))
             continue;
         const Truth truth = find_truth(problem->ray, problem->primitive);
         if (!is_of_use(truth, shape) || (kind == Kind::spread && may_begin_on_surface(*problem))) continue;

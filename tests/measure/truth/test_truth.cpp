@@ -102,10 +102,10 @@ std::string disagreement(const Ray<double>& ray, const Primitive<double>& primit
                          const Range<double>& range, Touching touching, bool& escalated) {
     const Truth truth = measure::truth::find_truth(ray, primitive, {}, touching, range);
     const auto beside_power = [](const Certified& x) { return x.hi == 1 && std::fabs(x.lo) <= certified_tightness; };
-    escalated = truth.bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
+    escalated = truth.proof_bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
     if (truth.decision == Truth::Decision::unresolved) return "unresolved";
     if (truth.is_hit() != want.hit) return truth.is_hit() ? "a hit that is none" : "a hit is missed";
-    if (truth.object != (want.hit ? 0 : -1)) return "the object is another";
+    if (truth.primitive != (want.hit ? 0 : -1)) return "the object is another";
     if (!want.hit) return "";
     const std::pair<Length, const Side*> lengths[] = {{Length::parameter, &want.t}, {Length::distance, &want.distance}};
     for (const auto& [length, side] : lengths) {

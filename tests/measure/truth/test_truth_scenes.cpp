@@ -13,8 +13,8 @@ namespace test_truth_scenes {
 using namespace lostbits;
 using namespace lostbits::test;
 using measure::truth::find_truth;
+using measure::truth::ProofLimit;
 using measure::truth::Truth;
-using measure::truth::TruthLimit;
 
 namespace {
 
@@ -49,19 +49,19 @@ TEST_CASE("the nearest of many spheres is the minimum over single spheres") {
         int most_bits = 0;
         for (std::size_t k = 0; k < spheres.size(); ++k) {
             const Truth one = find_truth(first.ray, spheres[k]);
-            most_bits = std::max(most_bits, one.bits);
+            most_bits = std::max(most_bits, one.proof_bits);
             if (!one.is_hit()) continue;
             any = true;
             if (!all.is_hit()) FAIL("a miss though sphere " << k << " is hit");
             if (measure::truth::compare(one.t, all.t) < 0) FAIL("sphere " << k << " is nearer");
-            if (static_cast<int>(k) < all.object && measure::truth::compare(one.t, all.t) == 0)
+            if (static_cast<int>(k) < all.primitive && measure::truth::compare(one.t, all.t) == 0)
                 FAIL("not the lowest of equals");
         }
         if (all.is_hit() != any || all.decision == Truth::Decision::unresolved) FAIL("a hit of nothing");
-        if (all.bits != most_bits) FAIL("bits " << all.bits << ", not " << most_bits);
+        if (all.proof_bits != most_bits) FAIL("bits " << all.proof_bits << ", not " << most_bits);
         if (!any) continue;
         ++hits;
-        const ExactHit exact(first.ray, spheres[all.object]);
+        const ExactHit exact(first.ray, spheres[all.primitive]);
         if (!exact.hit() || !encloses(all.t, exact) || !encloses_distance(all.distance, exact))
             FAIL("does not enclose the nearest");
     }
@@ -73,11 +73,11 @@ TEST_CASE("a tangent goes on to what lies behind where touching is a miss") {
     const std::vector<Primitive<double>> both{Sphere<double>{{0, 0, 5}, 3}, Sphere<double>{{3, 0, 20}, 1}};
     const Truth closed = find_truth(ray, both);
     CHECK(closed.touches);
-    CHECK(closed.object == 0);
+    CHECK(closed.primitive == 0);
     CHECK(closed.t.hi * std::exp2(closed.t.exponent) == 10);
     const Truth open = find_truth(ray, both, {}, intersect::Touching::miss);
     CHECK(open.touches);
-    CHECK(open.object == 1);
+    CHECK(open.primitive == 1);
     CHECK(open.t.hi * std::exp2(open.t.exponent) == 38);
     CHECK(!find_truth(ray, both[0], {}, intersect::Touching::miss).is_hit());
     // From a point of the surface: a ray along the tangent plane touches, a ray into the sphere does not.
@@ -102,7 +102,7 @@ TEST_CASE("a ray through the point where two spheres touch hits both there") {
         for (const auto& spheres : {both, std::vector(both.rbegin(), both.rend())}) {
             const Truth t = find_truth(ray, primitives(spheres));
             REQUIRE(t.is_hit());
-            REQUIRE(t.object == 0);
+            REQUIRE(t.primitive == 0);
             for (const Sphere<double>& s : spheres) {
                 REQUIRE(encloses(t.t, ExactHit(ray, s)));
                 REQUIRE(round_truth(t, ray, s, binary64) == static_cast<double>(far));
@@ -117,7 +117,7 @@ TEST_CASE("one unresolved sphere leaves the scene unresolved at any position of 
                          {{-0x1p-60, -0x1.8p-61, 0}, 0x1.dfffffffffee3p+59}};
     const Sphere<double> easy{hard.ray.origin, 1};
     for (const auto& spheres : {std::vector{hard.sphere, easy}, std::vector{easy, hard.sphere}}) {
-        const Truth t = find_truth(hard.ray, primitives(spheres), TruthLimit{106});
+        const Truth t = find_truth(hard.ray, primitives(spheres), ProofLimit{106});
         CHECK(t.decision == Truth::Decision::unresolved);
         CHECK_FALSE(t.is_hit());
     }
@@ -132,13 +132,13 @@ TEST_CASE("a low precision limit leaves a hard tangent unresolved that the defau
         INFO(paste(s.ray, s.sphere));
         REQUIRE(full.decision != Truth::Decision::unresolved);
         REQUIRE(full.is_hit() == ExactHit(s.ray, s.sphere).hit());
-        if (full.bits <= 106) continue;
+        if (full.proof_bits <= 106) continue;
         ++needed_more;
-        const Truth limited = find_truth(s.ray, s.sphere, TruthLimit{full.bits - 1});
+        const Truth limited = find_truth(s.ray, s.sphere, ProofLimit{full.proof_bits - 1});
         REQUIRE(limited.decision == Truth::Decision::unresolved);
         REQUIRE_FALSE(limited.is_hit());
-        REQUIRE(find_truth(s.ray, s.sphere, TruthLimit{64}).decision == Truth::Decision::unresolved);
-        REQUIRE(find_truth(s.ray, s.sphere, TruthLimit{full.bits}).decision == full.decision);
+        REQUIRE(find_truth(s.ray, s.sphere, ProofLimit{64}).decision == Truth::Decision::unresolved);
+        REQUIRE(find_truth(s.ray, s.sphere, ProofLimit{full.proof_bits}).decision == full.decision);
     }
     CHECK(needed_more > 2000);
 }
@@ -159,8 +159,8 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
         const ExactHit exact(ray, sphere);
         INFO(i << ": " << paste(s.ray, s.sphere) << " lengths over " << over << ", direction over " << under);
         if (t.decision == Truth::Decision::unresolved || t.is_hit() != exact.hit()) FAIL("decides otherwise");
-        escalated += t.bits > 106;
-        beyond += t.bits > 384;
+        escalated += t.proof_bits > 106;
+        beyond += t.proof_bits > 384;
         if (!t.is_hit()) continue;
         ++hits;
         if (!encloses(t.t, exact) || !encloses_distance(t.distance, exact)) FAIL("not within its bound");
@@ -194,7 +194,7 @@ TEST_CASE("a decision that no precision within the limit proves is not guessed")
     const Ray<Real> along{{Real(0), Real(5), Real(0)}, {Real(-3), Real(-4), Real(0)}};
     const Sphere<Real> touched{{Real(-3) * tiny, Real(-4) * tiny, Real(0)}, Real(3)};
     CHECK(find_truth(along, touched).decision == Truth::Decision::unresolved);
-    CHECK(find_truth(along, touched, TruthLimit{200'000}).is_hit());
+    CHECK(find_truth(along, touched, ProofLimit{200'000}).is_hit());
 
     // t lies 2^-60000 below a tie: known to 2^-72, which does not show the side.
     const Ray<Real> ray{{Real(-1), Real(0), Real(0)}, {Real(1), Real(0), Real(0)}};
