@@ -16,7 +16,7 @@ void for_each_source(const Tape& tape, const Attribution& attribution, NodeId i,
     const TapeNode& n = tape[i];
     if (is_given(n.op)) return;
     if (n.op == TapeOp::call) return static_cast<void>(std::ranges::for_each(tape.operands_of(i), f));
-    const Quotients quotients = quotients_of(n, {}, attribution[i].side);
+    const Quotients quotients = quotients_of(n, {}, attribution[i].chosen_side);
     for (std::size_t k = 0; k < quotients.size(); ++k) {
         if (quotients[k]) f(n.operands[k]);
     }
@@ -31,7 +31,7 @@ public:
           distances_(tape.nodes.size()),
           positions_(tape.nodes.size(), unnumbered) {
         for (NodeId i = attribution.subject; i >= 0; --i) {
-            if (!attribution[i].live) continue;
+            if (!attribution[i].is_live) continue;
             for_each_source(tape, attribution, i, [&](NodeId source) {
                 element(distances_, source) = std::max(element(distances_, source), element(distances_, i) + 1);
             });
@@ -67,15 +67,15 @@ private:
     std::vector<int> positions_;  ///< position in reading order
 };
 
-bool do_wrong_choices_cancel(const Attribution& attribution, const std::vector<NodeId>& equals) {
+bool are_wrong_choices_that_cancel(const Attribution& attribution, const std::vector<NodeId>& equals) {
     double sum = 0, largest = 0;
     for (const NodeId i : equals) {
         const OperationError& e = attribution[i];
-        if (!e.turned) return false;
+        if (!e.decision_changed) return false;
         sum += e.contribution;
         largest = std::max(largest, std::fabs(e.contribution));
     }
-    return equals.size() > 1 && std::fabs(sum) <= equal_contributions * largest;
+    return equals.size() > 1 && std::fabs(sum) <= equal_contribution_tolerance * largest;
 }
 
 }  // namespace
@@ -89,13 +89,13 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
     };
     const auto is_considered = [&](NodeId i) {
         const OperationError& e = attribution[i];
-        return e.live && e.rounding != 0 && !(below && size(i) >= *below);
+        return e.is_live && e.rounding != 0 && !(below && size(i) >= *below);
     };
     double largest = -1;
     for (NodeId i = 0; i <= attribution.subject; ++i) {
         if (is_considered(i)) largest = std::max(largest, size(i));
     }
-    const double least = std::min(largest, largest * (1 - equal_contributions));
+    const double least = std::min(largest, largest * (1 - equal_contribution_tolerance));
     std::vector<NodeId> equals;
     for (NodeId i = 0; i <= attribution.subject; ++i) {
         if (is_considered(i) && size(i) >= least) equals.push_back(i);
@@ -109,7 +109,7 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
 std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attribution) {
     const std::vector<NodeId> largest = largest_contributions(tape, attribution);
     std::vector<NodeId> equals = largest;
-    while (do_wrong_choices_cancel(attribution, equals)) {
+    while (are_wrong_choices_that_cancel(attribution, equals)) {
         double least = HUGE_VAL;
         for (const NodeId i : equals) least = std::min(least, std::fabs(attribution[i].contribution));
         equals = largest_contributions(tape, attribution, least);
@@ -123,7 +123,8 @@ bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i
     const auto mark = [&](NodeId k) { is_reached[static_cast<std::size_t>(k)] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].live) for_each_source(tape, attribution, i, mark);
+        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].is_live)
+            for_each_source(tape, attribution, i, mark);
     }
     return is_reached[static_cast<std::size_t>(from)];
 }

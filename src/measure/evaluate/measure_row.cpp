@@ -231,8 +231,8 @@ private:
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return attributor_.of(rays[i], in.target_for(*row_.form, measured_index(i)), rays.range(i),
-                              result_.band->recorded_ray(i, row_.format));
+        return attributor_.attribute_ray(rays[i], in.target_for(*row_.form, measured_index(i)), rays.range(i),
+                                         result_.band->recorded_ray(i, row_.format));
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }

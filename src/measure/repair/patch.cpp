@@ -337,8 +337,8 @@ std::string Patcher::Writer::expression(NodeId n, int& binds) const {
     if (source_pattern.pattern.empty())
         throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
     binds = source_pattern.binds;
-    return attribution::filled(source_pattern.pattern,
-                               [&](std::size_t k, int level) { return operand(node.operands[k], level); });
+    return attribution::fill_pattern(source_pattern.pattern,
+                                     [&](std::size_t k, int level) { return operand(node.operands[k], level); });
 }
 
 std::string Patcher::Writer::new_name(NodeId n) {

@@ -21,10 +21,10 @@ namespace {
 std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (!std::isfinite(x.inputs[i]) && x.names[i] != "ray.tmax")
-            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
-                               number_phrase(x.inputs[i]), x.format.name);
+    for (std::size_t i = 0; i < x.input_values.size(); ++i) {
+        if (!std::isfinite(x.input_values[i]) && x.input_names[i] != "ray.tmax")
+            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.input_names[i],
+                               number_phrase(x.input_values[i]), x.format.name);
     }
     return {};
 }
@@ -36,7 +36,7 @@ std::string amplifier_text(const Explanation& x, const OperationView& view) {
     if (amplifier == no_node) return "";
     const TapeNode& a = x.tape[amplifier];
     std::string text = fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
-                                   view.error_of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
+                                   view.error_of(amplifier).cancelled_bits, x.tape.format_of(amplifier).precision);
     const auto& operands = a.operands;
     for (auto position = operands.begin(); position != operands.end(); ++position) {
         const NodeId operand = *position;
@@ -53,7 +53,8 @@ std::string amplifier_text(const Explanation& x, const OperationView& view) {
 /// Operations that contribute as much as the culprit.
 class EqualsText {
 public:
-    EqualsText(const Explanation& x, const OperationView& view) : x_(x), view_(view), equals_(x.attribution.equals) {
+    EqualsText(const Explanation& x, const OperationView& view)
+        : x_(x), view_(view), equals_(x.attribution.equal_culprits) {
         const auto is_opposite = [&](NodeId i) {
             return std::signbit(view.contribution(i)) != std::signbit(view.contribution(x.attribution.culprit));
         };
@@ -104,10 +105,12 @@ private:
 /// Text for a culprit that its equals cancel: the error that remains, and the operation with the largest share of it.
 std::string rest_text(const Explanation& x, const OperationView& view) {
     const measure::attribution::Attribution& a = x.attribution;
-    const std::string undo_clause = a.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
+    const std::string undo_clause =
+        a.equal_culprits.size() == 1 ? ". The two undo each other" : ". They undo each other";
     if (a.error == 0) return undo_clause + ", and no error is left";
     double smallest_share = std::fabs(view.error_of(a.culprit).contribution);
-    for (const NodeId i : a.equals) smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
+    for (const NodeId i : a.equal_culprits)
+        smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
     const auto other_operations = largest_contributions(x.tape, a, smallest_share);
     const std::string remaining_ulps = ulps_or_nothing(std::fabs(a.error / view.ulp()));
     if (remaining_ulps.empty()) return undo_clause;
@@ -125,7 +128,7 @@ std::string own_error(const Explanation& x, const OperationView& view) {
     const NodeId culprit = x.attribution.culprit;
     const measure::attribution::OperationError& e = view.error_of(culprit);
     const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, e.rounding)));
-    const char* const error_kind = e.turned                                                  ? "wrong choice"
+    const char* const error_kind = e.decision_changed                                        ? "wrong choice"
                                    : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"
                                                                                              : "rounding";
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);
@@ -139,14 +142,14 @@ std::string shares_text(const Explanation& x, const OperationView& view) {
     const EqualsText equals(x, view);
     const std::string assigned_ulps = ulps_or_nothing(std::fabs(view.contribution(a.culprit)));
     if (assigned_ulps.empty()) {
-        const std::string others_clause = a.equals.empty() ? "" : fmt::format(", as {}", equals.names());
+        const std::string others_clause = a.equal_culprits.empty() ? "" : fmt::format(", as {}", equals.names());
         const std::string error_ulps = ulps_or_nothing(std::fabs(a.error / view.ulp()));
         return fmt::format("has no finite share {}{}{}.", target, others_clause,
                            error_ulps.empty() ? "" : fmt::format(", which is off by {}", error_ulps));
     }
     std::string text = fmt::format("is assigned {} {}{}", assigned_ulps, target, equals.equals_clause());
     if (equals.cancels_culprit()) return text + rest_text(x, view) + ".";
-    if (!a.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
+    if (!a.equal_culprits.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
     const double share = equals.sum() * view.ulp() / a.error;
     // As many digits as `counterfactual_sentence` writes, since it often repeats the number.
     const double remaining_ulps = std::fabs(a.error / view.ulp());

@@ -19,7 +19,7 @@ class Program {
 public:
     explicit Program(const Explanation& x)
         : x_(x),
-          text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
+          text_(x.tape, x.input_names, measure::attribution::TapeText::Style::plain),
           slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}),
           rounds_in_double_(x.format.engine == Format::Engine::rounded) {
         is_wide_ = rounds_in_double_ && x.format.parameters.precision > 25;
@@ -64,7 +64,7 @@ private:
         if (rounds_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
         const bool is_rounded = rounds_in_double_ && !text.c_wide.empty();
         if (is_rounded && is_wide_) require_safe_remainder(i);
-        const std::string value = measure::attribution::filled(
+        const std::string value = measure::attribution::fill_pattern(
             is_rounded && is_wide_ ? text.c_wide : text.c.text,
             [&](std::size_t k, int) { return operand(n.operands[k]); },
             [&](char letter) -> std::string {

@@ -38,7 +38,7 @@ class FpCoreWriter {
 public:
     explicit FpCoreWriter(const Explanation& x)
         : x_(x),
-          text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
+          text_(x.tape, x.input_names, measure::attribution::TapeText::Style::plain),
           slice_(x.tape, {x.tape.outputs.t}) {}
 
     std::string source() {
@@ -78,7 +78,7 @@ private:
                 "of formats; --json and --c give the result of the call",
                 x_.form->info->name));
         const FloatFormat& f = x_.tape.format_of(i);
-        return measure::attribution::filled(
+        return measure::attribution::fill_pattern(
             measure::attribution::text_of(n.op).fpcore.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
             [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });
     }

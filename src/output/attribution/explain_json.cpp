@@ -28,7 +28,7 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
            {"operands", operands},
            {"expression", text.expression(i)}};
     if (!n.label.empty()) j["label"] = std::string(n.label);
-    j["turned"] = e.turned;
+    j["turned"] = e.decision_changed;
     if (is_decision(n.op)) {
         j["computed"] = n.value != 0;
         j["exact"] = e.exact != 0;
@@ -38,11 +38,11 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
     j["computed"] = exact_number(n.value);
     j["exact"] = json_number(e.exact);
     j["error"] = json_number(e.error);
-    j["cancelled_bits"] = e.cancelled;
-    if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
+    j["cancelled_bits"] = e.cancelled_bits;
+    if (e.cancelled_bits > 0) j["cancellation"] = e.operands_have_error ? "catastrophic" : "benign";
     j["local_error_bits"] = json_number(e.local_bits);
     j["rounding"] = json_number(e.rounding);
-    j["live"] = e.live;
+    j["live"] = e.is_live;
     j["on_purpose"] = measure::attribution::is_on_purpose(n.op);
     j["adjoint"] = json_number(e.adjoint);
     j["derivative"] = json_number(e.derivative);
@@ -55,23 +55,24 @@ Json form_result_json(const measure::attribution::FormResult& result) {
             {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(result.outcome)])},
             {"t", json_number(result.t)},
             {"ulp_error", number_or_null(result.ulps)},
-            {"lost_bits", number_or_null(result.lost)},
-            {"lost_bits_around", number_or_null(result.lost_nearby)}};
+            {"lost_bits", number_or_null(result.lost_bits)},
+            {"lost_bits_around", number_or_null(result.mean_lost_nearby)}};
 }
 
 }  // namespace
 
 std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& march) {
-    const TapeText text(x.tape, x.names, TapeText::Style::plain);
+    const TapeText text(x.tape, x.input_names, TapeText::Style::plain);
     const measure::attribution::Attribution& a = x.attribution;
     const ExplainedVerdict verdict = verdict_of(x, march);
     Json j{{"schema", "lostbits-explanation/1"},
            {"form", std::string(x.form->info->name)},
            {"format", x.format.name},
            {"convention", std::string(intersect::convention_name(x.touching))},
-           {"primitive", x.primitive},
-           {"primitives", x.primitives}};
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact_number(x.inputs[i]);
+           {"primitive", x.primitive_index},
+           {"primitives", x.primitive_count}};
+    for (std::size_t i = 0; i < x.input_values.size(); ++i)
+        j["inputs"][x.input_names[i]] = exact_number(x.input_values[i]);
     j["open_ends"] = std::string(name_of(x.range.open));
     j["inputs_rounded"] = x.rounded_inputs;
     j["given_direction"] = x.given_direction
@@ -85,10 +86,10 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
     if (x.mesh_outcome)
         j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.mesh_outcome)]);
     j["ulp_error"] = number_or_null(x.result.ulps);
-    j["lost_bits"] = number_or_null(x.result.lost);
+    j["lost_bits"] = number_or_null(x.result.lost_bits);
     j["wrong_root"] = is_wrong_root(x);
     j["condition"] = number_or_null(x.condition);
-    j["inherent_bits"] = number_or_null(x.inherent);
+    j["inherent_bits"] = number_or_null(x.inherent_bits);
     j["answer"] = verdict.answer;
     j["verdict"] = verdict.loss;
     j["sentence"] = verdict.blame;
@@ -102,21 +103,17 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
     j["culprit_alone_exact"] = has_counterfactuals ? counterfactual(x.culprit_alone->only_exact) : Json(nullptr);
     j["culprit_alone_rounded"] = has_counterfactuals ? counterfactual(x.culprit_alone->only_rounded) : Json(nullptr);
     j["equals"] = Json::array();
-    for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
+    for (const NodeId i : a.equal_culprits) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
-    j["attribution"] = {{"subject", node_or_null(text, a.subject)},
-                        {"exact_hit", a.exact_hit},
-                        {"cut_short", a.cut_short},
-                        {"error", of_subject(a.error)},
-                        {"explained", of_subject(a.explained)},
-                        {"first_order", of_subject(a.first_order)},
-                        {"ulp", number_or_null(x.ulp_of_subject())},
-                        {"shadow_bits", a.exact_bits}};
+    j["attribution"] = {{"subject", node_or_null(text, a.subject)},    {"exact_hit", a.exact_hit},
+                        {"cut_short", a.loop_was_cut_short},           {"error", of_subject(a.error)},
+                        {"explained", of_subject(a.contribution_sum)}, {"first_order", of_subject(a.first_order_sum)},
+                        {"ulp", number_or_null(x.ulp_of_subject())},   {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
-    j["lost_bits_around"] = number_or_null(x.result.lost_nearby);
+    j["lost_bits_around"] = number_or_null(x.result.mean_lost_nearby);
     j["better"] = Json::array();
-    for (const measure::attribution::FormResult& form_result : x.better)
+    for (const measure::attribution::FormResult& form_result : x.better_forms)
         j["better"].push_back(form_result_json(form_result));
     return file::json_text(j);
 }

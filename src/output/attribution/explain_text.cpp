@@ -32,18 +32,18 @@ std::string padded(std::string text, std::size_t width) {
 std::string inputs_block(const Explanation& x) {
     std::string text, begin_line, end_line;
     std::size_t width = 0;
-    for (const auto& name : x.names) width = std::max(width, name.size());
+    for (const auto& name : x.input_names) width = std::max(width, name.size());
     const auto line = [&](std::size_t i, const char* suffix) {
-        return fmt::format("  {:<{}} = {:<22} {}{}\n", x.names[i], width, file::hex(x.inputs[i]),
-                           file::decimal(x.inputs[i]), suffix);
+        return fmt::format("  {:<{}} = {:<22} {}{}\n", x.input_names[i], width, file::hex(x.input_values[i]),
+                           file::decimal(x.input_values[i]), suffix);
     };
     const auto end_kind = [](bool is_open) {
         return is_open ? " (open: a surface there does not count)" : " (closed)";
     };
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (x.names[i] == "ray.tmin") begin_line = line(i, end_kind(x.range.open.tmin));
-        else if (x.names[i] == "ray.tmax")
-            end_line = line(i, std::isinf(x.inputs[i]) ? " (no end)" : end_kind(x.range.open.tmax));
+    for (std::size_t i = 0; i < x.input_values.size(); ++i) {
+        if (x.input_names[i] == "ray.tmin") begin_line = line(i, end_kind(x.range.open.tmin));
+        else if (x.input_names[i] == "ray.tmax")
+            end_line = line(i, std::isinf(x.input_values[i]) ? " (no end)" : end_kind(x.range.open.tmax));
         else text += line(i, "");
     }
     return x.range.is_whole() ? text : text + begin_line + end_line;
@@ -144,7 +144,7 @@ NodeId begin_of_not_finite(const Explanation& x, const OperationView& view, Node
     };
     for (;;) {
         if (is_given(x.tape[i].op)) return no_node;
-        const NodeId side = measure::attribution::side_taken(x.tape, i);
+        const NodeId side = measure::attribution::chosen_side(x.tape, i);
         const auto& operands = x.tape[i].operands;
         const NodeId* const next = std::ranges::find_if(operands, is_alike);
         if (is_alike(side)) i = side;
@@ -178,8 +178,8 @@ std::string not_finite_text(const Explanation& x, const OperationView& view, con
 }
 
 std::string model_sentence(const Explanation& x, const OperationView& view) {
-    if (x.missed) return "";  // the truth is about another primitive
-    if (x.attribution.cut_short)
+    if (x.missed_primitive) return "";  // the truth is about another primitive
+    if (x.attribution.loop_was_cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";
     const bool truly_hits = x.truth == measure::truth::Truth::Decision::hit;
@@ -208,18 +208,18 @@ std::string model_sentence(const Explanation& x, const OperationView& view) {
 std::string sums_sentence(const Explanation& x, const OperationView& view) {
     const measure::attribution::Attribution& a = x.attribution;
     if (a.subject == no_node || !std::isfinite(a.error) || measure::attribution::is_plain_miss(x.tape, a)) return "";
-    if (!std::isfinite(a.explained)) return "Some contributions are not finite, so they have no sum.\n";
-    const double ulp = view.ulp(), unassigned = a.error - a.explained;
+    if (!std::isfinite(a.contribution_sum)) return "Some contributions are not finite, so they have no sum.\n";
+    const double ulp = view.ulp(), unassigned = a.error - a.contribution_sum;
     std::string text = fmt::format(
-        "Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
+        "Contributions sum to {} of {} ulp{}.", short_number(a.contribution_sum / ulp), short_number(a.error / ulp),
         std::fabs(unassigned) <= 1e-6 * std::fabs(a.error)
             ? ""
             : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
-    if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
+    if (!(std::fabs(a.first_order_sum - a.error) <= 0.1 * std::fabs(a.error))) {
         // Infinite terms of both signs have no sum.
-        text += std::isfinite(a.first_order)
+        text += std::isfinite(a.first_order_sum)
                     ? fmt::format(" The last column uses difference quotients, because derivatives would give {} ulp.",
-                                  short_number(a.first_order / ulp))
+                                  short_number(a.first_order_sum / ulp))
                     : " The last column uses difference quotients, because derivatives are infinite on this ray.";
     }
     return text + "\n";
@@ -240,7 +240,7 @@ std::string rounding_part_sentence(const Explanation& x, const OperationView& vi
 
 std::string changed_decisions_text(const Explanation& x, const OperationView& view) {
     std::string text;
-    for (const NodeId i : x.turned()) {
+    for (const NodeId i : x.changed_decisions()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
             const double distance = std::fabs(view.error_of(i).rounding);
@@ -287,8 +287,8 @@ std::string condition_phrase(double condition) {
 }
 
 bool another_does_better(const Explanation& x) {
-    return std::ranges::any_of(x.better, [&](const measure::attribution::FormResult& s) {
-        return x.result.lost_nearby - s.lost_nearby >= worth_saying && s.lost < x.result.lost;
+    return std::ranges::any_of(x.better_forms, [&](const measure::attribution::FormResult& s) {
+        return x.result.mean_lost_nearby - s.mean_lost_nearby >= worth_saying && s.lost_bits < x.result.lost_bits;
     });
 }
 
@@ -314,16 +314,16 @@ std::string envelope_sentence(const Explanation& x) {
     if (x.result.outcome != Outcome::agree_hit) {
         if (std::isnan(x.condition)) return "The ray hits nothing, so it has no condition number.";
         // The rest of the text is about the primitive that the form hits.
-        const std::string where = x.missed ? fmt::format("At primitive {}: ", x.missed->primitive) : "";
+        const std::string where = x.missed_primitive ? fmt::format("At primitive {}: ", x.missed_primitive->index) : "";
         return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(x.condition), perturbation_phrase(x),
-                           x.inherent);
+                           x.inherent_bits);
     }
     if (!x.returns_t()) return "The form returns no t, so it has no bits to lose.";
-    const std::string envelope =
-        fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition), perturbation_phrase(x), x.inherent);
-    if (x.result.lost < 1) return envelope + ". Less than one bit is lost.";
+    const std::string envelope = fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition),
+                                             perturbation_phrase(x), x.inherent_bits);
+    if (x.result.lost_bits < 1) return envelope + ". Less than one bit is lost.";
     if (x.excess_bits < 1) return envelope + within_envelope(x);
-    if (x.inherent >= x.format.parameters.precision)
+    if (x.inherent_bits >= x.format.parameters.precision)
         return envelope + fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", x.excess_bits);
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess_bits);
 }
@@ -336,9 +336,9 @@ std::string explain_text(const Explanation& x, bool show_all, const std::optiona
     NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
     if (culprit != no_node && std::isfinite(x.tape[culprit].value)) culprit = culprit_operation(x);
     if (const std::string line = source_line(x, culprit); !line.empty()) text += line + "\n";
-    if (x.primitives > 1 && is_primitive(x.form->shape))
-        text +=
-            fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", x.primitives - 1, x.primitive);
+    if (x.primitive_count > 1 && is_primitive(x.form->shape))
+        text += fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", x.primitive_count - 1,
+                            x.primitive_index);
     if (x.form->is_set())
         text +=
             fmt::format("It is a {}, which the form {} answers.\n", name_of(x.shape), x.form->of(x.shape).info->name);

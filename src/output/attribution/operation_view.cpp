@@ -41,14 +41,14 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
     mark(explanation.tape.outputs.hit);
     if (explanation.hit || explanation.tape.outputs.hit == no_node) mark(explanation.tape.outputs.t);
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
-        if (explanation.attribution[i].live) mark(i);
+        if (explanation.attribution[i].is_live) mark(i);
         if (!on_path[static_cast<std::size_t>(i)]) continue;
         const TapeNode& n = explanation.tape[i];
         if (n.op != TapeOp::select) {
             std::ranges::for_each(explanation.tape.operands_of(i), mark);
         } else {
             mark(n.operands[0]);
-            mark(measure::attribution::side_taken(explanation.tape, i));
+            mark(measure::attribution::chosen_side(explanation.tape, i));
         }
     }
     return on_path;
@@ -58,7 +58,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
 
 OperationView::OperationView(const Explanation& explanation)
     : explanation_(explanation),
-      text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::pretty),
+      text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::pretty),
       ulp_(explanation.ulp_of_subject()),
       on_path_(nodes_on_path(explanation)) {
     for (NodeId i = 0; i < explanation.tape.size(); ++i) {
@@ -76,16 +76,16 @@ double OperationView::ulps_of_value(NodeId i, double error) const {
 }
 
 std::string OperationView::cancellation(NodeId i) const {
-    const int bits = error_of(i).cancelled;
-    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).carried ? "catastrophic" : "benign");
+    const int bits = error_of(i).cancelled_bits;
+    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).operands_have_error ? "catastrophic" : "benign");
 }
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
     const TapeNode& n = explanation_.tape[i];
     if (text_.is_number(i) && n.label.empty() && error_of(i).rounding == 0) return false;
     if (show_all) return is_operation(n.op);
-    if (!is_operation(n.op) || !error_of(i).live) return false;
-    return !n.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
+    if (!is_operation(n.op) || !error_of(i).is_live) return false;
+    return !n.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled_bits > 1 ||
            i == explanation_.attribution.culprit;
 }
 
@@ -133,7 +133,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
                                .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
     if (!shows_errors) return operation_row;
     operation_row.culprit = i == culprit_operation(explanation);
-    operation_row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
+    operation_row.branch_flipped = e.decision_changed && (is_decision_row || e.rounding != 0);
     operation_row.off_path = !is_decision_row && !view.is_on_path(i);
     operation_row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
     if (is_decision_row) return operation_row;
@@ -142,7 +142,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
     operation_row.cancelled = view.cancellation(i);
     if (e.local_bits != 0) operation_row.local = fmt::format("{:.1f}", e.local_bits);
     if (e.rounding != 0) operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, e.rounding));
-    if (e.live && e.rounding != 0) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
+    if (e.is_live && e.rounding != 0) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
     return operation_row;
 }
 

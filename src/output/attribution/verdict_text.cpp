@@ -47,7 +47,7 @@ std::string outcome_sentence(const Explanation& x) {
                            x.format.parameters.precision);
     return fmt::format(
         "t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t), file::hex(t),
-        file::decimal(true_t), x.result.ulps, x.result.lost, x.format.parameters.precision,
+        file::decimal(true_t), x.result.ulps, x.result.lost_bits, x.format.parameters.precision,
         is_wrong_root(x)
             ? " Perhaps the wrong root: another crossing of the same primitive is nearer to t than the true one."
             : "");
@@ -70,8 +70,8 @@ std::string range_sentence(const Explanation& x) {
             clauses.push_back(
                 fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, is_open)));
     };
-    add(x.before_begin, "before", "tmin", x.range.tmin, x.range.open.tmin);
-    add(x.beyond_end, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
+    add(x.t_before_tmin, "before", "tmin", x.range.tmin, x.range.open.tmin);
+    add(x.t_beyond_tmax, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
     if (clauses.empty()) return "";
     return fmt::format(" The exact hit {}{}.", clauses.front(),
                        clauses.size() > 1 ? ", and that " + clauses.back() : "");
@@ -80,7 +80,7 @@ std::string range_sentence(const Explanation& x) {
 /// Text for a hit of the wrong primitive: the primitive that the form hits, the one that the ray meets first, the
 /// form's answer for the latter alone, and the command that explains that answer.
 std::string wrong_primitive_sentence(const Explanation& x) {
-    const measure::attribution::TruePrimitive& missed = *x.missed;
+    const measure::attribution::TruePrimitive& missed = *x.missed_primitive;
     const std::string reported = missed.hit ? fmt::format("a hit at {}, {}", number_phrase(missed.t),
                                                           missed.t > x.result.t ? "behind" : "which is not before")
                                             : "a miss";
@@ -92,7 +92,7 @@ std::string wrong_primitive_sentence(const Explanation& x) {
         "The wrong primitive: the form hits primitive {}, but the ray first meets primitive {} (counted from 0). For "
         "that primitive "
         "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
-        label_of(x.primitive, x.shape), label_of(missed.primitive, missed_shape), reported, x.primitive,
+        label_of(x.primitive_index, x.shape), label_of(missed.index, missed_shape), reported, x.primitive_index,
         explain_command(explain_ray_arguments(&missed.ray_and_primitive),
                         {&x.form->of(missed_shape), x.format, x.touching}));
 }
@@ -111,7 +111,9 @@ bool rounding_costs_little(const Explanation& x) {
     return std::fabs(rounding_ulps(x)) < std::max(1.0, std::fabs(x.result.ulps) / 2);
 }
 
-bool is_mostly_not_rounding(const Explanation& x) { return x.result.lost >= worth_saying && rounding_costs_little(x); }
+bool is_mostly_not_rounding(const Explanation& x) {
+    return x.result.lost_bits >= worth_saying && rounding_costs_little(x);
+}
 
 /// Three digits of a number, or the name of a number that is not finite.
 std::string size_phrase(double x) { return std::isfinite(x) ? short_number(x) : number_phrase(x); }
@@ -164,12 +166,12 @@ std::string turned_order_sentence(const Explanation& x) {
     };
     const std::string order_sentence =
         fmt::format("Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
-                    x.missed->primitive, exact_result(true, x.missed->exact_t), x.primitive,
+                    x.missed_primitive->index, exact_result(true, x.missed_primitive->exact_t), x.primitive_index,
                     exact_result(a.exact_hit, a[x.tape.outputs.t].exact));
     return order_sentence +
            (culprit_operation(x) == no_node
                 ? fmt::format(" The larger error is that of primitive {}, which the command above explains.",
-                              x.missed->primitive)
+                              x.missed_primitive->index)
                 : " " + culprit_sentence(x));
 }
 
@@ -177,22 +179,22 @@ std::string turned_order_sentence(const Explanation& x) {
 std::string no_blame_sentence(const Explanation& x, bool is_march) {
     const measure::attribution::Attribution& a = x.attribution;
     const bool agrees_on_hit = x.result.outcome == Outcome::agree_hit, is_right = x.result.is_right();
-    const bool decision_changed = x.hit != a.exact_hit && !a.cut_short;
+    const bool decision_changed = x.hit != a.exact_hit && !a.loop_was_cut_short;
     if (is_right && decision_changed)
         return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
                            a.exact_hit ? "hit" : "miss");
     if (!x.returns_t() && is_right) return "No operation is to blame: the decision is right.";
     if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
     if (x.result.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
-    if (x.hit != a.exact_hit && a.cut_short)
+    if (x.hit != a.exact_hit && a.loop_was_cut_short)
         return "No single operation is to blame: without rounding the march would have gone on.";
     if (!agrees_on_hit && decision_changed) return "The true answer is not proved, so no operation is to blame.";
     if (!agrees_on_hit) return "The decision is the same without rounding, so no operation is to blame.";
     if (!std::isfinite(x.tape[a.culprit].value)) return culprit_sentence(x);
-    if (x.result.lost < worth_saying) return "No operation is to blame: less than a bit is lost.";
+    if (x.result.lost_bits < worth_saying) return "No operation is to blame: less than a bit is lost.";
     if (!rounding_costs_little(x)) return "No operation is to blame: none of the roundings reaches t.";
     const bool has_lossy_inputs = x.rounded_inputs && !(x.excess_bits >= worth_saying);
-    const char* const other_cause = x.missed           ? "the answer is for another primitive"
+    const char* const other_cause = x.missed_primitive ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
                                     : is_march         ? "the rest comes from where the march ended"
                                                        : "the rest comes from what the form assumes";
@@ -207,7 +209,7 @@ std::string culprit_paragraph(const Explanation& x, bool is_march) {
     if (!x.has_tape())
         return "Its operations are not known, because a compiled function is a black box; write it as a form over any "
                "number to see them (docs/your-own-form.md).";
-    if (x.missed && x.rounding_turned_order()) return turned_order_sentence(x);
+    if (x.missed_primitive && x.rounding_changed_order()) return turned_order_sentence(x);
     if (culprit_operation(x) == no_node) return no_blame_sentence(x, is_march);
     const std::string counterfactual = counterfactual_sentence(x);
     return culprit_sentence(x) + (counterfactual.empty() ? "" : " " + counterfactual);
@@ -217,7 +219,7 @@ std::string culprit_paragraph(const Explanation& x, bool is_march) {
 std::string outcome_text(const measure::attribution::FormResult& result) {
     switch (result.outcome) {
         case Outcome::agree_hit:
-            return std::isnan(result.lost) ? "a correct hit" : fmt::format("{:.1f} bits lost", result.lost);
+            return std::isnan(result.lost_bits) ? "a correct hit" : fmt::format("{:.1f} bits lost", result.lost_bits);
         case Outcome::agree_miss: return "a correct miss";
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
@@ -235,18 +237,18 @@ std::string outcome_text(const measure::attribution::FormResult& result) {
 /// Sentences on the forms named with `--beside` that are not in `listed`, the forms already listed as better.
 std::string beside_sentences(const Explanation& x, const std::vector<const intersect::table::Intersector*>& listed) {
     std::string text;
-    for (const measure::attribution::FormResult& result : x.compared) {
+    for (const measure::attribution::FormResult& result : x.compared_forms) {
         const auto& name = result.form->info->name;
-        if (result.other_question)
+        if (result.has_other_truth)
             text += fmt::format(
                 "{} has another contract, so another answer is right for this ray. By its own contract: {}.\n", name,
                 outcome_text(result));
         else if (std::ranges::find(listed, result.form) == listed.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                result.lost_nearby < x.result.lost_nearby ? ", by a bit or more" : "",
+                                result.mean_lost_nearby < x.result.mean_lost_nearby ? ", by a bit or more" : "",
                                 outcome_text(result));
     }
-    for (const auto* form : x.not_comparable)
+    for (const auto* form : x.incomparable_forms)
         text += !(form->shapes() == x.form->shapes())
                     ? fmt::format("{} is a form for another shape, so it was not tried.\n", form->info->name)
                     : fmt::format("{} does not exist in {}, so it was not tried.\n", form->info->name, x.format.name);
@@ -261,30 +263,30 @@ std::string better_sentences(const Explanation& x) {
     std::vector<const intersect::table::Intersector*> listed;
     std::size_t unlisted_count = 0;
     const std::string neighbourhood =
-        x.pixels_around > 0 ? fmt::format("{} pixels around it", x.pixels_around)
-                            : fmt::format("{} rays around it, with each number within an ulp of its own value",
-                                          measure::attribution::neighbours);
-    for (const measure::attribution::FormResult& result : x.better) {
-        if (x.result.is_right() && !(x.result.lost_nearby - result.lost_nearby >= worth_saying)) continue;
-        const bool is_requested =
-            std::ranges::find(x.compared, result.form, &measure::attribution::FormResult::form) != x.compared.end();
+        x.nearby_pixel_count > 0 ? fmt::format("{} pixels around it", x.nearby_pixel_count)
+                                 : fmt::format("{} rays around it, with each number within an ulp of its own value",
+                                               measure::attribution::neighbour_count);
+    for (const measure::attribution::FormResult& result : x.better_forms) {
+        if (x.result.is_right() && !(x.result.mean_lost_nearby - result.mean_lost_nearby >= worth_saying)) continue;
+        const bool is_requested = std::ranges::find(x.compared_forms, result.form,
+                                                    &measure::attribution::FormResult::form) != x.compared_forms.end();
         if (listed.size() >= max_forms && !is_requested) {
             ++unlisted_count;
             continue;
         }
         text += fmt::format("{} {} ({}, {:.1f} around)", listed.empty() ? "" : ",", result.form->info->name,
-                            outcome_text(result), result.lost_nearby);
+                            outcome_text(result), result.mean_lost_nearby);
         listed.push_back(result.form);
     }
     if (listed.empty())
         text = fmt::format("No other form that was tried does better on this ray in this format and around it{}.\n",
-                           x.better.empty() ? "" : ", by a bit or more");
+                           x.better_forms.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(
             "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
             "as all {}.\n",
             text, unlisted_count > 0 ? fmt::format(" and {} more", unlisted_count) : "", neighbourhood,
-            x.form->info->name, x.result.lost_nearby, x.format.parameters.precision);
+            x.form->info->name, x.result.mean_lost_nearby, x.format.parameters.precision);
     return text + beside_sentences(x, listed);
 }
 
@@ -303,12 +305,12 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 
 bool is_wrong_root(const Explanation& x) {
     const bool is_far_off = x.result.outcome == Outcome::agree_hit && std::fabs(x.result.ulps) > 8;
-    if (!is_far_off || !x.true_t || !is_primitive(x.form->shape) || x.missed) return false;
+    if (!is_far_off || !x.true_t || !is_primitive(x.form->shape) || x.missed_primitive) return false;
     const Primitive<double> primitive(x.shape);
     const std::size_t range_input_count = x.range.is_whole() ? 1 : 2;
-    if (x.inputs.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
-    return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs),
-                                             measure::tape::primitive_of(x.inputs, primitive),
+    if (x.input_values.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
+    return measure::stability::is_wrong_root(measure::tape::ray_of(x.input_values),
+                                             measure::tape::primitive_of(x.input_values, primitive),
                                              measure::truth::exactly(*x.true_t), x.result.t);
 }
 
@@ -316,14 +318,15 @@ NodeId culprit_operation(const Explanation& x) {
     const measure::attribution::Attribution& a = x.attribution;
     if (a.subject == no_node || a.culprit == no_node || measure::attribution::is_plain_miss(x.tape, a)) return no_node;
     const Outcome outcome = x.result.outcome;
-    const bool is_about_decision = is_decision(x.tape[a.subject].op), lost_a_bit = x.result.lost >= worth_saying;
+    const bool is_about_decision = is_decision(x.tape[a.subject].op), lost_a_bit = x.result.lost_bits >= worth_saying;
     const bool is_not_finite = !std::isfinite(x.tape[a.culprit].value);
     if (outcome == Outcome::unresolved || (a[a.culprit].contribution == 0 && !is_not_finite)) return no_node;
     bool is_blamed = false;
     if (is_about_decision) is_blamed = !x.result.is_right();
     else if (outcome == Outcome::agree_hit) is_blamed = lost_a_bit && (is_not_finite || !rounding_costs_little(x));
-    else if (outcome == Outcome::wrong_primitive && x.rounding_turned_order() && a.exact_hit)
-        is_blamed = std::fabs(a.error) >= std::fabs(x.missed->hit ? x.missed->t - x.missed->exact_t : HUGE_VAL);
+    else if (outcome == Outcome::wrong_primitive && x.rounding_changed_order() && a.exact_hit)
+        is_blamed = std::fabs(a.error) >=
+                    std::fabs(x.missed_primitive->hit ? x.missed_primitive->t - x.missed_primitive->exact_t : HUGE_VAL);
     else is_blamed = is_not_finite && outcome == Outcome::not_a_number && !std::isnan(a[a.culprit].exact);
     return is_blamed ? a.culprit : no_node;
 }
@@ -357,7 +360,7 @@ std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" 
 
 ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march) {
     std::string answer = outcome_sentence(x) + range_sentence(x) + "\n" +
-                         (x.missed ? wrong_primitive_sentence(x) : "") + mesh_sentence(x);
+                         (x.missed_primitive ? wrong_primitive_sentence(x) : "") + mesh_sentence(x);
     answer.pop_back();
     return {.answer = std::move(answer),
             .loss = cause_sentence(x, march),

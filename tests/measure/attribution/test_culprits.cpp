@@ -33,7 +33,7 @@ TEST_CASE("every culprit is an operation of its form, and an ordinary miss has n
         MetricSet made;
         const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
         measure::attribution::Attributor attributor(form, format, culprit->categories);
-        const measure::attribution::RayAttribution blame = attributor.of(s.ray, s.target(form));
+        const measure::attribution::RayAttribution blame = attributor.attribute_ray(s.ray, s.target(form));
         if (measure::attribution::is_plain_miss(*blame.tape, *blame.attribution)) {
             CHECK(std::isnan(blame.culprit));
             CHECK(blame.attribution->culprit == no_node);
@@ -56,7 +56,7 @@ TEST_CASE("cancellation and contributions of labels are parts of the totals", "[
     int cancelled = 0;
     const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
         measure::attribution::Attributor attributor(form, format, {});
-        const measure::attribution::RayAttribution blame = attributor.of(s.ray, s.target(form));
+        const measure::attribution::RayAttribution blame = attributor.attribute_ray(s.ray, s.target(form));
         const int worst = measure::attribution::worst_cancellation(*blame.attribution);
         for (const std::string_view label : measure::attribution::labels_of(form, given(s))) {
             INFO(label);
@@ -85,10 +85,11 @@ TEST_CASE("a range limit changed by rounding has a culprit among the operations,
     const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, with).front();
     const Format f32 = *find_format("f32");
     measure::attribution::Attributor attributor(form, f32, culprit->categories);
-    const auto whole = attributor.of(ray, intersect::Target<double>(primitives[0]));
+    const auto whole = attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]));
     CHECK(whole.attribution->exact_hit);
     CHECK(whole.attribution->subject == whole.tape->outputs.t);
-    const auto blame = attributor.of(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
+    const auto blame =
+        attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
     CHECK_FALSE(blame.attribution->exact_hit);
     REQUIRE(blame.culprit >= 1);
     CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
