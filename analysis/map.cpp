@@ -26,7 +26,7 @@
 namespace lostbits::analysis {
 
 using measure::answer::Outcome;
-using measure::evaluate::NeededStudy;
+using measure::evaluate::BitsNeededStudy;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using scene::file::Scene;
@@ -69,7 +69,7 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
 /// The work on one scene.
 struct SceneWork {
     measure::evaluate::MapStudy map;
-    std::optional<NeededStudy> needed;
+    std::optional<BitsNeededStudy> needed;
 
     [[nodiscard]] std::uint64_t units() const {
         return map.scene->pixels() * map.rows.size() + (needed ? needed->units() : 0);
@@ -82,7 +82,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
     SceneWork work{study::map_of(scene, std::move(scene_rows), metrics, metric_set, o.scenes.stop), {}};
     if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)
-        work.needed.emplace(NeededStudy{
+        work.needed.emplace(BitsNeededStudy{
             .scene = scene, .rows = forms_of_any_width(work.map.rows), .bits = o.bits_needed, .limit = work.map.limit});
     return work;
 }
@@ -115,7 +115,7 @@ std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o
 /// The summaries of a scene at the end.
 struct SceneSummaries {
     std::vector<measure::evaluate::FormSummary> map;
-    std::vector<measure::evaluate::NeededSummary> needed;
+    std::vector<measure::evaluate::BitsNeededSummary> needed;
 };
 
 /// Prints which forms missed hits because they return one crossing and the range of the rays excludes it.
@@ -214,7 +214,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
         // --bits tests the rays in many widths, so the time of the map does not predict its time.
         output::file::Estimate estimate(progress, scene.id + " --bits", work.needed->units() / division.share().count,
                                         common.quiet);
-        NeededStudy needed = *work.needed;
+        BitsNeededStudy needed = *work.needed;
         needed.progress = advance_callback(progress, &estimate);
         if (auto needed_summaries = shard::run_divided(needed, *needed_files, division, needed_job))
             summaries.needed = std::move(*needed_summaries);

@@ -168,8 +168,9 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
         group.primitives = given.representatives();
         if (group.primitives.empty()) group.primitives.emplace_back(given.shape);
         if (given.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
-        request.metrics = chosen.metric_set.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
-                                                      [&group] { return measure::attribution::OwnedSetting(group); });
+        request.metrics =
+            chosen.metric_set.adapt_to_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
+                                             [&group] { return measure::attribution::OwnedSetting(group); });
     }
     const auto advance = running.advance_callback(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };

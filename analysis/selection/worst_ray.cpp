@@ -40,7 +40,7 @@ struct WorstOfAll {
             for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += s.outcomes[o];
         }
         any_hit = all.count(Outcome::agree_hit) > 0;
-        const auto wrong = all.wrong();
+        const auto wrong = all.most_frequent_wrong_decision();
         if (wrong)
             why = fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));
         for (std::size_t i = 0; i < summaries.size(); ++i) {

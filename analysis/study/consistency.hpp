@@ -88,7 +88,7 @@ struct ConsistencyAdapter {
         const scene::rays::RayGroup& first = shown->rays.first;
         return measure::evaluate::WorstRay{.x = shown->x,
                                            .y = shown->y,
-                                           .object = 0,
+                                           .primitive_index = 0,
                                            .size = 0,
                                            .ray = first.rays[0],
                                            .primitive = first.primitives.front(),

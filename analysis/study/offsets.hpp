@@ -105,7 +105,7 @@ struct OffsetsAdapter {
         given->primitives = {bad->primitive};
         return measure::evaluate::WorstRay{.x = bad->x,
                                            .y = bad->y,
-                                           .object = bad->object,
+                                           .primitive_index = bad->object,
                                            .size = 0,
                                            .ray = bad->ray.ray,
                                            .primitive = bad->primitive,

@@ -50,8 +50,8 @@ RowQuality quality_of(const evaluate::FormSummary& s, const TestedForm& form_row
     return {
         .rays = s.rays - s.count(answer::Outcome::unresolved),
         .wrong = s.wrong_count(),
-        .main_fault = s.wrong(),
-        .main_fault_count = s.wrong() ? s.count(*s.wrong()) : 0,
+        .main_fault = s.most_frequent_wrong_decision(),
+        .main_fault_count = s.most_frequent_wrong_decision() ? s.count(*s.most_frequent_wrong_decision()) : 0,
         .kept_bits = form_row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
         .hits = s.true_hits,
         .distance_error = requirement.has_tolerance() ? s.metrics[1].quantile(requirement.quantile) : truth::missing};

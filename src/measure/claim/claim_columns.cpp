@@ -29,7 +29,7 @@ std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics)
 /// them.
 void add_other_columns(std::vector<std::string>& names) {
     for (const Metric& m : metric::metrics()) {
-        if (m.by_run) names.emplace_back("culprit_fraction");
+        if (m.depends_on_forms) names.emplace_back("culprit_fraction");
         else if (m.categories.empty())
             for (const metric::Statistic& statistic : metric::statistics)
                 names.push_back(evaluate::column_name(m, statistic));
@@ -79,7 +79,7 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         for (const std::string& text : claim->operations) operations_named(text, *claim, setting_);  // throws early
         add_labelled(*claim);
     }
-    metrics_ = metric_set_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
+    metrics_ = metric_set_.adapt_to_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
 }
 
 /// Adds the metric of `contribution_c_p50` or `cancellation_disc_max`, for a label of the claim's form.
@@ -108,7 +108,8 @@ void ClaimColumns::add_labelled(const Claim& claim) {
 }
 
 double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
+    const auto m =
+        static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::depends_on_forms) - metrics_.begin());
     const auto categories = metrics_[m]->categories;
     std::vector<std::size_t> category_indices;
     for (const std::string& text : claim.operations) {

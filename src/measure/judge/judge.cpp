@@ -242,10 +242,10 @@ private:
     }
 
     /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
-    std::vector<evaluate::RaysOfValue> group(const Chunk& chunk) {
+    std::vector<evaluate::RaysWithValue> group(const Chunk& chunk) {
         if (!request_.by) return {};
         const std::size_t columns = dump_.layout().kept().size();
-        auto values = evaluate::by_value(std::span(chunk.kept).subspan(*request_.by), columns);
+        auto values = evaluate::group_by_value(std::span(chunk.kept).subspan(*request_.by), columns);
         try {
             for (const auto& rays_of_value : values)
                 result_.groups.add(rays_of_value.value, request_.rows.size(), request_.metrics);

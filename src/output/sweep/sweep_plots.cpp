@@ -277,8 +277,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
     const TestedForm& form_row = request.rows[r];
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
-                                            request.metrics.begin());
+    const auto m = static_cast<std::size_t>(
+        std::ranges::find_if(request.metrics, &measure::metric::Metric::depends_on_forms) - request.metrics.begin());
     std::vector<double> peak_share(request.metrics[m]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak_share.size(); ++c)
