@@ -347,8 +347,8 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
             table.columns[2].numbers.push_back(crossing.triangle);
             const auto [hi, lo] = as_two_doubles(crossing.t);
             table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);
-            table.columns[5].numbers.push_back(crossing.front ? 1 : 0);
-            table.columns[6].numbers.push_back(crossing.at_rim ? 1 : 0);
+            table.columns[5].numbers.push_back(crossing.hits_front ? 1 : 0);
+            table.columns[6].numbers.push_back(crossing.is_at_rim ? 1 : 0);
         }
     }
     return result;
@@ -391,7 +391,7 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
             for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
             if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
                 throw InputError("point " + std::to_string(i) + " has a number that is not finite");
-            found[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = running.stop()});
+            found[i] = measure::crossing::locate_in_mesh(point, triangles, {.stop = running.stop()});
         }
         advance(n);
     });
@@ -405,7 +405,7 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
     for (const measure::crossing::PointInMesh& point : found) {
         table.columns[0].numbers.push_back(point.winding);
         table.columns[1].numbers.push_back(point.crossings);
-        table.columns[2].numbers.push_back(point.on_surface ? 1 : 0);
+        table.columns[2].numbers.push_back(point.is_on_surface ? 1 : 0);
         table.columns[3].numbers.push_back(point.is_resolved ? 1 : 0);
     }
     add_edges(stored->mesh->mesh().edges, *result);

@@ -73,7 +73,7 @@ struct ConsistencyAdapter {
         std::uint64_t count = 0;
         for (const measure::consistency::RowChecks& row : rows)
             for (const measure::consistency::CheckSummary& s : row)
-                count += s.of(measure::consistency::CheckResult::unresolved);
+                count += s.count_of(measure::consistency::CheckResult::unresolved);
         return count;
     }
 
@@ -83,7 +83,7 @@ struct ConsistencyAdapter {
 
     /// The ray of the first question with its primitives, in a form that `lostbits explain` accepts.
     static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string&) {
-        const auto& shown = row.summary->shown;
+        const auto& shown = row.summary->first_disagreement;
         if (!shown || shown->rays.first.primitives.empty()) return std::nullopt;
         const scene::rays::RayGroup& first = shown->rays.first;
         return measure::evaluate::WorstRay{.x = shown->x,
@@ -107,18 +107,19 @@ private:
         std::string text;
         const auto add = [&text](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
         if (check.name == "end") {
-            const auto yes = s.of(measure::consistency::CheckResult::second_alone);
+            const auto yes = s.count_of(measure::consistency::CheckResult::second_alone);
             if (s.asked() > 0 && yes > 0 && yes < s.asked())
                 add("a hit exactly at the end of the ray counts for " + part_text(yes, s.asked()));
             return text;
         }
         if (s.decisions() > 0) add("decisions differ for " + part_text(s.decisions(), s.asked()));
         const double excess_ulps = s.excess.quantile(1);  // NaN if no numbers are compared
-        if (s.of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
-            add("numbers differ for " + part_text(s.of(measure::consistency::CheckResult::other_number), s.asked()));
-        if (s.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
+        if (s.count_of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
+            add("numbers differ for " +
+                part_text(s.count_of(measure::consistency::CheckResult::other_number), s.asked()));
+        if (s.count_of(measure::consistency::CheckResult::by_inputs) > 0 && !check.compares_numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
-                part_text(s.of(measure::consistency::CheckResult::by_inputs), s.asked()));
+                part_text(s.count_of(measure::consistency::CheckResult::by_inputs), s.asked()));
         if (excess_ulps > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                             check.name == "placed" ? "both t" : "both ends", excess_ulps));

@@ -32,10 +32,10 @@ bool can_be(MeshOutcome outcome, AnswerKind kind) {
 SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Facing facing) {
     for (const MeshCrossing& owner : crossings.in_order) {
         const auto is_same_surface = [&owner](const Surface& s) {
-            return s.rank == owner.rank && s.front == owner.front;
+            return s.rank == owner.rank && s.front == owner.hits_front;
         };
         auto found = std::ranges::find_if(surfaces_, is_same_surface);
-        if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.front, {}});
+        if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.hits_front, {}});
         found->owners.push_back(&owner);
     }
     for (Surface& s : surfaces_)

@@ -46,7 +46,7 @@ public:
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
         candidates_.push_back({.outputs = terms_.outputs(), .quality = own, .work = work_of(form)});
-        seen_.insert(identity::all_of(terms_.outputs()));
+        seen_.insert(identity::output_nodes(terms_.outputs()));
     }
 
     Rewriting run() {
@@ -117,8 +117,8 @@ private:
         std::vector<Candidate> children;
         for (const auto& [loss, k] : order) {
             if (children.size() == limit_.places) break;
-            const TapeOutputs outputs = terms_.with_replaced(parent.outputs, rewrites[k].replaced);
-            if (!seen_.insert(identity::all_of(outputs)).second) continue;
+            const TapeOutputs outputs = terms_.replace_nodes(parent.outputs, rewrites[k].replacements);
+            if (!seen_.insert(identity::output_nodes(outputs)).second) continue;
             children.push_back({.outputs = outputs, .rules = parent.rules});
             children.back().rules.push_back(rewrites[k].rule);
         }
@@ -126,8 +126,8 @@ private:
     }
     [[nodiscard]] int largest_loss_in(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
         int largest = 0;
-        for (const auto& [node, replacement] : rewrite.replaced)
-            for (const NodeId i : terms_.needed({node, node, node, node}))
+        for (const auto& [node, replacement] : rewrite.replacements)
+            for (const NodeId i : terms_.nodes_of({node, node, node, node}))
                 if (const auto found = losses.find(i); found != losses.end())
                     largest = std::max(largest, found->second);
         return largest;

@@ -22,10 +22,10 @@ constexpr std::size_t operations_shown = 8;
 /// Operations that round, those with the largest share of the bound first.
 std::vector<NodeId> nodes_by_share(const RangesBound& r) {
     std::vector<NodeId> nodes;
-    for (std::size_t i = 0; i < r.shares.size(); ++i)
-        if (r.shares[i] > 0) nodes.push_back(static_cast<NodeId>(i));
+    for (std::size_t i = 0; i < r.node_contributions.size(); ++i)
+        if (r.node_contributions[i] > 0) nodes.push_back(static_cast<NodeId>(i));
     std::ranges::stable_sort(nodes, [&](NodeId a, NodeId b) {
-        return r.shares[static_cast<std::size_t>(a)] > r.shares[static_cast<std::size_t>(b)];
+        return r.node_contributions[static_cast<std::size_t>(a)] > r.node_contributions[static_cast<std::size_t>(b)];
     });
     return nodes;
 }
@@ -50,12 +50,12 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
     if (seen.bounded_hits == 0) return fmt::format("None of {} hits in a range with a bound.\n", ray_set);
     std::string text =
         fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", ray_set,
-                    seen.hits, seen.bounded_hits, seen.error);
-    text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.share);
+                    seen.hits, seen.bounded_hits, seen.largest_error);
+    text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.largest_ratio);
     if (seen.running_hits > 0)
         text += fmt::format(
             " Running bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
-            seen.running, seen.wider);
+            seen.largest_running_bound, seen.wider_running_bounds);
     return text + "\n";
 }
 
@@ -64,7 +64,7 @@ std::string operations_block(const RangesBound& r) {
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto nodes = nodes_by_share(r);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
-        text += fmt::format("  {:>9.3g}  {}\n", r.shares[static_cast<std::size_t>(nodes[k])],
+        text += fmt::format("  {:>9.3g}  {}\n", r.node_contributions[static_cast<std::size_t>(nodes[k])],
                             tape_text.definition(nodes[k]));
     if (nodes.size() > operations_shown)
         text += fmt::format("  and {} other operations, by less\n", nodes.size() - operations_shown);
@@ -74,11 +74,11 @@ std::string operations_block(const RangesBound& r) {
 Json observed_errors_json(const ObservedErrors& seen) {
     return {{"hits", seen.hits},
             {"bounded_hits", seen.bounded_hits},
-            {"error", json_number(seen.error)},
-            {"share_of_bound", json_number(seen.share)},
+            {"error", json_number(seen.largest_error)},
+            {"share_of_bound", json_number(seen.largest_ratio)},
             {"running_hits", seen.running_hits},
-            {"running", json_number(seen.running)},
-            {"running_wider", seen.wider}};
+            {"running", json_number(seen.largest_running_bound)},
+            {"running_wider", seen.wider_running_bounds}};
 }
 
 }  // namespace
@@ -87,21 +87,22 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
     std::string text =
         fmt::format("{} in {} over the ranges of the rays of {}, in {} box{}:\n{}", request.form->info->name,
                     request.format.name, request.id(), r.boxes, r.boxes == 1 ? "" : "es", ranges_block(r));
-    if (request.is_of_step())
+    if (request.is_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
             r.rays);
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
-                        100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
-    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (r.undecided + r.unknown));
+                        100 * r.missed_share, 100 * (1 - r.missed_share - r.unknown_share), 100 * r.unknown_share);
+    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (r.undecided_share + r.unknown_share));
     text += "Where rays may hit, rounding puts t off by at most\n";
     for (const auto& [share, error, ulps] : r.quantiles)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
-    if (r.unknown < 1 - r.missed)
+    if (r.unknown_share < 1 - r.missed_share)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", r.largest, r.largest_ulps);
-    text += observed_errors_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
-    text += observed_errors_text(r.drawn, "rays drawn where the bounds are largest");
-    return r.shares.empty() ? text : text + operations_block(r);
+    text += observed_errors_text(r.errors_of_given_rays,
+                                 request.is_step() ? "the rays of the step" : "the rays of the scene");
+    text += observed_errors_text(r.errors_of_drawn_rays, "rays drawn where the bounds are largest");
+    return r.node_contributions.empty() ? text : text + operations_block(r);
 }
 
 std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
@@ -118,20 +119,21 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
     for (const NodeId i : nodes_by_share(r))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},
-                              {"ulps", json_number(r.shares[static_cast<std::size_t>(i)])}});
-    const Json document{{"form", std::string(request.form->info->name)},
-                        {"format", request.format.name},
-                        {request.is_of_step() ? "sweep" : "scene", request.id()},
-                        {"ranges", ranges},
-                        {"boxes", r.boxes},
-                        {"missed", r.missed},
-                        {"unsettled", r.unknown},
-                        {"undecided", r.undecided + r.unknown},
-                        {"quantiles", quantiles},
-                        {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
-                        {request.is_of_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(r.given)},
-                        {"rays_drawn", observed_errors_json(r.drawn)},
-                        {"operations", operations}};
+                              {"ulps", json_number(r.node_contributions[static_cast<std::size_t>(i)])}});
+    const Json document{
+        {"form", std::string(request.form->info->name)},
+        {"format", request.format.name},
+        {request.is_step() ? "sweep" : "scene", request.id()},
+        {"ranges", ranges},
+        {"boxes", r.boxes},
+        {"missed", r.missed_share},
+        {"unsettled", r.unknown_share},
+        {"undecided", r.undecided_share + r.unknown_share},
+        {"quantiles", quantiles},
+        {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
+        {request.is_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(r.errors_of_given_rays)},
+        {"rays_drawn", observed_errors_json(r.errors_of_drawn_rays)},
+        {"operations", operations}};
     return file::json_text(document);
 }
 
