@@ -31,12 +31,11 @@ struct OperationError {
                               ///< `AttributionDepth::full`
     int cancelled_bits = 0;  ///< for a sum (or the sum in an fma), max(exponent of operands) − exponent of result; the
                              ///< whole significand if the result is 0
-    NodeId chosen_side =
-        no_node;  ///< of a choice, the operand that the result comes from. If both have the same computed
-                  ///< value, it is the one that exact values choose, and the choice makes no error
-    bool operands_have_error =
-        false;                      ///< a cancellation in this operation is then catastrophic; otherwise it is benign
-    bool is_live = false;           ///< the subject is computed from it, through the chosen side of each choice
+    /// For a choice, the operand that the result comes from. If both operands have the same computed value, it is the
+    /// one that exact values choose, and the choice makes no error.
+    NodeId chosen_side = no_node;
+    bool operands_have_error = false;  ///< if true, a cancellation here is catastrophic, otherwise benign
+    bool is_live = false;              ///< the subject is computed from it, through the chosen side of each choice
     bool decision_changed = false;  ///< rounding changed this decision, or the choice of this min, max, select or sign
 };
 
@@ -46,10 +45,10 @@ struct Attribution {
     bool exact_hit = false;              ///< the form's decision without rounding
     bool loop_was_cut_short = false;  ///< without rounding, a loop would have gone on; the exact values end where the
                                       ///< computed ones did
-    double error = 0;             ///< of the subject; for a comparison, of the difference of its sides
-    double contribution_sum = 0;  ///< sum of the contributions
-    double first_order_sum = 0;   ///< sum of the contributions by derivatives; only with `AttributionDepth::full`
-    int exact_bits = 0;           ///< precision of the exact values: 106 (double-double with bounds), or 2048
+    double error = 0;                 ///< of the subject; for a comparison, of the difference of its sides
+    double contribution_sum = 0;      ///< sum of the contributions
+    double first_order_sum = 0;       ///< sum of the contributions by derivatives; only with `AttributionDepth::full`
+    int exact_bits = 0;               ///< precision of the exact values: 106 (double-double with bounds), or 2048
     /// The live operation with the largest |contribution|. Among equals, the one that `largest_contributions` puts
     /// first: if one is computed from the other, the later one. If the subject (or a side of it) is not finite, the
     /// operation that made it so. None if there is no error.

@@ -86,7 +86,7 @@ struct Explanation {
     [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
     /// The ulp of the format at the subject's exact value (for a comparison, at the larger side).
     [[nodiscard]] double ulp_of_subject() const;
-    /// Of the live cancellations that the error of operation `from` goes through, the one that loses the most bits;
+    /// The cancellation that loses the most bits among all live ones that the error of operation `from` goes through;
     /// `no_node` if none loses two bits.
     [[nodiscard]] NodeId amplifier(NodeId from) const;
     /// True if the form would hit `missed_primitive` first without rounding.

@@ -258,7 +258,7 @@ private:
 
     std::vector<AimedRay> next_batch(std::vector<Eye>& batch_eyes) {
         std::vector<AimedRay> batch;
-        const auto round = [this](Vec<double> v) {
+        const auto round_vector = [this](Vec<double> v) {
             for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, format_);
             return v;
         };
@@ -270,9 +270,9 @@ private:
             if (eye.edge_fraction == 0 || eye.edge_fraction == 1) vertex = edge.ends[eye.edge_fraction == 0 ? 0 : 1];
             const double edge_length = length(b - a);
             const Vec<double> point = a + eye.edge_fraction * (b - a),
-                              origin = round(point + eye.distance * edge_length * eye.direction),
+                              origin = round_vector(point + eye.distance * edge_length * eye.direction),
                               to_point = point - origin;
-            const Vec<double> direction = round((1 + random_.unit()) / length(to_point) * to_point);
+            const Vec<double> direction = round_vector((1 + random_.unit()) / length(to_point) * to_point);
             for (std::size_t k = 0; k < rays_per_eye; ++k)
                 batch.push_back({{origin, k == 0 ? direction : perturb(direction)},
                                  length(to_point) / edge_length,

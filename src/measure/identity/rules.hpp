@@ -23,7 +23,7 @@ struct Rewrite {
 /// Finds the rewrites of a formula that the rules allow.
 class RewriteFinder {
 public:
-    /// `direction` is set if the form requires that the direction has length one.
+    /// `direction` is set if the form takes only directions of length one.
     RewriteFinder(Terms& form_terms, const TapeOutputs& outputs, std::optional<Triple> direction)
         : terms(form_terms),
           formula_nodes(form_terms.nodes_of(outputs)),
