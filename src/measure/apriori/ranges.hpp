@@ -17,16 +17,13 @@ namespace lostbits::measure::apriori {
 
 /// Observed errors of rays: |t^ − t| of hits with and without rounding, in units of t.
 struct ObservedErrors {
-    std::uint64_t hits = 0, bounded_hits = 0;  ///< numbers of pairs of a ray and a primitive that hit; `bounded_hits`
-                                               ///< are those in boxes with a bound
-    double largest_error = 0;                  ///< in boxes with a bound
-    double largest_ratio =
-        0;  ///< largest ratio of an error to the bound of its box; if it is above 1, a bound is wrong
-    std::uint64_t running_hits =
-        0;  ///< number of hits in a box with a bound for which `Bounded` has a running bound too
-    double largest_running_bound = 0;  ///< of these hits
-    std::uint64_t wider_running_bounds =
-        0;  ///< number of hits whose running bound is larger than the bound of their box
+    /// Numbers of pairs of a ray and a primitive that hit; `bounded_hits` are those in boxes with a bound.
+    std::uint64_t hits = 0, bounded_hits = 0;
+    double largest_error = 0;          ///< of the bounded hits
+    double largest_ratio = 0;          ///< of an error to the bound of its box; if it is above 1, a bound is wrong
+    std::uint64_t running_hits = 0;    ///< number of bounded hits for which `Bounded` has a running bound too
+    double largest_running_bound = 0;  ///< of the running hits
+    std::uint64_t wider_running_bounds = 0;  ///< number of running bounds that are larger than the bound of their box
 
     void append(const ObservedErrors& other);
 };
@@ -89,10 +86,10 @@ struct RangesBound {
     double undecided_share = 0;           ///< share of the ranges with a bound in which the decision is not proved
     std::size_t boxes = 0;
     double largest = 0, largest_ulps = 0;  ///< largest bound over the boxes with a bound, in units of t and in ulps
-    std::vector<Quantile>
-        quantiles;  ///< for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown
-    std::vector<double>
-        node_contributions;  ///< contribution of each node, in ulps, in the box with the largest bound in ulps
+    /// Quantiles for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown.
+    std::vector<Quantile> quantiles;
+    /// Contribution of each node, in ulps, in the box with the largest bound in ulps.
+    std::vector<double> node_contributions;
     ObservedErrors errors_of_given_rays;
     ObservedErrors errors_of_drawn_rays;  ///< of rays drawn where the bounds are largest
     std::size_t rays = 0;                 ///< number of rays of the scene or the step

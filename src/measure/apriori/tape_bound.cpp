@@ -125,8 +125,8 @@ private:
     const InputBox& box_;
     std::vector<std::size_t> variable_inputs_;  ///< inputs whose range is not a single number
 
-    std::vector<EnclosedNode> nodes_, exact_,
-        middle_;  ///< `exact_` and `middle_` are without rounding, over the box and at its middle
+    std::vector<EnclosedNode> nodes_;
+    std::vector<EnclosedNode> exact_, middle_;  ///< without rounding, over the box and at its middle
     std::vector<std::vector<Interval>> slopes_;
     std::vector<Interval> error_;
 };
