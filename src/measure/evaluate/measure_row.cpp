@@ -162,8 +162,8 @@ private:
     void measure_statements(std::size_t i, const Ray<double>& ray, const Which& applies) {
         const Truth truth = result_.truth(i);
         const FormStatements statements(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
-                                        correct_t_index(i), truth.is_hit() ? truth_.object[i] : -1);
-        const Primitive<double> primitive = result_.inputs->primitives[correct_t_index(i)];
+                                        measured_index(i), truth.is_hit() ? truth_.object[i] : -1);
+        const Primitive<double> primitive = result_.inputs->primitives[measured_index(i)];
         Sample sample = sample_of(i, ray, primitive, truth);
         statements.fill(sample);
         const bool has_true_ray = (needs_ & metric::needs_true_ray) != 0;
@@ -181,10 +181,10 @@ private:
     }
 
     /// Index of the primitive that the form hits, otherwise of the one that is truly hit; for a miss, see
-    /// `correct_t_primitive`.
-    [[nodiscard]] std::size_t correct_t_index(std::size_t i) const {
+    /// `measured_primitive`.
+    [[nodiscard]] std::size_t measured_index(std::size_t i) const {
         const bool hit = result_.answers->hit[i] != 0;
-        return answer::correct_t_primitive(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
+        return answer::measured_primitive(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
     }
 
     /// The primitive that a ray misses most narrowly; empty if there are too many to compare.
@@ -217,12 +217,12 @@ private:
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
         std::optional<truth::Certified> unrounded;
         if (needs_ & metric::needs_unrounded)
-            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, correct_t_index(i)));
+            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
         if (unrounded) sample.unrounded = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
         const unsigned statement_needs = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
-        const FormStatements statements(row_, statement_needs, in, ray, i, correct_t_index(i), -1);
+        const FormStatements statements(row_, statement_needs, in, ray, i, measured_index(i), -1);
         statements.fill(sample);
         fill(i, sample, applies);
     }
@@ -232,7 +232,7 @@ private:
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return attributor_.attribute_ray(rays[i], in.target_for(*row_.form, correct_t_index(i)), rays.range(i),
+        return attributor_.attribute_ray(rays[i], in.target_for(*row_.form, measured_index(i)), rays.range(i),
                                          result_.band->recorded_ray(i, row_.format));
     }
 

@@ -235,7 +235,7 @@ private:
                                    .show = show,
                                    .first = first,
                                    .answers = request_.is_of_file(form_row) ? &piece.answers : nullptr},
-                                  piece.shared->of(form_row), result_.summaries[r], parts);
+                                  piece.shared->inputs_of(form_row), result_.summaries[r], parts);
         });
         if (file_) add_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
@@ -257,7 +257,7 @@ private:
 
     void add_first(const Piece& piece) {
         const TestedForm& form_row = file_row();
-        const FormatInputs& inputs = piece.shared->of(form_row).inputs;
+        const FormatInputs& inputs = piece.shared->inputs_of(form_row).inputs;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_first_rays; ++i) {
             const truth::Truth truth = piece.band->truth(i, form_row.convention());
             const bool hit = piece.answers.hit[i] != 0;

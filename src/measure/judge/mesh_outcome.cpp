@@ -141,7 +141,7 @@ private:
         for (std::size_t s = 0; s < surfaces.size(); ++s) {
             if (listed_counts_[s] > 0) continue;
             const bool is_border = is_at_border(ray_, surfaces[s], mesh_);
-            const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::at_rim);
+            const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::is_at_rim);
             if (contract_.touching_may_miss && (is_touched_only(s) || (is_border && is_at_rim))) continue;
             ++judgement_.missing;
             leaks_ = leaks_ || !is_border;

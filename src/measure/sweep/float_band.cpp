@@ -30,7 +30,8 @@ public:
 
     void measure(std::size_t row_index, const evaluate::Show& show) const {
         evaluate::FormSummary summary(measured_metrics());
-        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_.of(rows_[row_index]), summary);
+        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_.inputs_of(rows_[row_index]),
+                              summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 

@@ -115,7 +115,7 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
                          study.scene.id, study.scene.width, study.scene.height),
                      "shares are of the pixels of which both are asked"},
         .shows_categories = true};
-    if (std::ranges::any_of(study.checks, &Check::numbers)) {
+    if (std::ranges::any_of(study.checks, &Check::compares_numbers)) {
         spec.subtitle.back() +=
             "; reverse and placed have on the ramp by how much more than the exact answers both chords, or both t, "
             "differ";
