@@ -78,7 +78,7 @@ struct ConsistencyAdapter {
     }
 
     static std::uint64_t unproved(const View::SummaryRow& row) {
-        return row.summary->of(measure::consistency::CheckResult::unresolved);
+        return row.summary->count_of(measure::consistency::CheckResult::unresolved);
     }
 
     /// The ray of the first question with its primitives, in a form that `lostbits explain` accepts.
