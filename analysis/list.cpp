@@ -153,7 +153,7 @@ Listing strategies(const Common& /*common*/) {
 Listing checks(const Common& /*common*/) {
     return listing({"name", "title", "first", "second"}, measure::consistency::checks(),
                    [](const measure::consistency::Check& c) {
-                       return Cells<4>{c.name, c.title, c.first, c.second};
+                       return Cells<4>{c.name, c.title, c.first_question, c.second_question};
                    });
 }
 

@@ -200,8 +200,8 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
 TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of threads changes nothing", "[apriori]") {
     const auto scene = scene_named("near-benign");
     const RangesBound few = bound_of("sphere.unified", scene, 128), many = bound_of("sphere.unified", scene, 512);
-    CHECK(many.unknown < few.unknown);
-    CHECK(many.missed >= few.missed);
+    CHECK(many.unknown_share < few.unknown_share);
+    CHECK(many.missed_share >= few.missed_share);
     CHECK(many.quantiles[0].error <= few.quantiles[0].error);
     const RangesRequest request{
         .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
