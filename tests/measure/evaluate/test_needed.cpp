@@ -52,7 +52,7 @@ std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::
                               BitsNeededSummary* summary = nullptr) {
     std::vector<double> values;
     const auto keep = [&values](std::size_t, const BitsNeededBand& r) {
-        values.insert(values.end(), r.needed.begin(), r.needed.end());
+        values.insert(values.end(), r.bits_needed.begin(), r.bits_needed.end());
     };
     const auto summaries =
         measure::study::run_study(BitsNeededStudy{.scene = scene, .rows = {&form}, .bits = bits}, {keep});
@@ -122,7 +122,8 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
     BitsNeededStudy request{.scene = scene, .rows = forms, .bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
     measure::study::run_study(request, {[&together](std::size_t form, const BitsNeededBand& r) {
-                                  together[form].insert(together[form].end(), r.needed.begin(), r.needed.end());
+                                  together[form].insert(together[form].end(), r.bits_needed.begin(),
+                                                        r.bits_needed.end());
                               }});
     CHECK(done == request.units());
     for (std::size_t f = 0; f < forms.size(); ++f) CHECK(together[f] == needed_of(scene, *forms[f], 16));
