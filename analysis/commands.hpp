@@ -197,8 +197,8 @@ void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::F
 /// Prints a table on stdout, with a line per row of a map, or per form for the bits needed.
 void print_table(const measure::evaluate::MapStudy& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
-void print_table(const measure::evaluate::NeededStudy& request,
-                 const std::vector<measure::evaluate::NeededSummary>& summaries);
+void print_table(const measure::evaluate::BitsNeededStudy& request,
+                 const std::vector<measure::evaluate::BitsNeededSummary>& summaries);
 
 /// Prints a line on stdout with the number of truths that each stage settled. Each truth is about one ray and one
 /// primitive.

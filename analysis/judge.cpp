@@ -49,9 +49,9 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
     for (Primitive<double>& primitive : group.primitives)
         if (has_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
-    return metric_set.for_forms(selection::measured_metrics(drawn_metrics, request.rows),
-                                measure::evaluate::forms_of(tested_rows),
-                                [&group] { return measure::attribution::OwnedSetting(group); });
+    return metric_set.adapt_to_forms(selection::measured_metrics(drawn_metrics, request.rows),
+                                     measure::evaluate::forms_of(tested_rows),
+                                     [&group] { return measure::attribution::OwnedSetting(group); });
 }
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.

@@ -156,7 +156,7 @@ Listing strategies(const CommonOptions& /*common*/) {
 Listing checks(const CommonOptions& /*common*/) {
     return make_listing({"name", "title", "first", "second"}, measure::consistency::checks(),
                         [](const measure::consistency::Check& c) {
-                            return Cells<4>{c.name, c.title, c.first, c.second};
+                            return Cells<4>{c.name, c.title, c.first_question, c.second_question};
                         });
 }
 

@@ -26,7 +26,7 @@
 namespace lostbits::analysis {
 
 using measure::answer::Outcome;
-using measure::evaluate::NeededStudy;
+using measure::evaluate::BitsNeededStudy;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using scene::file::Scene;
@@ -71,7 +71,7 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
 /// The work on one scene.
 struct SceneWork {
     measure::evaluate::MapStudy map;
-    std::optional<NeededStudy> needed;
+    std::optional<BitsNeededStudy> needed;
 
     [[nodiscard]] std::uint64_t units() const {
         return map.scene->pixels() * map.rows.size() + (needed ? needed->units() : 0);
@@ -84,10 +84,10 @@ SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::v
     SceneWork work{study::map_study(scene, std::move(scene_rows), metrics, metric_set, options.scenes.stop), {}};
     if (options.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (options.bits_needed > 0)
-        work.needed.emplace(NeededStudy{.scene = scene,
-                                        .rows = forms_of_any_width(work.map.rows),
-                                        .bits = options.bits_needed,
-                                        .limit = work.map.limit});
+        work.needed.emplace(BitsNeededStudy{.scene = scene,
+                                            .rows = forms_of_any_width(work.map.rows),
+                                            .bits = options.bits_needed,
+                                            .limit = work.map.limit});
     return work;
 }
 
@@ -119,7 +119,7 @@ std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o
 /// The summaries of a scene at the end.
 struct SceneSummaries {
     std::vector<measure::evaluate::FormSummary> map;
-    std::vector<measure::evaluate::NeededSummary> needed;
+    std::vector<measure::evaluate::BitsNeededSummary> needed;
 };
 
 /// Prints which forms missed hits because they return one crossing and the range of the rays excludes it.
@@ -218,7 +218,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
         // --bits tests the rays in many widths, so the time of the map does not predict its time.
         output::file::Estimate estimate(progress, scene.id + " --bits", work.needed->units() / division.share().count,
                                         common.quiet);
-        NeededStudy needed = *work.needed;
+        BitsNeededStudy needed = *work.needed;
         needed.progress = advance_callback(progress, &estimate);
         if (auto needed_summaries = shard::run_divided(needed, *needed_files, division, needed_job))
             summaries.needed = std::move(*needed_summaries);

@@ -225,7 +225,7 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 metrics.push_back(measure::metric::find_metric(metric));
             if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
-            auto form_metrics = work.metric_set.for_forms(
+            auto form_metrics = work.metric_set.adapt_to_forms(
                 selection::measured_metrics(metrics, fitting_rows), measure::evaluate::forms_of(fitting_rows),
                 [&scene] { return measure::attribution::OwnedSetting(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.

@@ -255,8 +255,8 @@ void print_table(const measure::evaluate::MapStudy& request,
         fmt::print("  -: form and truth agree on less than a tenth of the true hits, too few to represent the form\n");
 }
 
-void print_table(const measure::evaluate::NeededStudy& request,
-                 const std::vector<measure::evaluate::NeededSummary>& summaries) {
+void print_table(const measure::evaluate::BitsNeededStudy& request,
+                 const std::vector<measure::evaluate::BitsNeededSummary>& summaries) {
     shell::TextTable table({{"form", 28, true},
                             {fmt::format("{:>3} bits need:", request.bits), 14},
                             {"p50", 6},

@@ -53,7 +53,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const scene::sweep::CaseFile file(path);
     const auto rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
-    request.metrics = chosen.metric_set.for_forms(
+    request.metrics = chosen.metric_set.adapt_to_forms(
         selection::measured_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm form_row : rows) {
@@ -156,7 +156,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which is not a metric; " +
                          scene::toml::did_you_mean(search.metric, names));
     }
-    if (metric->by_run)
+    if (metric->depends_on_forms)
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
                          "\", whose values are names of operations, so none of them is the largest; try cancellation, "
                          "or contribution:LABEL");

@@ -159,7 +159,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
         .limit = {.stop = chosen.common.stop}};
     Primitive<double> example;  // labels do not depend on its numbers
     example.shape = search.shape;
-    request.metrics = chosen.metric_set.for_forms(
+    request.metrics = chosen.metric_set.adapt_to_forms(
         selection::measured_metrics({chosen.metric_set.find(search.metric)}, request.rows),
         measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
     const auto folder = chosen.folder_of(search.id);

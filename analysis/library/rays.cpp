@@ -169,8 +169,9 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
         group.primitives = given_rays.representatives();
         if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
         if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
-        request.metrics = chosen.metric_set.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
-                                                      [&group] { return measure::attribution::OwnedSetting(group); });
+        request.metrics =
+            chosen.metric_set.adapt_to_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
+                                             [&group] { return measure::attribution::OwnedSetting(group); });
     }
     const auto advance = settings.advance_callback(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };
@@ -352,8 +353,8 @@ std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, Cal
             table.columns[2].numbers.push_back(crossing.triangle);
             const auto [hi, lo] = to_two_doubles(crossing.t);
             table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);
-            table.columns[5].numbers.push_back(crossing.front ? 1 : 0);
-            table.columns[6].numbers.push_back(crossing.at_rim ? 1 : 0);
+            table.columns[5].numbers.push_back(crossing.hits_front ? 1 : 0);
+            table.columns[6].numbers.push_back(crossing.is_at_rim ? 1 : 0);
         }
     }
     return result;
@@ -399,7 +400,7 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
                 for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
                 if (!measure::truth::is_valid(Ray<double>{point, {1, 1, 1}}))
                     throw InputError("point " + std::to_string(i) + " has a number that is not finite");
-                points_in_mesh[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = settings.stop()});
+                points_in_mesh[i] = measure::crossing::locate_in_mesh(point, triangles, {.stop = settings.stop()});
             }
             advance(point_count);
         });
@@ -413,7 +414,7 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
     for (const measure::crossing::PointInMesh& point : points_in_mesh) {
         table.columns[0].numbers.push_back(point.winding);
         table.columns[1].numbers.push_back(point.crossings);
-        table.columns[2].numbers.push_back(point.on_surface ? 1 : 0);
+        table.columns[2].numbers.push_back(point.is_on_surface ? 1 : 0);
         table.columns[3].numbers.push_back(point.is_resolved ? 1 : 0);
     }
     add_edges(stored->mesh->mesh().edges, *result);

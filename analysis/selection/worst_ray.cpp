@@ -40,7 +40,7 @@ struct OverallWorst {
             for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += s.outcomes[o];
         }
         has_hit = all.count(Outcome::agree_hit) > 0;
-        const auto wrong = all.wrong();
+        const auto wrong = all.most_frequent_wrong_decision();
         if (wrong)
             reason =
                 fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));

@@ -73,22 +73,22 @@ struct ConsistencyAdapter {
         std::uint64_t count = 0;
         for (const measure::consistency::RowChecks& row : rows)
             for (const measure::consistency::CheckSummary& s : row)
-                count += s.of(measure::consistency::CheckResult::unresolved);
+                count += s.count_of(measure::consistency::CheckResult::unresolved);
         return count;
     }
 
     static std::uint64_t unproved(const View::SummaryRow& row) {
-        return row.summary->of(measure::consistency::CheckResult::unresolved);
+        return row.summary->count_of(measure::consistency::CheckResult::unresolved);
     }
 
     /// The ray of the first question with its primitives, in a form that `lostbits explain` accepts.
     static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string&) {
-        const auto& shown = row.summary->shown;
+        const auto& shown = row.summary->first_disagreement;
         if (!shown || shown->rays.first.primitives.empty()) return std::nullopt;
         const scene::rays::RayGroup& first = shown->rays.first;
         return measure::evaluate::WorstRay{.x = shown->x,
                                            .y = shown->y,
-                                           .object = 0,
+                                           .primitive_index = 0,
                                            .size = 0,
                                            .ray = first.rays[0],
                                            .primitive = first.primitives.front(),
@@ -107,19 +107,19 @@ private:
         std::string text;
         const auto add = [&text](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
         if (check.name == "end") {
-            const auto counted_hits = summary.of(measure::consistency::CheckResult::second_alone);
+            const auto counted_hits = summary.count_of(measure::consistency::CheckResult::second_alone);
             if (summary.asked() > 0 && counted_hits > 0 && counted_hits < summary.asked())
                 add("a hit exactly at the end of the ray counts for " + part_text(counted_hits, summary.asked()));
             return text;
         }
         if (summary.decisions() > 0) add("decisions differ for " + part_text(summary.decisions(), summary.asked()));
         const double excess_ulps = summary.excess.quantile(1);  // NaN if no numbers are compared
-        if (summary.of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
+        if (summary.count_of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
             add("numbers differ for " +
-                part_text(summary.of(measure::consistency::CheckResult::other_number), summary.asked()));
-        if (summary.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
+                part_text(summary.count_of(measure::consistency::CheckResult::other_number), summary.asked()));
+        if (summary.count_of(measure::consistency::CheckResult::by_inputs) > 0 && !check.compares_numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
-                part_text(summary.of(measure::consistency::CheckResult::by_inputs), summary.asked()));
+                part_text(summary.count_of(measure::consistency::CheckResult::by_inputs), summary.asked()));
         if (excess_ulps > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                             check.name == "placed" ? "both t" : "both ends", excess_ulps));

@@ -22,8 +22,9 @@ measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vect
                                       const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
                                       intersect::process::StopToken stop) {
     measure::evaluate::MapStudy map{.scene = &scene, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
-    map.metrics = metric_set.for_forms(selection::measured_metrics(metrics, map.rows),
-                                       measure::evaluate::forms_of(map.rows), [&scene] { return OwnedSetting(scene); });
+    map.metrics =
+        metric_set.adapt_to_forms(selection::measured_metrics(metrics, map.rows), measure::evaluate::forms_of(map.rows),
+                                  [&scene] { return OwnedSetting(scene); });
     map.metrics = measure::evaluate::order_culprits(map, metric_set);
     return map;
 }
@@ -39,9 +40,9 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
         for (const char* name : {"model_error", "rounding_error"})
             metrics.push_back(measure::metric::find_metric(name));
     }
-    request.metrics = metric_set.for_forms(selection::measured_metrics(metrics, request.rows),
-                                           measure::evaluate::forms_of(request.rows),
-                                           [&sweep] { return OwnedSetting(sweep.first_rays()); });
+    request.metrics = metric_set.adapt_to_forms(selection::measured_metrics(metrics, request.rows),
+                                                measure::evaluate::forms_of(request.rows),
+                                                [&sweep] { return OwnedSetting(sweep.first_rays()); });
     for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;

@@ -44,10 +44,10 @@ struct CorrectHit {
         return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.primitive)]);
     }
     /// The computed t.
-    [[nodiscard]] Real t() const { return Real(form_on_band.closest.t[pixel]); }
+    [[nodiscard]] Real t() const { return Real(form_on_band.closest_hits.t[pixel]); }
     /// t*, the true t.
     [[nodiscard]] Real true_t() const {
-        const auto& t = form_on_band.is_unit() ? truth.distance : truth.t;
+        const auto& t = form_on_band.takes_unit_directions() ? truth.distance : truth.t;
         return ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
     }
 };
@@ -87,7 +87,8 @@ struct NumberStudy {
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
             const measure::truth::Truth truth = band.truth(i, rows[row_index].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
-            if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.primitive)
+            if (!truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||
+                on_band.closest_hits.object[i] != truth.primitive)
                 continue;
             result.numbers[i] = number(CorrectHit{on_band, i, truth});
             summary.numbers.add(result.numbers[i]);

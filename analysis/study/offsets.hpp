@@ -105,7 +105,7 @@ struct OffsetsAdapter {
         explained_rays->primitives = {bad->primitive};
         return measure::evaluate::WorstRay{.x = bad->x,
                                            .y = bad->y,
-                                           .object = bad->primitive_index,
+                                           .primitive_index = bad->primitive_index,
                                            .size = 0,
                                            .ray = bad->ray.ray,
                                            .primitive = bad->primitive,

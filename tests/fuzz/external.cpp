@@ -69,7 +69,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
         read_as<judge::JudgeResult>(bits);
         read_as<std::vector<judge::WorstRays>>(bits);
     } else if (kind % 11 == 6) {
-        read_as<std::vector<evaluate::NeededSummary>>(bits);
+        read_as<std::vector<evaluate::BitsNeededSummary>>(bits);
     } else {
         read_as<std::vector<evaluate::FormSummary>>(bits);
     }

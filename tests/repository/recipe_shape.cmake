@@ -85,9 +85,9 @@ file(WRITE ${WORK}/src/measure/metric/lateness.hpp [=[
 #include "measure/metric/metrics.hpp"
 namespace lostbits::measure::metric {
 inline constexpr Metric metrics_of_lateness[] = {
-    tabled({"lateness", "length", "recipe.lateness"}, "t - RN(t*)",
-           [](const Sample& s) { return s.t - s.truth_rounded; },
-           {.needs = needs_rounded_truth, .ramp = Ramp::magnitude, .low = 0x1p-30, .high = 1})};
+    table_row({"lateness", "length", "recipe.lateness"}, "t - RN(t*)",
+              [](const Sample& s) { return s.t - s.truth_rounded; },
+              {.needs = needs_rounded_truth, .ramp = Ramp::magnitude, .low = 0x1p-30, .high = 1})};
 }
 ]=])
 set(metrics ${WORK}/src/measure/metric/metrics.cpp)

@@ -18,8 +18,8 @@ struct EnclosedNode {
     bool is_known = false;  ///< true for a number if no operation can be undefined or overflow
     Interval exact = {}, computed = {}, rounding = {};
     std::array<Interval, 3> quotients = {};
-    bool may_jump =
-        false;  ///< true if `rounding` includes a choice or a sign that may differ with and without rounding
+    /// True if `rounding` includes a choice or a sign that may differ with and without rounding.
+    bool may_jump = false;
     Tri exact_decision = Tri::unknown, computed_decision = Tri::unknown;
 };
 

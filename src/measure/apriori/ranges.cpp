@@ -21,34 +21,35 @@ namespace lostbits::measure::apriori {
 namespace {
 
 ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& inputs) {
-    const BoundedPart& part = query.parts.part_of(inputs);
+    const SubBox& part = query.boxes.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
-    const Primitive<double> primitive = tape::primitive_of(inputs, query.like);
+    const Primitive<double> primitive = tape::primitive_of(inputs, query.primitive);
     Tape tape;
     query.form.record(query.format, ray, intersect::Target<double>(primitive), inputs.back(), tape);
     if (tape[tape.outputs.hit].value == 0) return {};
     const auto exact = answer::without_rounding(query.form, ray, intersect::Target<double>(primitive));
     if (!exact) return {};
     ObservedErrors observed{.hits = 1};
-    if (part.bound.misses) observed.share = HUGE_VAL;  // the bound says that there is no hit
+    if (part.bound.misses) observed.largest_ratio = HUGE_VAL;  // the bound says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return observed;
     observed.bounded_hits = 1;
-    observed.error = std::fabs(truth::scaled_difference(truth::as_certified(tape[tape.outputs.t].value), *exact, 0));
-    observed.share = observed.error == 0 ? 0 : observed.error / part.bound.error;
+    observed.largest_error =
+        std::fabs(truth::scaled_difference(truth::as_certified(tape[tape.outputs.t].value), *exact, 0));
+    observed.largest_ratio = observed.largest_error == 0 ? 0 : observed.largest_error / part.bound.error;
     if (!query.form.bounded) return observed;
     const auto running_bound =
         query.form.bounded(query.format, ray, intersect::Target<double>(primitive), inputs.back());
     if (!running_bound || !(running_bound->error < HUGE_VAL)) return observed;
     observed.running_hits = 1;
-    observed.running = running_bound->error;
-    observed.wider = running_bound->error > part.bound.error ? 1 : 0;
+    observed.largest_running_bound = running_bound->error;
+    observed.wider_running_bounds = running_bound->error > part.bound.error ? 1 : 0;
     return observed;
 }
 
 constexpr std::size_t most_primitives = 64;
-/// Numbers of rays that check the bounds: `drawn_rays` rays in each of `drawn_boxes` boxes.
+/// Numbers of rays that check the bounds: `drawn_rays_per_box` rays in each of `drawn_boxes` boxes.
 constexpr std::size_t drawn_boxes = 64;
-constexpr int drawn_rays = 64;
+constexpr int drawn_rays_per_box = 64;
 
 /// The rays and primitives of a request, as the form receives them.
 class GivenRays {
@@ -60,7 +61,7 @@ public:
             bands_.emplace_back(*scene, 0, scene->height, request.limit);
         for (const truth::Band& band : bands_) inputs_.push_back(band.inputs_for(request.format, info_));
     }
-    [[nodiscard]] std::size_t primitives() const { return inputs_.front().primitives.size(); }
+    [[nodiscard]] std::size_t primitive_count() const { return inputs_.front().primitives.size(); }
     [[nodiscard]] Primitive<double> primitive(std::size_t s) const { return inputs_.front().primitives[s]; }
     /// Inputs of all rays, each with the primitive of this index in its group.
     [[nodiscard]] std::vector<std::vector<double>> inputs_of_rays(std::size_t primitive) const {
@@ -112,48 +113,49 @@ bool contains(const InputBox& box, const std::vector<double>& ray) {
 /// Error bound in ulps of the smallest |t| of a box.
 double ulps_of(const BoxBound& bound, const FloatFormat& f) {
     if (!(bound.error < HUGE_VAL)) return HUGE_VAL;
-    const long exponent = bound.least > 0 ? std::ilogb(bound.least) : f.emin;
+    const long exponent = bound.least_t > 0 ? std::ilogb(bound.least_t) : f.emin;
     return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
 }
 
 /// Smallest x such that the numbers up to x have at least this share of the total weight.
 double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
     std::ranges::sort(weighted);
-    double total_weight = 0, so_far = 0;
+    double total_weight = 0, weight_so_far = 0;
     for (const auto& [x, weight] : weighted) total_weight += weight;
     for (const auto& [x, weight] : weighted)
-        if ((so_far += weight) >= share * total_weight) return x;
+        if ((weight_so_far += weight) >= share * total_weight) return x;
     return HUGE_VAL;
 }
 
-void summarize(RangesBound& r, const std::vector<std::pair<const BoundedPart*, double>>& leaves, const TapeBound& bound,
+void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, double>>& leaves, const TapeBound& bound,
                const FloatFormat& f) {
     std::vector<std::pair<double, double>> errors, ulps;
-    const BoundedPart* worst = nullptr;
+    const SubBox* worst = nullptr;
     for (const auto& [part, share] : leaves) {
         const BoxBound& box_bound = part->bound;
         if (box_bound.misses) {
-            r.missed += share;
+            result.missed_share += share;
             continue;
         }
         const double in_ulps = ulps_of(box_bound, f);
         errors.emplace_back(box_bound.error, share);
         ulps.emplace_back(in_ulps, share);
         if (!(box_bound.error < HUGE_VAL)) {
-            r.unknown += share;
+            result.unknown_share += share;
             continue;
         }
-        if (!box_bound.decides) r.undecided += share;
-        r.largest = std::fmax(r.largest, box_bound.error);
-        if (!worst || in_ulps > r.largest_ulps) worst = part;
-        r.largest_ulps = std::fmax(r.largest_ulps, in_ulps);
+        if (!box_bound.decides) result.undecided_share += share;
+        result.largest = std::fmax(result.largest, box_bound.error);
+        if (!worst || in_ulps > result.largest_ulps) worst = part;
+        result.largest_ulps = std::fmax(result.largest_ulps, in_ulps);
     }
-    r.boxes = leaves.size();
+    result.boxes = leaves.size();
     for (const double share_of_ranges : {0.5, 0.9, 0.99})
-        r.quantiles.push_back({share_of_ranges, quantile(errors, share_of_ranges), quantile(ulps, share_of_ranges)});
+        result.quantiles.push_back(
+            {share_of_ranges, quantile(errors, share_of_ranges), quantile(ulps, share_of_ranges)});
     if (!worst) return;
-    for (const double share : bound.shares(worst->box))
-        r.shares.push_back(ulps_of({.error = share, .least = worst->bound.least}, f));
+    for (const double contribution : bound.node_contributions(worst->box))
+        result.node_contributions.push_back(ulps_of({.error = contribution, .least_t = worst->bound.least_t}, f));
 }
 
 }  // namespace
@@ -161,14 +163,14 @@ void summarize(RangesBound& r, const std::vector<std::pair<const BoundedPart*, d
 void ObservedErrors::append(const ObservedErrors& other) {
     hits += other.hits;
     bounded_hits += other.bounded_hits;
-    error = std::fmax(error, other.error);
-    share = std::fmax(share, other.share);
+    largest_error = std::fmax(largest_error, other.largest_error);
+    largest_ratio = std::fmax(largest_ratio, other.largest_ratio);
     running_hits += other.running_hits;
-    running = std::fmax(running, other.running);
-    wider += other.wider;
+    largest_running_bound = std::fmax(largest_running_bound, other.largest_running_bound);
+    wider_running_bounds += other.wider_running_bounds;
 }
 
-ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<double>>& rays) {
+ObservedErrors observe_errors(const BoundQuery& query, const std::vector<std::vector<double>>& rays) {
     std::vector<ObservedErrors> errors(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         query.stop.check();
@@ -180,14 +182,13 @@ ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<do
 }
 
 std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int rays_per_box) {
-    auto leaves = query.parts.leaves();
-    std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
-    std::ranges::stable_sort(
-        leaves, [](const BoundedPart* p, const BoundedPart* q) { return p->bound.error > q->bound.error; });
+    auto leaves = query.boxes.leaves();
+    std::erase_if(leaves, [](const SubBox* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
+    std::ranges::stable_sort(leaves, [](const SubBox* p, const SubBox* q) { return p->bound.error > q->bound.error; });
     if (leaves.size() > boxes) leaves.resize(boxes);
     scene::rays::Random random(1);
     std::vector<std::vector<double>> result;
-    for (const BoundedPart* const part : leaves) {
+    for (const SubBox* const part : leaves) {
         for (int k = 0; k < rays_per_box; ++k) {
             std::vector<double> inputs;
             for (const auto& [low, high] : part->box) {
@@ -204,36 +205,36 @@ std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_
 
 RangesBound bound_over_ranges(const RangesRequest& request) {
     const GivenRays given(request);
-    const std::size_t primitives = given.primitives();
-    if (primitives > most_primitives)
+    const std::size_t primitive_count = given.primitive_count();
+    if (primitive_count > most_primitives)
         throw InputError(
             fmt::format("{}: it has {} primitives. Bounds over ranges are computed for each primitive separately, "
                         "for at most {} of them; write the primitives that you need into a scene of their own",
-                        request.id(), primitives, most_primitives));
+                        request.id(), primitive_count, most_primitives));
     const Primitive<double> first = given.primitive(0);
-    RangesBound r;
-    r.tape = tape::tape_of(*request.form, request.format, first.placed && first.placed->is_inverse);
-    r.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
-    const TapeBound bound(r.tape);
-    std::deque<Subdivided> divided;
-    std::vector<std::pair<const BoundedPart*, double>> leaves;
-    for (std::size_t s = 0; s < primitives; ++s) {
+    RangesBound result;
+    result.tape = tape::tape_of(*request.form, request.format, first.placed && first.placed->is_inverse);
+    result.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
+    const TapeBound bound(result.tape);
+    std::deque<BoxSubdivision> divided;
+    std::vector<std::pair<const SubBox*, double>> leaves;
+    for (std::size_t s = 0; s < primitive_count; ++s) {
         const Primitive<double> primitive = given.primitive(s);
         auto rays = given.inputs_of_rays(s);
-        r.rays = rays.size();
-        r.ranges.push_back(input_box_of(rays));
-        apply_given_ranges(r.ranges.back(), request, r.names);
-        divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / primitives, 1),
+        result.rays = rays.size();
+        result.ranges.push_back(input_box_of(rays));
+        apply_given_ranges(result.ranges.back(), request, result.names);
+        divided.emplace_back(bound, result.ranges.back(), std::max<std::size_t>(request.boxes / primitive_count, 1),
                              request.limit.stop);
-        for (const BoundedPart* const part : divided.back().leaves())
-            leaves.emplace_back(part, part->share / static_cast<double>(primitives));
-        std::erase_if(rays, [&](const std::vector<double>& ray) { return !contains(r.ranges.back(), ray); });
+        for (const SubBox* const part : divided.back().leaves())
+            leaves.emplace_back(part, part->share / static_cast<double>(primitive_count));
+        std::erase_if(rays, [&](const std::vector<double>& ray) { return !contains(result.ranges.back(), ray); });
         const BoundQuery query{*request.form, request.format, divided.back(), primitive, request.limit.stop};
-        r.given.append(observe(query, rays));
-        r.drawn.append(observe(query, draw_inputs(query, drawn_boxes, drawn_rays)));
+        result.errors_of_given_rays.append(observe_errors(query, rays));
+        result.errors_of_drawn_rays.append(observe_errors(query, draw_inputs(query, drawn_boxes, drawn_rays_per_box)));
     }
-    summarize(r, leaves, bound, request.format.parameters);
-    return r;
+    summarize(result, leaves, bound, request.format.parameters);
+    return result;
 }
 
 }  // namespace lostbits::measure::apriori

@@ -17,29 +17,28 @@ namespace lostbits::measure::apriori {
 
 /// Observed errors of rays: |t^ − t| of hits with and without rounding, in units of t.
 struct ObservedErrors {
-    std::uint64_t hits = 0, bounded_hits = 0;  ///< numbers of pairs of a ray and a primitive that hit; `bounded_hits`
-                                               ///< are those in boxes with a bound
-    double error = 0;                          ///< largest error in a box with a bound
-    double share = 0;  ///< largest ratio of an error to the bound of its box; if it is above 1, a bound is wrong
-    std::uint64_t running_hits =
-        0;                    ///< number of hits in a box with a bound for which `Bounded` has a running bound too
-    double running = 0;       ///< largest running bound of these hits
-    std::uint64_t wider = 0;  ///< number of hits whose running bound is larger than the bound of their box
+    /// Numbers of pairs of a ray and a primitive that hit; `bounded_hits` are those in boxes with a bound.
+    std::uint64_t hits = 0, bounded_hits = 0;
+    double largest_error = 0;          ///< of the bounded hits
+    double largest_ratio = 0;          ///< of an error to the bound of its box; if it is above 1, a bound is wrong
+    std::uint64_t running_hits = 0;    ///< number of bounded hits for which `Bounded` has a running bound too
+    double largest_running_bound = 0;  ///< of the running hits
+    std::uint64_t wider_running_bounds = 0;  ///< number of running bounds that are larger than the bound of their box
 
     void append(const ObservedErrors& other);
 };
 
-/// The form, the format and the boxes whose bounds are checked. `like` is the primitive of the ranges.
+/// The form, the format and the boxes whose bounds are checked, for one primitive of the scene.
 struct BoundQuery {
     const intersect::table::Intersector& form;
     const Format& format;
-    const Subdivided& parts;
-    const Primitive<double>& like;
+    const BoxSubdivision& boxes;
+    const Primitive<double>& primitive;
     const intersect::process::StopToken& stop;
 };
 
 /// Observes the errors of rays with these inputs, all of which lie in the ranges.
-ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<double>>& rays);
+ObservedErrors observe_errors(const BoundQuery& query, const std::vector<std::vector<double>>& rays);
 
 /// Draws inputs in the `boxes` boxes with the largest bounds, `rays_per_box` in each box. Each number is a number of
 /// the format.
@@ -52,7 +51,7 @@ struct GivenRange {
 };
 
 /// The rays of a step of a sweep. For a ray distribution these are the rays that it draws; other rays of the
-/// distribution may lie outside of their ranges.
+/// distribution may lie outside the ranges of these.
 struct StepRays {
     std::string id;  ///< id of the sweep
     std::vector<scene::rays::RayGroup> groups;
@@ -66,7 +65,7 @@ struct RangesRequest {
     std::size_t boxes = 4096;  ///< total number of boxes for all primitives
     truth::ProofLimit limit = {};
 
-    [[nodiscard]] bool is_of_step() const { return std::holds_alternative<StepRays>(rays); }
+    [[nodiscard]] bool is_step() const { return std::holds_alternative<StepRays>(rays); }
     [[nodiscard]] const std::string& id() const {
         return std::visit([](const auto& subject) -> const std::string& { return subject.id; }, rays);
     }
@@ -82,16 +81,18 @@ struct RangesBound {
     Tape tape = {};
     std::vector<std::string> names = {};  ///< names of the inputs
     std::vector<InputBox> ranges;         ///< one box for each primitive
-    double missed = 0;                    ///< share of the ranges that no ray hits in
-    double unknown = 0;                   ///< share of the ranges in which the bound is unknown
-    double undecided = 0;                 ///< share of the ranges with a bound in which the decision is not proved
+    double missed_share = 0;              ///< share of the ranges that no ray hits in
+    double unknown_share = 0;             ///< share of the ranges in which the bound is unknown
+    double undecided_share = 0;           ///< share of the ranges with a bound in which the decision is not proved
     std::size_t boxes = 0;
     double largest = 0, largest_ulps = 0;  ///< largest bound over the boxes with a bound, in units of t and in ulps
-    std::vector<Quantile>
-        quantiles;  ///< for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown
-    std::vector<double> shares;   ///< contributions by node, in ulps, in the box with the largest bound in ulps
-    ObservedErrors given, drawn;  ///< errors of the given rays, and of rays drawn where bounds are largest
-    std::size_t rays = 0;         ///< number of rays of the scene or the step
+    /// Quantiles for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown.
+    std::vector<Quantile> quantiles;
+    /// Contribution of each node, in ulps, in the box with the largest bound in ulps.
+    std::vector<double> node_contributions;
+    ObservedErrors errors_of_given_rays;
+    ObservedErrors errors_of_drawn_rays;  ///< of rays drawn where the bounds are largest
+    std::size_t rays = 0;                 ///< number of rays of the scene or the step
 };
 
 /// Bounds the errors of each primitive of the scene separately. The box of inputs is the bounding box of all rays as

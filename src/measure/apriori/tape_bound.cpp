@@ -14,7 +14,7 @@ namespace {
 
 /// 128 bits hold the product of two doubles, which has 106. The width of an enclosure then results from the box, not
 /// from the precision.
-constexpr long bits = 128;
+constexpr long interval_bits = 128;
 
 /// Intersection of a and b.
 Interval intersection(const Interval& a, const Interval& b) {
@@ -125,8 +125,8 @@ private:
     const InputBox& box_;
     std::vector<std::size_t> variable_inputs_;  ///< inputs whose range is not a single number
 
-    std::vector<EnclosedNode> nodes_, exact_,
-        middle_;  ///< `exact_` and `middle_` are without rounding, over the box and at its middle
+    std::vector<EnclosedNode> nodes_;
+    std::vector<EnclosedNode> exact_, middle_;  ///< without rounding, over the box and at its middle
     std::vector<std::vector<Interval>> slopes_;
     std::vector<Interval> error_;
 };
@@ -181,8 +181,8 @@ constexpr double unknown_bits = 64;
 
 TapeBound::TapeBound(const Tape& tape) : tape_(tape), needed_(nodes_of_answer(tape)) {}
 
-BoxBound TapeBound::over(const InputBox& box) const {
-    const Interval::Precision precision(bits);
+BoxBound TapeBound::bound_over(const InputBox& box) const {
+    const Interval::Precision precision(interval_bits);
     const EnclosedTape enclosed(tape_, needed_, box);
     const auto& nodes = enclosed.nodes();
     const EnclosedNode& hit = nodes[static_cast<std::size_t>(tape_.outputs.hit)];
@@ -191,7 +191,7 @@ BoxBound TapeBound::over(const InputBox& box) const {
     bound.decides = !hit.exact_decision.is_unknown() && hit.exact_decision == hit.computed_decision;
     const EnclosedNode& t = nodes[static_cast<std::size_t>(tape_.outputs.t)];
     if (bound.misses || !t.is_known) return bound;
-    bound.least = least_magnitude(t.exact);
+    bound.least_t = least_magnitude(t.exact);
     const auto slope = slopes_of_t(tape_, nodes);
     if (!slope) return bound;
     Interval error(0);
@@ -201,8 +201,8 @@ BoxBound TapeBound::over(const InputBox& box) const {
     return bound;
 }
 
-std::vector<double> TapeBound::shares(const InputBox& box) const {
-    const Interval::Precision precision(bits);
+std::vector<double> TapeBound::node_contributions(const InputBox& box) const {
+    const Interval::Precision precision(interval_bits);
     const EnclosedTape enclosed(tape_, needed_, box);
     const auto& nodes = enclosed.nodes();
     std::vector<double> contributions(nodes.size());
@@ -212,10 +212,10 @@ std::vector<double> TapeBound::shares(const InputBox& box) const {
     return contributions;
 }
 
-Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes,
-                       const intersect::process::StopToken& stop) {
+BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size_t boxes,
+                               const intersect::process::StopToken& stop) {
     variable_count_ = static_cast<int>(std::ranges::count_if(whole, [](const InputRange& x) { return !x.is_point(); }));
-    parts_.push_back({.bound = bound.over(whole)});
+    parts_.push_back({.bound = bound.bound_over(whole)});
     parts_.front().box = std::move(whole);
     for (std::size_t leaves = 1; leaves < boxes;) {
         const auto chosen = boxes_to_halve(std::min((leaves + 3) / 4, boxes - leaves));
@@ -227,14 +227,14 @@ Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes
 
 /// Returns the boxes with the largest scores. The score of a box is its volume times the bits by which its bound
 /// exceeds the smallest bound of all boxes.
-std::vector<std::size_t> Subdivided::boxes_to_halve(std::size_t limit) const {
+std::vector<std::size_t> BoxSubdivision::boxes_to_halve(std::size_t limit) const {
     double best = HUGE_VAL;
-    for (const BoundedPart& p : parts_)
+    for (const SubBox& p : parts_)
         if (!p.is_halved() && p.bound.error > 0) best = std::fmin(best, p.bound.error);
     std::vector<std::pair<double, std::size_t>> candidates;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-        const BoundedPart& p = parts_[i];
-        if (p.is_halved() || p.bound.misses || p.bound.error == 0 || p.stale >= 2 * variable_count_) continue;
+        const SubBox& p = parts_[i];
+        if (p.is_halved() || p.bound.misses || p.bound.error == 0 || p.stale_halvings >= 2 * variable_count_) continue;
         if (widest(p.box, parts_.front().box) < 0) continue;
         const double excess_bits = p.bound.error < HUGE_VAL ? 1 + std::log2(p.bound.error / best) : unknown_bits;
         candidates.emplace_back(-p.share * excess_bits, i);
@@ -246,42 +246,42 @@ std::vector<std::size_t> Subdivided::boxes_to_halve(std::size_t limit) const {
     return chosen;
 }
 
-void Subdivided::halve(std::span<const std::size_t> parts_to_halve, const TapeBound& bound,
-                       const intersect::process::StopToken& stop) {
+void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const TapeBound& bound,
+                           const intersect::process::StopToken& stop) {
     const std::size_t first = parts_.size();
     for (const std::size_t i : parts_to_halve) {
-        BoundedPart& p = parts_[i];
+        SubBox& p = parts_[i];
         p.axis = widest(p.box, parts_.front().box);
         InputRange& range = p.box[static_cast<std::size_t>(p.axis)];
         p.middle = range.low / 2 + range.high / 2;
-        p.below = parts_.size();
-        BoundedPart below = p, above = p;
-        below.axis = above.axis = -1;
-        below.share = above.share = p.share / 2;
-        below.box[static_cast<std::size_t>(p.axis)].high = p.middle;
-        above.box[static_cast<std::size_t>(p.axis)].low = p.middle;
-        parts_.push_back(std::move(below));
-        parts_.push_back(std::move(above));
+        p.lower_half = parts_.size();
+        SubBox lower = p, upper = p;
+        lower.axis = upper.axis = -1;
+        lower.share = upper.share = p.share / 2;
+        lower.box[static_cast<std::size_t>(p.axis)].high = p.middle;
+        upper.box[static_cast<std::size_t>(p.axis)].low = p.middle;
+        parts_.push_back(std::move(lower));
+        parts_.push_back(std::move(upper));
     }
     intersect::process::in_parallel(first, parts_.size(), [&](std::size_t i) {
         stop.check();
-        BoundedPart& p = parts_[i];
+        SubBox& p = parts_[i];
         const double previous_error = p.bound.error;
-        p.bound = bound.over(p.box);
+        p.bound = bound.bound_over(p.box);
         p.bound.error = std::fmin(p.bound.error, previous_error);
-        p.stale = p.bound.error > 0.98 * previous_error ? p.stale + 1 : 0;
+        p.stale_halvings = p.bound.error > 0.98 * previous_error ? p.stale_halvings + 1 : 0;
     });
 }
 
-const BoundedPart& Subdivided::part_of(std::span<const double> inputs) const {
-    const BoundedPart* p = &parts_.front();
-    while (p->is_halved()) p = &parts_[p->below + (inputs[static_cast<std::size_t>(p->axis)] > p->middle ? 1 : 0)];
+const SubBox& BoxSubdivision::part_of(std::span<const double> inputs) const {
+    const SubBox* p = &parts_.front();
+    while (p->is_halved()) p = &parts_[p->lower_half + (inputs[static_cast<std::size_t>(p->axis)] > p->middle ? 1 : 0)];
     return *p;
 }
 
-std::vector<const BoundedPart*> Subdivided::leaves() const {
-    std::vector<const BoundedPart*> result;
-    for (const BoundedPart& p : parts_)
+std::vector<const SubBox*> BoxSubdivision::leaves() const {
+    std::vector<const SubBox*> result;
+    for (const SubBox& p : parts_)
         if (!p.is_halved()) result.push_back(&p);
     return result;
 }

@@ -36,7 +36,7 @@ struct BoxBound {
     bool decides = false;  ///< true if hit or miss is known, and the same with and without rounding
     /// Upper bound of |t^ − t| wherever both hit, in units of t; infinite if unknown.
     double error = HUGE_VAL;
-    double least = 0;  ///< lower bound of |t|
+    double least_t = 0;  ///< lower bound of |t|
 };
 
 /// Bounds the error of a form that performs the same operations for every ray (`tape::tape_of`), over any number of
@@ -45,10 +45,10 @@ class TapeBound {
 public:
     explicit TapeBound(const Tape& tape);
 
-    [[nodiscard]] BoxBound over(const InputBox& box) const;
+    [[nodiscard]] BoxBound bound_over(const InputBox& box) const;
     /// Contribution of each node by itself: an upper bound of |A_i e_i|. The sum of the contributions is at least the
     /// bound, because the bound accounts for rounding errors that are the same for every input and cancel.
-    [[nodiscard]] std::vector<double> shares(const InputBox& box) const;
+    [[nodiscard]] std::vector<double> node_contributions(const InputBox& box) const;
 
 private:
     const Tape& tape_;
@@ -57,34 +57,35 @@ private:
 
 /// A box. If it has been halved, it is split at `middle` of the input with index `axis`; the middle belongs to both
 /// halves.
-struct BoundedPart {
+struct SubBox {
     InputBox box = {};
     BoxBound bound = {};
-    double share = 1;  ///< share of the volume of the whole box
-    int stale = 0;     ///< number of successive halvings that did not make the bound smaller by 2 %
+    double share = 1;        ///< share of the volume of the whole box
+    int stale_halvings = 0;  ///< number of successive halvings that did not make the bound smaller by 2 %
     int axis = -1;
     double middle = 0;
-    std::size_t below = 0;  ///< index of the lower half; the upper half follows it
+    std::size_t lower_half = 0;  ///< index of the lower half; the upper half follows it
 
     [[nodiscard]] bool is_halved() const { return axis >= 0; }
 };
 
-class Subdivided {
+class BoxSubdivision {
 public:
     /// Divides `whole` into at most `boxes` boxes, the same ones for any number of threads.
-    Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes, const intersect::process::StopToken& stop);
+    BoxSubdivision(const TapeBound& bound, InputBox whole, std::size_t boxes,
+                   const intersect::process::StopToken& stop);
 
     /// The box that contains these inputs, which lie in the whole box.
-    [[nodiscard]] const BoundedPart& part_of(std::span<const double> inputs) const;
+    [[nodiscard]] const SubBox& part_of(std::span<const double> inputs) const;
     /// The boxes that are not halved.
-    [[nodiscard]] std::vector<const BoundedPart*> leaves() const;
+    [[nodiscard]] std::vector<const SubBox*> leaves() const;
 
 private:
     [[nodiscard]] std::vector<std::size_t> boxes_to_halve(std::size_t limit) const;
     void halve(std::span<const std::size_t> parts_to_halve, const TapeBound& bound,
                const intersect::process::StopToken& stop);
 
-    std::vector<BoundedPart> parts_;
+    std::vector<SubBox> parts_;
     int variable_count_ = 0;  ///< number of inputs whose range is not a single number
 };
 

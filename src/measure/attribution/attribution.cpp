@@ -32,11 +32,11 @@ public:
     /// The form's t if its decision is the same without rounding, otherwise the decision.
     NodeId default_subject() {
         const NodeId hit = tape_.outputs.hit;
-        return error_of(hit).is_flipped ? hit : tape_.outputs.t;
+        return error_of(hit).decision_changed ? hit : tape_.outputs.t;
     }
 
     void attribute(NodeId subject) {
-        if (is_decision(tape_[subject].op)) subject = turned_comparison(subject);
+        if (is_decision(tape_[subject].op)) subject = first_changed_comparison(subject);
         attribution_.subject = subject;
         if (subject == no_node) return;
         seed(subject);
@@ -88,9 +88,9 @@ private:
         }
         e.exact = Exact::nearest(exact(i));
         e.error = Exact::difference(n.value, exact(i));
-        if (!e.is_flipped) e.rounding = rounding_of(tape_, i);
-        e.cancelled = cancellation(tape_, i);
-        for (const NodeId operand : tape_.operands_of(i)) e.has_operand_error |= error_of(operand).error != 0;
+        if (!e.decision_changed) e.rounding = rounding_of(tape_, i);
+        e.cancelled_bits = cancellation(tape_, i);
+        for (const NodeId operand : tape_.operands_of(i)) e.operands_have_error |= error_of(operand).error != 0;
         if (depth_.full) e.local_bits = local_bits(i);
     }
 
@@ -112,7 +112,7 @@ private:
         }
     }
 
-    /// Takes the exact value of a call. If exact arguments leave its decision open, takes the computed result.
+    /// Finds the exact value of a call. If exact arguments leave its decision open, uses the computed result.
     void evaluate_call(NodeId i) {
         const auto value = result_of_call<Exact>(tape_, i, [this](NodeId k) { return exact(k); });
         has_failed_ |= !value;
@@ -123,32 +123,33 @@ private:
         const TapeNode& n = tape_[i];
         const bool computed_holds = n.value != 0, exact_holds = holds(n.op, ExactJudge{*this, n});
         error_of(i).exact = exact_holds;
-        error_of(i).is_flipped = exact_holds != computed_holds;
-        if (n.op == TapeOp::any && exact_holds && !computed_holds) attribution_.cut_short = true;
+        error_of(i).decision_changed = exact_holds != computed_holds;
+        if (n.op == TapeOp::any && exact_holds && !computed_holds) attribution_.loop_was_cut_short = true;
     }
 
-    /// Finds the exact value of a choice: that of the side that exact values choose. If another side was taken, and has
-    /// another computed value, the choice's own error is the difference between the two sides.
+    /// Finds the exact value of a choice: that of the side that exact values choose. If the format chose another side,
+    /// with another computed value, the choice's own error is the difference between the two sides.
     void evaluate_choice(NodeId i) {
         const TapeNode& n = tape_[i];
-        const NodeId taken_side = side_taken(tape_, i), exact_side = side_taken(n, ExactJudge{*this, n});
+        const NodeId computed_side = chosen_side(tape_, i), exact_side = chosen_side(n, ExactJudge{*this, n});
         exact(i) = exact(exact_side);
-        error_of(i).is_flipped =
-            exact_side != taken_side && !have_same_bits(computed(exact_side), computed(taken_side));
-        error_of(i).side = error_of(i).is_flipped ? taken_side : exact_side;
-        if (!error_of(i).is_flipped) return;
-        error_of(i).rounding = lacks_exact_value(taken_side) ? Exact::difference(n.value, exact(exact_side))
-                                                             : Exact::nearest(exact(taken_side) - exact(exact_side));
+        error_of(i).decision_changed =
+            exact_side != computed_side && !have_same_bits(computed(exact_side), computed(computed_side));
+        error_of(i).chosen_side = error_of(i).decision_changed ? computed_side : exact_side;
+        if (!error_of(i).decision_changed) return;
+        error_of(i).rounding = lacks_exact_value(computed_side)
+                                   ? Exact::difference(n.value, exact(exact_side))
+                                   : Exact::nearest(exact(computed_side) - exact(exact_side));
     }
 
     static bool have_same_bits(double a, double b) {
         return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
     }
 
-    /// True if a side that was taken by mistake has no exact value (such as the root of a number that is negative
-    /// without rounding). The whole error then belongs to the choice, and none comes from that side.
-    bool lacks_exact_value(NodeId taken_side) {
-        return !std::isfinite(error_of(taken_side).exact) && tape_[taken_side].op != TapeOp::input;
+    /// True if a side that was chosen by mistake has no exact value,such as the root of a number that is negative
+    /// without rounding. The whole error then belongs to the choice, and none comes from that side.
+    bool lacks_exact_value(NodeId computed_side) {
+        return !std::isfinite(error_of(computed_side).exact) && tape_[computed_side].op != TapeOp::input;
     }
 
     /// |a| with the sign of b; for a zero or NaN, the sign as computed.
@@ -161,7 +162,7 @@ private:
             negative = decision_or_fail(Exact::less(exact(b), Number(0)), was_negative);
         const Number size = abs(exact(a));
         exact(i) = negative ? -size : size;
-        error_of(i).is_flipped = negative != was_negative;
+        error_of(i).decision_changed = negative != was_negative;
         if (negative != was_negative) error_of(i).rounding = Exact::nearest(was_negative ? -size - size : size + size);
     }
 
@@ -177,8 +178,9 @@ private:
                     return bits_lost_by(i, result_of(n.op, x, tape_.format_of(i)));
                 }
                 case OperationKind::called:
-                    return bits_lost_by(
-                        i, error_of(i).has_operand_error ? Exact::round_to(exact(i), tape_.format_of(i)) : computed(i));
+                    return bits_lost_by(i, error_of(i).operands_have_error
+                                               ? Exact::round_to(exact(i), tape_.format_of(i))
+                                               : computed(i));
                 case OperationKind::given:
                 case OperationKind::exact:  // rounding the operand alone costs half an ulp, which is no bit
                 case OperationKind::moved:  // its change is intended
@@ -209,9 +211,9 @@ private:
         const OperationError& e = error_of(i);
         if (!e.is_live || is_given(n.op)) return;
         if (n.op == TapeOp::call) return pass_through_call(i);
-        has_failed_ |= !is_decision(n.op) && !Exact::is_good(exact(i), n.value);
-        const NodeId taken_side = e.side;
-        if (e.is_flipped && taken_side != no_node && lacks_exact_value(taken_side)) return;
+        has_failed_ |= !is_decision(n.op) && !Exact::is_accurate_enough(exact(i), n.value);
+        const NodeId computed_side = e.chosen_side;
+        if (e.decision_changed && computed_side != no_node && lacks_exact_value(computed_side)) return;
         std::array<Step, 3> differences{}, points{};
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (is_decision(tape_[n.operands[k]].op)) continue;
@@ -219,8 +221,8 @@ private:
             differences[k] = {error_of(n.operands[k]).exact, x};
             points[k] = {x, x, true};
         }
-        const Quotients difference = quotients_of(n, differences, taken_side);
-        const Quotients derivative = depth_.full ? quotients_of(n, points, taken_side) : Quotients{};
+        const Quotients difference = quotients_of(n, differences, computed_side);
+        const Quotients derivative = depth_.full ? quotients_of(n, points, computed_side) : Quotients{};
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (!difference[k]) continue;
             OperationError& operand = error_of(n.operands[k]);
@@ -251,16 +253,16 @@ private:
         OperationError& e = error_of(i);
         if (!e.is_live || e.rounding == 0) return;
         e.contribution = e.rounding * e.adjoint;
-        attribution_.explained += e.contribution;
-        if (depth_.full) attribution_.first_order += e.rounding * e.derivative;
+        attribution_.contribution_sum += e.contribution;
+        if (depth_.full) attribution_.first_order_sum += e.rounding * e.derivative;
     }
 
     void choose_culprit() {
-        attribution_.equals = culprit_and_equals(tape_, attribution_);
-        if (attribution_.equals.empty()) return;
-        attribution_.culprit = attribution_.equals.front();
-        if (!(std::fabs(error_of(attribution_.culprit).contribution) > 0)) return attribution_.equals.clear();
-        attribution_.equals.erase(attribution_.equals.begin());
+        attribution_.equal_culprits = culprit_and_equals(tape_, attribution_);
+        if (attribution_.equal_culprits.empty()) return;
+        attribution_.culprit = attribution_.equal_culprits.front();
+        if (!(std::fabs(error_of(attribution_.culprit).contribution) > 0)) return attribution_.equal_culprits.clear();
+        attribution_.equal_culprits.erase(attribution_.equal_culprits.begin());
     }
 
     /// (computed left − right) − (exact left − right) for a comparison.
@@ -269,20 +271,20 @@ private:
         return error_of(a).error - error_of(b).error;
     }
 
-    /// The first comparison, in the order of the formula, whose decision differs from the exact one.
-    NodeId turned_comparison(NodeId decision) {
+    /// The first comparison, in the order of the formula, that rounding changed.
+    NodeId first_changed_comparison(NodeId decision) {
         while (decision != no_node && !is_comparison(tape_[decision].op)) {
             NodeId next = no_node;
             for (const NodeId operand : tape_[decision].operands) {
-                if (operand != no_node && next == no_node && error_of(operand).is_flipped) next = operand;
+                if (operand != no_node && next == no_node && error_of(operand).decision_changed) next = operand;
             }
             decision = next;
         }
-        return decision != no_node && error_of(decision).is_flipped ? decision : no_node;
+        return decision != no_node && error_of(decision).decision_changed ? decision : no_node;
     }
 
-    /// The subject if it is not finite; for a comparison, the side that is not finite and would be finite without
-    /// rounding; otherwise `no_node`.
+    /// For a number, the subject if it is not finite; for a comparison, the side that is not finite and would be finite
+    /// without rounding; otherwise `no_node`.
     NodeId not_finite_in(NodeId subject) {
         if (!is_decision(tape_[subject].op)) return std::isfinite(computed(subject)) ? no_node : subject;
         for (const NodeId side : tape_[subject].operands) {
@@ -298,10 +300,10 @@ private:
         for (;;) {
             const TapeNode& n = tape_[i];
             if (is_given(n.op)) return no_node;
-            const NodeId taken_side = error_of(i).side;
+            const NodeId computed_side = error_of(i).chosen_side;
             NodeId next = no_node;
             for (const NodeId operand : n.operands) {
-                const bool follows = taken_side == no_node || operand == taken_side;
+                const bool follows = computed_side == no_node || operand == computed_side;
                 if (operand != no_node && follows && next == no_node && !std::isfinite(computed(operand)))
                     next = operand;
             }
@@ -344,7 +346,7 @@ Attribution attribute(const Tape& tape, AttributionDepth depth) {
     Attribution attribution = attribute_by_walk(tape, depth, [](auto& walk) { return walk.default_subject(); });
     if (is_plain_miss(tape, attribution)) {
         attribution.culprit = no_node;
-        attribution.equals.clear();
+        attribution.equal_culprits.clear();
     }
     return attribution;
 }

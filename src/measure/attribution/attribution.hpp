@@ -13,7 +13,7 @@
 
 namespace lostbits::measure::attribution {
 
-/// Error of one node of a tape. `exact` is its value without any rounding, with every decision taken by exact values.
+/// Error of one node of a tape. `exact` is its value without any rounding, with every decision made by exact values.
 ///
 /// An error passes through v = f(x) multiplied by the difference quotient between the computed (^) and the exact (*)
 /// operands. For ab: (b^ + b*)/2 and (a^ + a*)/2; for a/b: (1/b^ + 1/b*)/2 and −(a^ + a*)/(2 b^ b*); for √a: 1/(√a^ +
@@ -23,39 +23,38 @@ struct OperationError {
     double exact = 0;       ///< rounded to the nearest double
     double error = 0;       ///< computed − exact
     double rounding = 0;    ///< its own error: computed − the exact operation on the computed operands; for a choice
-                            ///< that rounding flipped, exact value of the side taken − exact value of the other side
+                            ///< that rounding changed, exact value of the chosen side − exact value of the other side
     double adjoint = 0;     ///< difference quotient of the subject by this value
     double derivative = 0;  ///< ∂subject/∂value at the computed values; only with `AttributionDepth::full`
     double contribution = 0;  ///< rounding · adjoint, in the unit of the subject
     double local_bits = 0;    ///< bits that it loses when rerun on exact operands, each correctly rounded; only with
                               ///< `AttributionDepth::full`
-    int cancelled = 0;  ///< for a sum (or the sum in an fma), max(exponent of operands) − exponent of result; the whole
-                        ///< significand if the result is 0
-    NodeId side = no_node;  ///< of a choice, the operand that the result comes from. If both have the same computed
-                            ///< value, it is the one that exact values choose, and the choice makes no error
-    /// An operand carries error, so a cancellation in this operation is catastrophic; otherwise it is benign.
-    bool has_operand_error = false;
-    bool is_live = false;  ///< the subject is computed from it, on the chosen side of each select
-    /// A decision, or the choice of a min, max, select or sign, that differs from the exact one.
-    bool is_flipped = false;
+    int cancelled_bits = 0;  ///< for a sum (or the sum in an fma), max(exponent of operands) − exponent of result; the
+                             ///< whole significand if the result is 0
+    /// For a choice, the operand that the result comes from. If both operands have the same computed value, it is the
+    /// one that exact values choose, and the choice makes no error.
+    NodeId chosen_side = no_node;
+    bool operands_have_error = false;  ///< if true, a cancellation here is catastrophic, otherwise benign
+    bool is_live = false;              ///< the subject is computed from it, through the chosen side of each choice
+    bool decision_changed = false;  ///< rounding changed this decision, or the choice of this min, max, select or sign
 };
 
 struct Attribution {
     std::vector<OperationError> errors;  ///< one for each node
-    NodeId subject = no_node;            ///< explained value: t, or the comparison that flipped the decision
+    NodeId subject = no_node;            ///< explained value: t, or the comparison that changed the decision
     bool exact_hit = false;              ///< the form's decision without rounding
-    bool cut_short = false;  ///< without rounding a loop would have gone on, so the exact values end where the computed
-                             ///< ones did
-    double error = 0;        ///< of the subject; for a comparison, of the difference of its sides
-    double explained = 0;    ///< sum of the contributions
-    double first_order = 0;  ///< sum of the contributions by derivatives; only with `AttributionDepth::full`
-    int exact_bits = 0;      ///< precision of the exact values: 106 (double-double with bounds), or 2048
+    bool loop_was_cut_short = false;  ///< without rounding, a loop would have gone on; the exact values end where the
+                                      ///< computed ones did
+    double error = 0;                 ///< of the subject; for a comparison, of the difference of its sides
+    double contribution_sum = 0;      ///< sum of the contributions
+    double first_order_sum = 0;       ///< sum of the contributions by derivatives; only with `AttributionDepth::full`
+    int exact_bits = 0;               ///< precision of the exact values: 106 (double-double with bounds), or 2048
     /// The live operation with the largest |contribution|. Among equals, the one that `largest_contributions` puts
     /// first: if one is computed from the other, the later one. If the subject (or a side of it) is not finite, the
     /// operation that made it so. None if there is no error.
     NodeId culprit = no_node;
     /// The other live operations that contribute as much as the culprit, with the same sign or the opposite one.
-    std::vector<NodeId> equals;
+    std::vector<NodeId> equal_culprits;
 
     [[nodiscard]] const OperationError& operator[](NodeId i) const { return errors[static_cast<std::size_t>(i)]; }
 };
@@ -66,7 +65,7 @@ struct AttributionDepth {
 };
 
 /// Attributes the error of a subject that is a number. For a decision, the subject is the difference of the sides of
-/// the first comparison behind it that rounding flipped; there is none if no comparison was flipped.
+/// the first comparison behind it that rounding changed; there is none if rounding changed no comparison.
 ///
 /// Exact values are double-double with certified bounds if those settle every decision and bound each live value to
 /// 2^-60 of the larger of it and the computed one. Otherwise they have 2048 bits, and values that differ by less than
@@ -85,7 +84,7 @@ bool is_plain_miss(const Tape& tape, const Attribution& attribution);
 /// contributions that are equal to first order differ by the relative error of the operations between them, which from
 /// binary32 up is mostly less than the tolerance. Measured on 2.9 million rays of the scenes: 11 % have equal
 /// contributions, and on one in eight of those rays they differ by more than 2^-40.
-inline constexpr double equal_contributions = 0x1p-20;
+inline constexpr double equal_contribution_tolerance = 0x1p-20;
 
 /// The live operations with the largest |contribution|, the culprit first; none if there is no error. Those nearer to
 /// the subject come first. The distance is the largest number of operations in between, so an operation comes before

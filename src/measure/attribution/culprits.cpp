@@ -22,7 +22,7 @@ using truth::missing;
 namespace {
 
 /// Hash of what determines the names of a form's operations: their kinds and operands. FNV-1a over 64 bits.
-std::uint64_t structure_of(const Tape& tape) {
+std::uint64_t structure_hash(const Tape& tape) {
     std::uint64_t h = 14695981039346656037u;
     const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
     for (const TapeNode& n : tape.nodes) {
@@ -55,8 +55,8 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
     return match == setting.primitives.end() ? std::nullopt : std::optional(Target<double>(*match));
 }
 
-/// A ray of the setting's camera in binary32, if formats make its rays.
-std::optional<scene::rays::RecordedRay> record_some_ray(const Intersector& form, const Setting& setting) {
+/// Records the camera ray of the first pixel in binary32, if formats make the rays of the setting.
+std::optional<scene::rays::RecordedRay> record_first_pixel_ray(const Intersector& form, const Setting& setting) {
     const auto* const generator = scene::rays::generator_of(form);
     if (setting.scene == nullptr || !(generator || setting.scene->camera.rays)) return std::nullopt;
     const scene::rays::GeneratedRays rays(generator ? with_ray_generator(*setting.scene, *generator) : *setting.scene);
@@ -67,11 +67,11 @@ std::optional<scene::rays::RecordedRay> record_some_ray(const Intersector& form,
 std::vector<std::string> record_all(const Intersector& form, const Target<double>& target, const Setting& setting,
                                     Tape& tape) {
     form.record_all(target, tape);
-    auto recorded_ray = record_some_ray(form, setting);
+    auto recorded_ray = record_first_pixel_ray(form, setting);
     const bool begins_with_ray = recorded_ray && form.info->direction != intersect::Direction::unit;
     if (begins_with_ray) recorded_ray->put_before(tape);
     std::vector<std::string> names = names_of_inputs(form, target, begins_with_ray ? &*recorded_ray : nullptr);
-    if (setting.ranged) append_range_checks(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
+    if (setting.rays_have_ranges) append_range_checks(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
     return names;
 }
 
@@ -91,7 +91,7 @@ auto join_over_parts(const Intersector& set, const Setting& setting, const Names
 OwnedSetting::OwnedSetting(const scene::file::Scene& scene)
     : primitives_(scene::rays::shared_primitives(scene)),
       scene_(std::shared_ptr<void>(), &scene),
-      ranged_(!scene.range.is_whole()) {
+      rays_have_ranges_(!scene.range.is_whole()) {
     if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
 }
 
@@ -158,7 +158,7 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
 int worst_cancellation(const Attribution& attribution) {
     int worst = 0;
     for (const OperationError& e : attribution.errors) {
-        if (e.is_live && e.has_operand_error) worst = std::max(worst, e.cancelled);
+        if (e.is_live && e.operands_have_error) worst = std::max(worst, e.cancelled_bits);
     }
     return worst;
 }
@@ -168,14 +168,14 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (tape[i].label != label) continue;
         const OperationError& e = attribution[i];
-        worst = std::fmax(worst, e.is_live && e.has_operand_error ? e.cancelled : 0);
+        worst = std::fmax(worst, e.is_live && e.operands_have_error ? e.cancelled_bits : 0);
     }
     return worst;
 }
 
 const std::vector<std::int32_t>& Attributor::categories_of_nodes(
     const std::function<std::vector<std::string>()>& names) {
-    const auto [entry, is_new] = categories_by_structure_.try_emplace(structure_of(tape_));
+    const auto [entry, is_new] = categories_by_structure_.try_emplace(structure_hash(tape_));
     if (!is_new) return entry->second;
     const TapeText text(tape_, names(), TapeText::Style::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
@@ -186,8 +186,9 @@ const std::vector<std::int32_t>& Attributor::categories_of_nodes(
     return entry->second;
 }
 
-RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& target, const Range<double>& range,
-                              const std::optional<scene::rays::RecordedRay>& recorded_ray) {
+RayAttribution Attributor::attribute_ray(const Ray<double>& ray, const Target<double>& target,
+                                         const Range<double>& range,
+                                         const std::optional<scene::rays::RecordedRay>& recorded_ray) {
     form_.record(format_, ray, target, range.tmax, tape_);
     const bool begins_with_ray = recorded_ray && recorded_ray->try_put_before(tape_);
     const auto names_without_range = [&] {
@@ -199,21 +200,21 @@ RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& targ
         append_range_checks(tape_, names, form_.of(target.primitives.front().shape), format_, range);
     }
     attribution_ = attribute(tape_);
-    RayAttribution blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
+    RayAttribution result{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
-    if (subject == no_node) return blame;
-    blame.ulp = ulp_at(attribution_[subject].exact, format_.parameters);
+    if (subject == no_node) return result;
+    result.ulp = ulp_at(attribution_[subject].exact, format_.parameters);
     if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
-        blame.culprit_alone = counterfactuals(tape_, attribution_.culprit);
-    if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
+        result.culprit_alone = counterfactuals(tape_, attribution_.culprit);
+    if (categories_.empty() || is_plain_miss(tape_, attribution_)) return result;
     if (attribution_.culprit == no_node) {
-        blame.culprit = 0;
-        return blame;
+        result.culprit = 0;
+        return result;
     }
     const auto all_names = [&] { return names.empty() ? names_without_range() : names; };
     const std::int32_t category = categories_of_nodes(all_names)[static_cast<std::size_t>(attribution_.culprit)];
-    if (category >= 0) blame.culprit = category;
-    return blame;
+    if (category >= 0) result.culprit = category;
+    return result;
 }
 
 }  // namespace lostbits::measure::attribution

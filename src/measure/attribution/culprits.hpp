@@ -1,4 +1,4 @@
-// Names the operation of a form that is to blame on one ray, from the ray's tape.
+// Finds the operation of a form that is to blame on one ray, from the ray's tape, and names it.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct Setting {
     std::span<const Primitive<double>> primitives;
     const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is evaluated
     const scene::file::Scene* scene = nullptr;                 ///< scene whose camera's rays formats may make
-    bool ranged = false;                                       ///< rays have ranges
+    bool rays_have_ranges = false;
 };
 
 /// Primitives and constants of a scene or a step as a `Setting`. They live as long as this object; a scene must outlive
@@ -41,14 +41,19 @@ class OwnedSetting {
 public:
     explicit OwnedSetting(const scene::file::Scene& scene);
     explicit OwnedSetting(const scene::rays::RayGroup& rays)
-        : primitives_(rays.primitives), march_(rays.march), scene_(rays.scene), ranged_(rays.rays.have_ranges()) {}
-    [[nodiscard]] Setting get() const { return {primitives_, march_ ? &*march_ : nullptr, scene_.get(), ranged_}; }
+        : primitives_(rays.primitives),
+          march_(rays.march),
+          scene_(rays.scene),
+          rays_have_ranges_(rays.rays.have_ranges()) {}
+    [[nodiscard]] Setting get() const {
+        return {primitives_, march_ ? &*march_ : nullptr, scene_.get(), rays_have_ranges_};
+    }
 
 private:
     std::vector<Primitive<double>> primitives_;
     std::optional<intersect::MarchConstants<double>> march_;
     std::shared_ptr<const scene::file::Scene> scene_;
-    bool ranged_ = false;
+    bool rays_have_ranges_ = false;
 };
 
 /// Names of all operations of a form that can round or choose, as maps and claims write them, in the order of its tape
@@ -91,8 +96,9 @@ public:
         : form_(form), format_(format), categories_(categories), with_counterfactuals_(with_counterfactuals) {}
 
     /// `recorded_ray`: the recording of the operations that made the ray; empty if no format made it.
-    RayAttribution of(const Ray<double>& ray, const intersect::Target<double>& target, const Range<double>& range = {},
-                      const std::optional<scene::rays::RecordedRay>& recorded_ray = {});
+    RayAttribution attribute_ray(const Ray<double>& ray, const intersect::Target<double>& target,
+                                 const Range<double>& range = {},
+                                 const std::optional<scene::rays::RecordedRay>& recorded_ray = {});
 
 private:
     /// Category of each node of the tape; `names` are those of its inputs. Cached for all tapes of the same structure.

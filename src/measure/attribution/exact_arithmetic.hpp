@@ -30,7 +30,7 @@ struct QuickExact {
         const Ball d = lift(computed) - exact;
         return std::fabs(d.hi()) <= d.radius() ? 0 : d.hi() + d.lo();
     }
-    static bool is_good(const Ball& x, double computed) {
+    static bool is_accurate_enough(const Ball& x, double computed) {
         return std::isfinite(computed) && x.is_bounded() &&
                x.radius() <= 0x1p-60 * std::fmax(std::fabs(computed), std::fabs(x.hi()));
     }
@@ -63,7 +63,7 @@ struct DeepExact {
         const double nearest_double = nearest(x), low_part = nearest(x - Number(nearest_double));
         return rounding::to_format(nearest_double, (low_part > 0) - (low_part < 0), format);
     }
-    static bool is_good(const Number& /*x*/, double /*computed*/) { return true; }
+    static bool is_accurate_enough(const Number& /*x*/, double /*computed*/) { return true; }
 
 private:
     static bool are_equal(const Number& a, const Number& b) { return sum(a, -b) == 0; }
@@ -78,7 +78,7 @@ std::optional<typename Exact::Number> result_of_call(const Tape& tape, NodeId ca
 }
 
 /// Factors by which errors of the arguments pass through a call. The arguments move from their exact to their computed
-/// values one after the other, so the quotients leave no low_part. For an argument that is exact, the quotient is the
+/// values one after the other, so the quotients leave no remainder. For an argument that is exact, the quotient is the
 /// derivative.
 struct CallSlopes {
     using Number = DeepExact::Number;

@@ -31,7 +31,7 @@ using truth::missing;
 
 namespace {
 
-/// Draws −1, 0 or 1 from the high bits of Knuth's MMIX generator; they are more random than its low bits. Every run
+/// Draws −1, 0 or 1 from the high bits of Knuth's MMIX generator, which are more random than its low bits. Every run
 /// draws the same sequence.
 class RandomMoves {
 public:
@@ -44,17 +44,17 @@ private:
     std::uint64_t state_ = 1;
 };
 
-double moved_by_ulps(double x, int ulps, const FloatFormat& format) {
+double move_by_ulps(double x, int ulps, const FloatFormat& format) {
     return x == 0 || !std::isfinite(x) ? x : x + ulps * ulp_at(x, format);
 }
 
-/// Result of a form with this answer. For a form that answers no t, only the decision counts.
+/// Result of a form with this answer. If the form answers only hit or miss, t does not count.
 FormResult result_of_answer(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool returns_t = form.info->roots != intersect::Roots::none;
     FormResult result{&form, answer::classify(ray.truth(*form.info).decision, hit, returns_t ? t : 0), t};
     if (result.outcome != Outcome::agree_hit || !returns_t) return result;
     result.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.parameters);
-    result.lost = truth::lost_bits(result.ulps, format.parameters.precision);
+    result.lost_bits = truth::lost_bits(result.ulps, format.parameters.precision);
     return result;
 }
 
@@ -66,24 +66,24 @@ FormResult result_of_form(const Intersector& form, const Format& format, const O
 }
 
 /// Rays near the explained one, on which forms are compared.
-struct Surroundings {
+struct NearbyRays {
     std::span<const OneRay> rays;
     bool skips_misses = false;  ///< skips correct misses: they say nothing about t
 };
 
 /// Mean lost bits over the rays whose truth is known. A wrong decision loses all bits. If t does not count, a right
 /// decision loses none.
-double mean_lost_bits(const Intersector& form, const Format& format, const Surroundings& surroundings, bool counts_t) {
+double mean_lost_bits(const Intersector& form, const Format& format, const NearbyRays& nearby_rays, bool counts_t) {
     double sum = 0;
     int counted = 0;
-    for (const OneRay& ray : surroundings.rays) {
+    for (const OneRay& ray : nearby_rays.rays) {
         const FormResult result = result_of_form(form, format, ray);
         if (result.outcome == Outcome::unresolved ||
-            (surroundings.skips_misses && result.outcome == Outcome::agree_miss))
+            (nearby_rays.skips_misses && result.outcome == Outcome::agree_miss))
             continue;
-        sum += !result.is_right()                     ? format.parameters.precision
-               : !counts_t || std::isnan(result.lost) ? 0
-                                                      : result.lost;
+        sum += !result.is_right()                          ? format.parameters.precision
+               : !counts_t || std::isnan(result.lost_bits) ? 0
+                                                           : result.lost_bits;
         ++counted;
     }
     return counted == 0 ? missing : sum / counted;
@@ -91,11 +91,12 @@ double mean_lost_bits(const Intersector& form, const Format& format, const Surro
 
 /// Primitives that the form hits and that the ray truly meets. For a march, all primitives, since its distance field
 /// includes all.
-std::vector<Primitive<double>> primitives_around(const Explanation& x, const OneRay::Inputs& in, int true_primitive) {
+std::vector<Primitive<double>> primitives_around(const Explanation& explanation, const OneRay::Inputs& in,
+                                                 int true_primitive) {
     std::vector<Primitive<double>> primitives;
     for (std::size_t i = 0; i < in.format_inputs.primitives.size(); ++i) {
         const int index = static_cast<int>(i);
-        if (!is_primitive(x.form->shape) || index == x.primitive || index == true_primitive)
+        if (!is_primitive(explanation.form->shape) || index == explanation.primitive_index || index == true_primitive)
             primitives.push_back(in.format_inputs.primitives[i]);
     }
     return primitives;
@@ -129,50 +130,53 @@ const Intersector* with_generator_of(const Intersector& explained, const Interse
 }
 
 /// Result of another form on a ray and, if it is right there, on the rays around it.
-FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const Intersector& form,
-                                const OneRay& form_ray, const Surroundings& surroundings) {
-    FormResult result = result_of_form(form, x.format, form_ray);
-    result.other_question = have_different_truths(*x.form, ray, form, form_ray);
-    const bool lost_all = result.outcome == Outcome::agree_hit && !(result.lost < x.format.parameters.precision);
-    // A form that answers no t loses no bits of it, but is not better than a form that is right.
-    const bool answers_no_t = std::isnan(result.lost) && !std::isnan(x.result.lost);
-    if (result.is_right() && !lost_all && !answers_no_t && !result.other_question)
-        result.lost_nearby = mean_lost_bits(form, x.format, surroundings, x.returns_t());
+FormResult result_of_other_form(const Explanation& explanation, const OneRay& ray, const Intersector& form,
+                                const OneRay& form_ray, const NearbyRays& nearby_rays) {
+    FormResult result = result_of_form(form, explanation.format, form_ray);
+    result.has_other_truth = have_different_truths(*explanation.form, ray, form, form_ray);
+    const bool lost_all =
+        result.outcome == Outcome::agree_hit && !(result.lost_bits < explanation.format.parameters.precision);
+    // A form that answers only hit or miss loses no bits of t, but it is not better than a form with a right t.
+    const bool answers_no_t = std::isnan(result.lost_bits) && !std::isnan(explanation.result.lost_bits);
+    if (result.is_right() && !lost_all && !answers_no_t && !result.has_other_truth)
+        result.mean_lost_nearby = mean_lost_bits(form, explanation.format, nearby_rays, explanation.returns_t());
     return result;
 }
 
-void add_if_better(Explanation& x, const FormResult& result) {
-    if (result.lost_nearby < x.result.lost_nearby) x.better.push_back(result);
+void add_if_better(Explanation& explanation, const FormResult& result) {
+    if (result.mean_lost_nearby < explanation.result.mean_lost_nearby) explanation.better_forms.push_back(result);
 }
 
-void compare_with_other_forms(Explanation& x, const OneRay& ray, const Surroundings& surroundings,
+void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const NearbyRays& nearby_rays,
                               std::span<const Intersector* const> named_forms) {
-    x.result.lost_nearby = mean_lost_bits(*x.form, x.format, surroundings, x.returns_t());
+    explanation.result.mean_lost_nearby =
+        mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
     std::vector<const Intersector*> candidates;
     for (const Intersector& other : intersect::table::intersectors()) candidates.push_back(&other);
-    if (const auto parts = intersect::transform::transformed_parts_of(*x.form); parts.method != nullptr)
+    if (const auto parts = intersect::transform::transformed_parts_of(*explanation.form); parts.method != nullptr)
         for (const auto& method : intersect::transform::transform_methods())
             candidates.push_back(&intersect::transform::transformed_form(method, *parts.form));
-    if (const auto parts = intersect::bounding_box::boxed_parts_of(*x.form); parts.form != nullptr)
+    if (const auto parts = intersect::bounding_box::boxed_parts_of(*explanation.form); parts.form != nullptr)
         for (const Intersector& box : intersect::table::intersectors(parts.box->shape))
             if (intersect::external::is_safe_to_run(box))
                 candidates.push_back(&intersect::bounding_box::boxed_form(*parts.method, box, *parts.form));
     std::ranges::copy_if(named_forms, std::back_inserter(candidates), &Intersector::is_set);
     for (const Intersector* const other : candidates) {
         const bool is_named = std::ranges::find(named_forms, other) != named_forms.end();
-        const Intersector* const candidate = with_generator_of(*x.form, substitute_form(*x.form, x.shape, *other));
-        if (candidate == x.form) continue;
-        if (candidate == nullptr || !candidate->exists_in(x.format)) {
-            if (is_named) x.not_comparable.push_back(other);
+        const Intersector* const candidate =
+            with_generator_of(*explanation.form, substitute_form(*explanation.form, explanation.shape, *other));
+        if (candidate == explanation.form) continue;
+        if (candidate == nullptr || !candidate->exists_in(explanation.format)) {
+            if (is_named) explanation.incomparable_forms.push_back(other);
             continue;
         }
         if (!intersect::external::is_safe_to_run(innermost_form(*other)) && !is_named) continue;
         try {
-            const FormResult result = result_of_other_form(x, ray, *candidate, ray, surroundings);
-            add_if_better(x, result);
-            if (is_named) x.compared.push_back(result);
+            const FormResult result = result_of_other_form(explanation, ray, *candidate, ray, nearby_rays);
+            add_if_better(explanation, result);
+            if (is_named) explanation.compared_forms.push_back(result);
         } catch (const EnvironmentError& error) {
-            x.failures.emplace_back(error.what());
+            explanation.failures.emplace_back(error.what());
         }
     }
 }
@@ -186,32 +190,34 @@ std::vector<OneRay> pixels_around(const ScenePixel& pixel, const scene::file::Sc
 
 /// Pixels around the first one. If the ray hits, only the other hits count: they show the error that generating the ray
 /// causes.
-Surroundings around_pixel(const Explanation& x, std::span<const OneRay> pixels) {
-    return {pixels.subspan(1), x.truth == truth::Truth::Decision::hit};
+NearbyRays nearby_pixels(const Explanation& explanation, std::span<const OneRay> pixels) {
+    return {pixels.subspan(1), explanation.truth == truth::Truth::Decision::hit};
 }
 
 /// Compares the form with itself on the same pixel, with every other ray generator. Skips a generator that cannot make
 /// the ray.
-void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel& pixel) {
-    const Intersector& form = scene::rays::strip_generator(*x.form);
+void find_better_generators(Explanation& explanation, const OneRay& ray, const ScenePixel& pixel) {
+    const Intersector& form = scene::rays::strip_generator(*explanation.form);
     if (form.is_set() || form.is_placed) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
         if (&generator == pixel.scene->camera.rays) continue;
         try {
             const scene::file::Scene scene = with_ray_generator(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.touching());
-            const FormResult result = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
-                                                           rays.front(), around_pixel(x, rays));
-            add_if_better(x, result);
+            const FormResult result =
+                result_of_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
+                                     nearby_pixels(explanation, rays));
+            add_if_better(explanation, result);
         } catch (const InputError&) {}
     }
 }
 
 /// Evaluates the form on the primitive that the ray truly meets; called when the form answers another primitive.
-std::optional<TruePrimitive> missed_primitive(const Intersector& form, const Format& format, const OneRay::Inputs& in,
-                                              const std::optional<scene::rays::RecordedRay>& recorded_ray,
-                                              int true_primitive) {
-    TruePrimitive result{.primitive = true_primitive,
+std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, const Format& format,
+                                                      const OneRay::Inputs& in,
+                                                      const std::optional<scene::rays::RecordedRay>& recorded_ray,
+                                                      int true_primitive) {
+    TruePrimitive result{.index = true_primitive,
                          .ray_and_primitive = scene::rays::group_of(in.format_inputs.rays[in.index])};
     const auto index = static_cast<std::size_t>(true_primitive);
     result.ray_and_primitive.primitives = {in.format_inputs.primitives[index]};
@@ -233,26 +239,26 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
 }
 
 /// The true t of the ray under another range; nothing if it misses.
-std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
-                             const intersect::Info& info) {
+std::optional<double> true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
+                                      const intersect::Info& info) {
     scene::rays::RayGroup group = scene::rays::group_of(in.format_inputs.rays[in.index]);
     group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open = range.open;
     for (std::size_t i = 0; i < in.format_inputs.primitives.size(); ++i)
         group.primitives.push_back(in.format_inputs.primitives[i]);
     group.march = in.format_inputs.march;
-    OneRay changed(std::move(group));
-    changed.set_touching(ray.touching());
-    if (!changed.truth(info).is_hit()) return {};
-    return changed.rounded_truth(info, binary64);
+    OneRay ray_with_range(std::move(group));
+    ray_with_range.set_touching(ray.touching());
+    if (!ray_with_range.truth(info).is_hit()) return {};
+    return ray_with_range.rounded_truth(info, binary64);
 }
 
 /// Finds the hits that the range of a ray excludes, if the ray truly misses.
-void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inputs& in) {
+void find_hits_out_of_range(Explanation& explanation, const OneRay& ray, const OneRay::Inputs& in) {
     const Range<double> range = in.format_inputs.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;
-    const intersect::Info& info = *x.form->info;
-    x.beyond_end = hit_in({range.tmin, HUGE_VAL, {.tmin = range.open.tmin}}, ray, in, info);
-    x.before_begin = hit_in({0, range.tmax, {.tmax = range.open.tmax}}, ray, in, info);
+    const intersect::Info& info = *explanation.form->info;
+    explanation.t_beyond_tmax = true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open.tmin}}, ray, in, info);
+    explanation.t_before_tmin = true_t_in_range({0, range.tmax, {.tmax = range.open.tmax}}, ray, in, info);
 }
 
 /// True for equal numbers and for two NaN.
@@ -265,10 +271,10 @@ std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answe
     std::vector<answer::OneRay> rays;
     RandomMoves moves;
     const Ray<double> original = in.format_inputs.rays[in.index];
-    for (int k = 0; k < neighbours; ++k) {
+    for (int k = 0; k < neighbour_count; ++k) {
         Ray<double> neighbour = original;
         for (Vec<double>* const v : {&neighbour.origin, &neighbour.direction}) {
-            for (double* const x : {&v->x, &v->y, &v->z}) *x = moved_by_ulps(*x, moves.next(), format);
+            for (double* const number : {&v->x, &v->y, &v->z}) *number = move_by_ulps(*number, moves.next(), format);
         }
         scene::rays::RayGroup group = scene::rays::group_of(neighbour);
         group.rays.push_range(in.format_inputs.rays, in.index);
@@ -281,7 +287,7 @@ std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answe
 
 bool FormResult::beats(const FormResult& other) const {
     if (is_right() != other.is_right()) return is_right();
-    return outcome == Outcome::agree_hit && other.outcome == Outcome::agree_hit && lost < other.lost;
+    return outcome == Outcome::agree_hit && other.outcome == Outcome::agree_hit && lost_bits < other.lost_bits;
 }
 
 double Explanation::ulp_of_subject() const {
@@ -304,24 +310,24 @@ NodeId Explanation::amplifier(NodeId from) const {
         for (const NodeId operand : tape.operands_of(i)) {
             if (is_reached[static_cast<std::size_t>(operand)]) is_reached[static_cast<std::size_t>(i)] = true;
         }
-        if (is_reached[static_cast<std::size_t>(i)] && e.has_operand_error && e.cancelled > bits) {
+        if (is_reached[static_cast<std::size_t>(i)] && e.operands_have_error && e.cancelled_bits > bits) {
             largest = i;
-            bits = e.cancelled;
+            bits = e.cancelled_bits;
         }
     }
     return largest;
 }
 
-bool Explanation::rounding_turned_order() const {
-    if (!missed || !missed->exact_hit) return false;
-    return !attribution.exact_hit || missed->exact_t < attribution[tape.outputs.t].exact;
+bool Explanation::rounding_changed_order() const {
+    if (!missed_primitive || !missed_primitive->exact_hit) return false;
+    return !attribution.exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
 }
 
-std::vector<NodeId> Explanation::flipped_decisions() const {
+std::vector<NodeId> Explanation::changed_decisions() const {
     std::vector<NodeId> nodes;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
-        if (e.is_flipped && e.is_live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
+        if (e.decision_changed && e.is_live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
     }
     return nodes;
 }
@@ -330,88 +336,97 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
+    Explanation explanation{
+        .form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
     const Vec<double> given_direction = in.format_inputs.rays[in.index].direction,
                       received_direction = in.ray(*form.info).direction;
     if (!is_same_number(given_direction.x, received_direction.x) ||
         !is_same_number(given_direction.y, received_direction.y) ||
         !is_same_number(given_direction.z, received_direction.z))
-        x.given_direction = given_direction;
-    x.primitives = static_cast<int>(in.format_inputs.primitives.size());
+        explanation.given_direction = given_direction;
+    explanation.primitive_count = static_cast<int>(in.format_inputs.primitives.size());
     const std::size_t primitive = answer::measured_primitive(
         in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.primitive);
-    x.primitive = static_cast<int>(primitive);
-    x.shape = in.format_inputs.primitives[primitive].shape;
+    explanation.primitive_index = static_cast<int>(primitive);
+    explanation.shape = in.format_inputs.primitives[primitive].shape;
     const FormatInputs::OwnedTarget aim = in.format_inputs.target_for(form, primitive);
     const intersect::Target<double> target = aim;
-    x.range = in.format_inputs.rays_for(*form.info).range(in.index);
+    explanation.range = in.format_inputs.rays_for(*form.info).range(in.index);
     if (form.is_template()) {
-        form.record(format, in.ray(*form.info), target, x.range.tmax, x.tape);
+        form.record(format, in.ray(*form.info), target, explanation.range.tmax, explanation.tape);
         const auto recorded_ray = ray.recorded_ray(format);
-        x.is_generated_ray = recorded_ray.has_value();
-        x.names = names_of_inputs(form, target,
-                                  recorded_ray && recorded_ray->try_put_before(x.tape) ? &*recorded_ray : nullptr);
-        append_range_checks(x.tape, x.names, form.of(x.shape), format, x.range);
-        for (const TapeNode& n : x.tape.nodes) {
-            if (n.op == TapeOp::input) x.inputs.push_back(n.value);
+        explanation.is_generated_ray = recorded_ray.has_value();
+        explanation.input_names = names_of_inputs(
+            form, target, recorded_ray && recorded_ray->try_put_before(explanation.tape) ? &*recorded_ray : nullptr);
+        append_range_checks(explanation.tape, explanation.input_names, form.of(explanation.shape), format,
+                            explanation.range);
+        for (const TapeNode& n : explanation.tape.nodes) {
+            if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);
         }
-        x.attribution = attribute(x.tape, {.full = true});
-        if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
-        x.hit = x.tape[x.tape.outputs.hit].value != 0;
-        x.result = result_of_answer(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+        explanation.attribution = attribute(explanation.tape, {.full = true});
+        if (explanation.attribution.culprit != no_node)
+            explanation.culprit_alone = counterfactuals(explanation.tape, explanation.attribution.culprit);
+        explanation.hit = explanation.tape[explanation.tape.outputs.hit].value != 0;
+        explanation.result =
+            result_of_answer(form, format, ray, explanation.hit, explanation.tape[explanation.tape.outputs.t].value);
     } else {
-        x.names = intersect::bounding_box::names_on_tape(form, target);
-        x.inputs = tape::inputs_of(in.ray(*form.info),
-                                   in.format_inputs.primitives[static_cast<std::size_t>(x.primitive)], x.range.tmax);
-        if (!x.range.is_whole()) x.names.emplace_back("ray.tmin"), x.inputs.push_back(x.range.tmin);
-        x.hit = answers.hit[in.index] != 0;
-        x.result = result_of_answer(form, format, ray, x.hit, answers.t[in.index]);
+        explanation.input_names = intersect::bounding_box::names_on_tape(form, target);
+        explanation.input_values = tape::inputs_of(
+            in.ray(*form.info), in.format_inputs.primitives[static_cast<std::size_t>(explanation.primitive_index)],
+            explanation.range.tmax);
+        if (!explanation.range.is_whole())
+            explanation.input_names.emplace_back("ray.tmin"),
+                explanation.input_values.push_back(explanation.range.tmin);
+        explanation.hit = answers.hit[in.index] != 0;
+        explanation.result = result_of_answer(form, format, ray, explanation.hit, answers.t[in.index]);
     }
-    x.truth = truth.decision;
-    x.condition = x.inherent = missing;
+    explanation.truth = truth.decision;
+    explanation.condition = explanation.inherent_bits = missing;
     double reach = missing;
     if (truth.is_hit()) {
-        x.true_t = ray.rounded_truth(*form.info, binary64);
-        x.condition = ray.condition(*form.info);
+        explanation.true_t = ray.rounded_truth(*form.info, binary64);
+        explanation.condition = ray.condition(*form.info);
         reach = ray.reach(*form.info, format);
-        x.inherent = truth::inherent_bits(reach, ray.true_t(*form.info), format.parameters);
+        explanation.inherent_bits = truth::inherent_bits(reach, ray.true_t(*form.info), format.parameters);
     }
-    if (truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(x, ray, in);
+    if (truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(explanation, ray, in);
     const int hit_primitive = answers.object[in.index];
-    const bool hits_wrong_primitive = x.returns_t() && is_primitive(form.shape) && x.hit && truth.is_hit() &&
-                                      !ray.meets_first(hit_primitive, *form.info);
-    if (hits_wrong_primitive && x.has_tape())
-        x.missed = missed_primitive(form, format, in, ray.recorded_ray(format), truth.primitive);
+    const bool hits_wrong_primitive = explanation.returns_t() && is_primitive(form.shape) && explanation.hit &&
+                                      truth.is_hit() && !ray.meets_first(hit_primitive, *form.info);
+    if (hits_wrong_primitive && explanation.has_tape())
+        explanation.missed_primitive =
+            answer_at_true_primitive(form, format, in, ray.recorded_ray(format), truth.primitive);
     if (hits_wrong_primitive) {  // distances between two primitives are not errors
-        x.result.outcome = answer::Outcome::wrong_primitive;
-        x.result.ulps = x.result.lost = missing;
+        explanation.result.outcome = answer::Outcome::wrong_primitive;
+        explanation.result.ulps = explanation.result.lost_bits = missing;
     }
-    if (is_primitive(form.shape) && x.returns_t()) {
-        const Outcome outcome = ray.outcome(in, answers, *form.info, x.result.outcome);
-        if (outcome != x.result.outcome) x.mesh_outcome = outcome;
+    if (is_primitive(form.shape) && explanation.returns_t()) {
+        const Outcome outcome = ray.outcome(in, answers, *form.info, explanation.result.outcome);
+        if (outcome != explanation.result.outcome) explanation.mesh_outcome = outcome;
     }
-    if (x.result.outcome == Outcome::agree_hit)
-        x.excess_bits = truth::excess_bits(x.result.t, ray.true_t(*form.info), format.parameters, reach);
-    return x;
+    if (explanation.result.outcome == Outcome::agree_hit)
+        explanation.excess_bits =
+            truth::excess_bits(explanation.result.t, ray.true_t(*form.info), format.parameters, reach);
+    return explanation;
 }
 
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
                     std::span<const Intersector* const> named_forms, const std::optional<ScenePixel>& pixel) {
-    Explanation x = explain_alone(form, format, ray);
-    if (!x.is_generated_ray || !pixel) {
+    Explanation explanation = explain_alone(form, format, ray);
+    if (!explanation.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);
-        const auto primitives = primitives_around(x, in, ray.truth(*form.info).primitive);
+        const auto primitives = primitives_around(explanation, in, ray.truth(*form.info).primitive);
         const auto neighbour_rays = neighbours_of(ray, in, format.parameters, primitives);
-        compare_with_other_forms(x, ray, {neighbour_rays}, named_forms);
+        compare_with_other_forms(explanation, ray, {neighbour_rays}, named_forms);
     } else {
         const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());
-        const Surroundings surroundings = around_pixel(x, pixels);
-        x.pixels_around = static_cast<int>(surroundings.rays.size());
-        compare_with_other_forms(x, ray, surroundings, named_forms);
-        find_better_generators(x, ray, *pixel);
+        const NearbyRays nearby_rays = nearby_pixels(explanation, pixels);
+        explanation.nearby_pixel_count = static_cast<int>(nearby_rays.rays.size());
+        compare_with_other_forms(explanation, ray, nearby_rays, named_forms);
+        find_better_generators(explanation, ray, *pixel);
     }
-    std::ranges::stable_sort(x.better, {}, &FormResult::lost_nearby);
-    return x;
+    std::ranges::stable_sort(explanation.better_forms, {}, &FormResult::mean_lost_nearby);
+    return explanation;
 }
 
 }  // namespace lostbits::measure::attribution

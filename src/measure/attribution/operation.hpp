@@ -16,7 +16,7 @@
 // A judge answers less(i, j), less_equal(i, j) and holds(i) for the operands with those indices, by their computed or
 // by their exact values.
 //
-// The text of an operation is a set of patterns; `filled` puts its operands into them.
+// The text of an operation is a set of patterns, in which `fill_pattern` replaces the placeholders by the operands.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ struct OperationText {
 
 /// Returns the pattern with `operand(k, binds)` in place of operands, k from 0, and `word(letter)` in place of letters.
 template <class Operand, class Word>
-std::string filled(std::string_view pattern, const Operand& operand, const Word& word) {
+std::string fill_pattern(std::string_view pattern, const Operand& operand, const Word& word) {
     const auto digit_at = [pattern](std::size_t i) { return pattern.at(i) - '0'; };
     std::string text;
     for (std::size_t i = 0; i < pattern.size(); ++i) {
@@ -77,8 +77,9 @@ std::string filled(std::string_view pattern, const Operand& operand, const Word&
 }
 
 template <class Operand>
-std::string filled(std::string_view pattern, const Operand& operand) {
-    return filled(pattern, operand, [](char) -> std::string { throw std::logic_error("this pattern has no letters"); });
+std::string fill_pattern(std::string_view pattern, const Operand& operand) {
+    return fill_pattern(pattern, operand,
+                        [](char) -> std::string { throw std::logic_error("this pattern has no letters"); });
 }
 
 /// Step from the exact value of an operand to the computed value. For a derivative both ends are the computed value.
@@ -94,8 +95,8 @@ struct Step {
     }
 };
 
-/// Factors by which the operands' errors are multiplied. None for decisions, for sides not taken, and for the operand
-/// of copysign that gives its sign.
+/// Factors by which the operands' errors are multiplied. Empty for decisions, for sides that are not chosen, and for
+/// the operand of copysign that gives its sign.
 using Quotients = std::array<std::optional<double>, 3>;
 
 /// One struct for each row of LOSTBITS_TAPE_OPERATIONS: operation_rows.hpp.

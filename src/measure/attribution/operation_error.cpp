@@ -43,9 +43,9 @@ double rounding_from(const std::array<double, 3>& x, double value) {
 
 }  // namespace
 
-NodeId side_taken(const Tape& tape, NodeId i) {
+NodeId chosen_side(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
-    return kind_of(n.op) == OperationKind::choice ? side_taken(n, ComputedJudge{tape, n}) : no_node;
+    return kind_of(n.op) == OperationKind::choice ? chosen_side(n, ComputedJudge{tape, n}) : no_node;
 }
 
 bool can_err(TapeOp op) {
@@ -123,7 +123,7 @@ double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f
     });
 }
 
-Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken) {
+Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId chosen) {
     const auto quotients_of_kind = [&]<TapeOp op>() {
         return with_operands<op>([](const auto&... operands) { return Operation<op>::quotients(operands...); },
                                  [&](std::size_t k) -> const Step& { return x[k]; });
@@ -138,7 +138,7 @@ Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId t
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {
             Quotients q;
-            q[static_cast<std::size_t>(std::ranges::find(n.operands, taken) - n.operands.begin())] = 1;
+            q[static_cast<std::size_t>(std::ranges::find(n.operands, chosen) - n.operands.begin())] = 1;
             return q;
         }
         case OperationKind::called:

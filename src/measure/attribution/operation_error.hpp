@@ -7,11 +7,11 @@
 
 namespace lostbits::measure::attribution {
 
-/// The operand that a select, min or max took; `no_node` for any other operation.
-NodeId side_taken(const Tape& tape, NodeId i);
+/// The operand that a select, min or max chose; `no_node` for any other operation.
+NodeId chosen_side(const Tape& tape, NodeId i);
 
 /// True if a result can differ from the exact one on the same operands, by rounding or by a choice that rounding
-/// flipped.
+/// changed.
 bool can_err(TapeOp op);
 
 /// True if the change of value is intended and not a rounding: a form moves to the next number on purpose.
@@ -34,7 +34,7 @@ double ulp_at(double x, const FloatFormat& format);
 double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format);
 
 /// Difference quotients of `OperationError`, or derivatives if the steps have no length. For a choice, which has no
-/// quotient of its own, 1 for the side that it took. Not for calls.
-Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken);
+/// quotient of its own, 1 for `chosen`, the side that it chose. Not for calls.
+Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId chosen);
 
 }  // namespace lostbits::measure::attribution

@@ -72,9 +72,9 @@ bool holds(TapeOp op, const Judge& judge) {
         op, [&]<TapeOp decision>() { return Operation<decision>::holds(judge); });
 }
 
-/// The operand that a choice takes.
+/// The operand that a choice selects.
 template <class Judge>
-NodeId side_taken(const TapeNode& n, const Judge& judge) {
+NodeId chosen_side(const TapeNode& n, const Judge& judge) {
     return visit_operation<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
         const auto [first, second] = Operation<choice>::sides;
         return n.operands[Operation<choice>::takes_first(judge) ? first : second];

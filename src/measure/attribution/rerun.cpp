@@ -17,7 +17,7 @@ public:
     Run(const Tape& tape, std::function<bool(NodeId)> is_rounded) : tape_(tape), is_rounded_(std::move(is_rounded)) {
         for (NodeId i = 0; i < tape.size(); ++i) values_.push_back(result(i, *this));
     }
-    /// Takes the run that the tape recorded.
+    /// The run that the tape recorded.
     explicit Run(const Tape& tape) : tape_(tape), is_rounded_([](NodeId) { return true; }) {
         for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
     }
@@ -64,7 +64,7 @@ private:
                 const Number size = abs(value(n.operands[0]));
                 return signbit(mode.value(n.operands[1])) != 0 ? Number(-size) : size;
             }
-            case OperationKind::choice: return value(side_taken(n, Judge{mode, n}));
+            case OperationKind::choice: return value(chosen_side(n, Judge{mode, n}));
             case OperationKind::comparison:
             case OperationKind::logic: return Number(holds(n.op, Judge{mode, n}) ? 1 : 0);
         }

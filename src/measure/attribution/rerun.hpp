@@ -9,7 +9,7 @@
 namespace lostbits::measure::attribution {
 
 /// Reruns a tape in numbers of 2048 bits. The results for which `is_rounded` is true are rounded to their format, and
-/// decisions are taken by the values of this run. If all results are rounded, `values` are the values of the tape; if
+/// decisions are made by the values of this run. If all results are rounded, `values` are the values of the tape; if
 /// none is, they are the exact values.
 struct Rerun {
     std::vector<double> values;  ///< one for each node, to the nearest double; decisions are 1 or 0

@@ -15,12 +15,12 @@ constexpr std::size_t max_inline_length =
     40;  ///< longest expression, in characters, that is written out within another expression
 
 /// Name without its component, such as `o` for `o.x`; empty if the name has no component.
-std::string vector_of(const std::string& name) {
+std::string vector_name(const std::string& name) {
     const auto n = name.size();
     return n > 2 && name[n - 2] == '.' && name[n - 1] >= 'x' && name[n - 1] <= 'z' ? name.substr(0, n - 2) : "";
 }
 
-std::string in_brackets(const std::string& text) {
+std::string bracket(const std::string& text) {
     std::string bracketed = "(";
     return bracketed.append(text).append(")");
 }
@@ -46,20 +46,20 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
       names_(tape.nodes.size()),
       number_texts_(tape.nodes.size()),
       expressions_(tape.nodes.size()),
-      part_of_dot_(tape.nodes.size(), no_node) {
+      dot_of_part_(tape.nodes.size(), no_node) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (tape[i].op == TapeOp::input)
             names_[static_cast<std::size_t>(i)] = inputs_.at(static_cast<std::size_t>(tape[i].operands[0]));
     }
     for (NodeId i = 0; i < tape.size(); ++i) {
         Dot dot;
-        if (!dot_of(i, dot)) continue;
+        if (!find_dot(i, dot)) continue;
         name_vector(dot.a);
         name_vector(dot.b);
         const TapeNode& last = tape[i];
         const TapeNode& first = tape[last.operands[0]];
         for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]})
-            part_of_dot_[static_cast<std::size_t>(part)] = i;
+            dot_of_part_[static_cast<std::size_t>(part)] = i;
     }
     if (style == Style::pretty) find_numbers();
     name_all();
@@ -103,11 +103,11 @@ bool TapeText::is_vector(const Triple& v) const {
     const TapeOp op = tape_[v[0]].op;
     if (tape_[v[1]].op != op || tape_[v[2]].op != op || v[0] == v[1] || v[1] == v[2]) return false;
     if (op != TapeOp::input) return op != TapeOp::constant;
-    const std::string base = vector_of(name(v[0]));
+    const std::string base = vector_name(name(v[0]));
     return !base.empty() && name(v[0]) == base + ".x" && name(v[1]) == base + ".y" && name(v[2]) == base + ".z";
 }
 
-bool TapeText::dot_of(NodeId i, Dot& dot) const {
+bool TapeText::find_dot(NodeId i, Dot& dot) const {
     const TapeNode& last = tape_[i];
     if (last.op != TapeOp::add) return false;
     const TapeNode& first = tape_[last.operands[0]];
@@ -144,7 +144,7 @@ void TapeText::name_all() {
         else if (!n.label.empty()) {
             name = n.label;
             if (const int use_count = ++use_counts[name]; use_count > 1 && style_ != Style::generic) {
-                const std::string base = vector_of(name), stem = base.empty() ? name : base;
+                const std::string base = vector_name(name), stem = base.empty() ? name : base;
                 const bool is_number = std::isdigit(static_cast<unsigned char>(stem.back())) != 0;  // A^-1, not A^-12
                 name = stem + (is_number ? "_" : "") + std::to_string(use_count) + name.substr(stem.size());
             }
@@ -180,37 +180,37 @@ bool TapeText::is_simple(NodeId i) const {
 
 std::string TapeText::vector_text(const Triple& v, bool without_brackets) const {
     const TapeNode& n = tape_[v[0]];
-    if (n.op == TapeOp::input) return vector_of(name(v[0]));
-    const auto found = vectors_.find(v);
+    if (n.op == TapeOp::input) return vector_name(name(v[0]));
+    const auto known = vectors_.find(v);
     if (std::ranges::all_of(v, [&](NodeId i) { return is_simple(i); })) {
         const auto side = [&](std::size_t k) {
             return Triple{tape_[v[0]].operands[k], tape_[v[1]].operands[k], tape_[v[2]].operands[k]};
         };
         if (is_vector(side(0)) && is_vector(side(1))) {
             const std::string sign = n.op == TapeOp::add ? " + " : style_ == Style::pretty ? " − " : " - ";
-            const std::string text = vector_of(name(side(0)[0])) + sign + vector_of(name(side(1)[0]));
-            return without_brackets ? text : in_brackets(text);
+            const std::string text = vector_name(name(side(0)[0])) + sign + vector_name(name(side(1)[0]));
+            return without_brackets ? text : bracket(text);
         }
     }
-    if (found != vectors_.end()) return found->second;
-    const std::string base = vector_of(name(v[0]));  // named by the formula, or by the watch of a march
-    if (!base.empty() && vector_of(name(v[1])) == base && vector_of(name(v[2])) == base) return base;
-    return in_brackets(name(v[0]) + ", " + name(v[1]) + ", " + name(v[2]));
+    if (known != vectors_.end()) return known->second;
+    const std::string base = vector_name(name(v[0]));  // named by the formula, or by the watch of a march
+    if (!base.empty() && vector_name(name(v[1])) == base && vector_name(name(v[2])) == base) return base;
+    return bracket(name(v[0]) + ", " + name(v[1]) + ", " + name(v[2]));
 }
 
 std::string TapeText::operand(NodeId i, int binds) const {
     const TapeNode& n = tape_[i];
-    const std::string& own_name = name(i);
-    if (n.op == TapeOp::input || !n.label.empty()) return own_name;
+    const std::string& node_name = name(i);
+    if (n.op == TapeOp::input || !n.label.empty()) return node_name;
     if (n.op == TapeOp::constant || is_number(i))
-        return own_name.starts_with('-') && binds > 1 ? in_brackets(own_name) : own_name;
-    if (!vector_of(name(i)).empty() && !is_simple(i)) return own_name;
+        return node_name.starts_with('-') && binds > 1 ? bracket(node_name) : node_name;
+    if (!vector_name(name(i)).empty() && !is_simple(i)) return node_name;
     if (style_ == Style::generic && !text_of(n.op).generic.empty()) return "(...)";
     const std::string text = expression(i);
     Dot dot;
-    const bool is_function = style_ == Style::plain && dot_of(i, dot);
-    if (text.size() > max_inline_length && !dot_of(i, dot)) return style_ == Style::generic ? "(...)" : own_name;
-    return !is_function && text_of(n.op).binds.level < binds ? in_brackets(text) : text;
+    const bool is_function = style_ == Style::plain && find_dot(i, dot);
+    if (text.size() > max_inline_length && !find_dot(i, dot)) return style_ == Style::generic ? "(...)" : node_name;
+    return !is_function && text_of(n.op).binds.level < binds ? bracket(text) : text;
 }
 
 std::string TapeText::write_out(NodeId i) const {
@@ -223,7 +223,8 @@ std::string TapeText::write_out(NodeId i) const {
         }
         return text.plain.text;
     };
-    return filled(pattern(text_of(n.op)), [&](std::size_t k, int binds) { return operand(n.operands[k], binds); });
+    return fill_pattern(pattern(text_of(n.op)),
+                        [&](std::size_t k, int binds) { return operand(n.operands[k], binds); });
 }
 
 const std::string& TapeText::expression(NodeId i) const {
@@ -236,7 +237,7 @@ std::string TapeText::compose(NodeId i) const {
     if (is_given(tape_[i].op)) return name(i);
     if (is_number(i)) return number_texts_[static_cast<std::size_t>(i)];
     Dot dot;
-    if (!dot_of(i, dot)) return write_out(i);
+    if (!find_dot(i, dot)) return write_out(i);
     if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
     return "dot(" + vector_text(dot.a, true) + ", " + vector_text(dot.b, true) + ")";
 }
@@ -244,7 +245,7 @@ std::string TapeText::compose(NodeId i) const {
 std::string TapeText::definition(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (is_given(n.op)) return name(i);
-    const bool has_name = !n.label.empty() || !vector_of(name(i)).empty();
+    const bool has_name = !n.label.empty() || !vector_name(name(i)).empty();
     return has_name ? name(i) + " = " + expression(i) : expression(i);
 }
 
@@ -252,7 +253,7 @@ std::string TapeText::category(NodeId i) const {
     // A label with spaces names a stretch of many operations (`Part`) and stands for all of them.
     const std::string_view label = tape_[i].label;
     if (label.find(' ') != std::string_view::npos) return std::string(label);
-    const NodeId dot = part_of_dot_[static_cast<std::size_t>(i)];
+    const NodeId dot = dot_of_part_[static_cast<std::size_t>(i)];
     const bool is_part = dot != no_node && dot != i;
     std::string text = is_part && tape_[i].op == TapeOp::add ? expression(dot) + ", its sums" : definition(i);
     // One axis stands for all three, and the first round of a loop for all rounds.

@@ -10,10 +10,10 @@
 
 namespace lostbits::measure::attribution {
 
-/// Names and expressions of the operations of one tape. A name of the formula is used where there is one; a name that
-/// occurs again, in a loop over axes, is numbered: `tmin`, `tmin2`. Sums of three products are written as dot products,
-/// and the three components of a vector in one as `v1.x`, `v1.y`, `v1.z`. Any other expression is written out if it is
-/// short; otherwise it gets a name such as `s12`.
+/// Names and expressions of the operations of one tape. A node has the name that the formula gives it. If a name
+/// occurs again, as in a loop over axes, it is numbered: `tmin`, `tmin2`. Sums of three products are written as dot
+/// products, and the three components of a vector in one as `v1.x`, `v1.y`, `v1.z`. Any other expression is written out
+/// if it is short; otherwise it gets a name such as `s12`.
 class TapeText {
 public:
     /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `generic`: as plain, but the same for every
@@ -28,7 +28,7 @@ public:
     [[nodiscard]] std::string identifier(NodeId i) const;
     /// The right-hand side of the definition of node i: `dot(o - centre, o - centre) - radius*radius`.
     [[nodiscard]] const std::string& expression(NodeId i) const;
-    /// Text of the node within a larger expression: its own name if it has one, otherwise its expression.
+    /// Text of the node within a larger expression: the name that the formula gives it, otherwise its expression.
     [[nodiscard]] std::string operand(NodeId i) const { return operand(i, 0); }
     /// `c = dot(…) - radius*radius`, or only the expression if the formula does not name it.
     [[nodiscard]] std::string definition(NodeId i) const;
@@ -46,7 +46,7 @@ private:
     };
     [[nodiscard]] bool is_vector(const Triple& v) const;
     /// True if node i is the last sum of a dot product; sets `dot` to its vectors.
-    [[nodiscard]] bool dot_of(NodeId i, Dot& dot) const;
+    [[nodiscard]] bool find_dot(NodeId i, Dot& dot) const;
     void name_vector(const Triple& v);
     void name_all();
     void find_numbers();
@@ -63,7 +63,7 @@ private:
     std::vector<std::string> number_texts_;  ///< digits of each operation that builds a number; empty for all others
     std::map<Triple, std::string> vectors_;
     mutable std::vector<std::string> expressions_;  ///< filled on demand: in a march, each step recurs in the next
-    std::vector<NodeId> part_of_dot_;               ///< the dot product that a partial sum or product belongs to
+    std::vector<NodeId> dot_of_part_;  ///< for each partial sum or product of a dot product, the node of its last sum
 };
 
 }  // namespace lostbits::measure::attribution

@@ -16,7 +16,7 @@ void for_each_source(const Tape& tape, const Attribution& attribution, NodeId i,
     const TapeNode& n = tape[i];
     if (is_given(n.op)) return;
     if (n.op == TapeOp::call) return static_cast<void>(std::ranges::for_each(tape.operands_of(i), f));
-    const Quotients quotients = quotients_of(n, {}, attribution[i].side);
+    const Quotients quotients = quotients_of(n, {}, attribution[i].chosen_side);
     for (std::size_t k = 0; k < quotients.size(); ++k) {
         if (quotients[k]) f(n.operands[k]);
     }
@@ -67,15 +67,15 @@ private:
     std::vector<int> positions_;  ///< position in reading order
 };
 
-bool do_wrong_choices_cancel(const Attribution& attribution, const std::vector<NodeId>& equals) {
+bool are_wrong_choices_that_cancel(const Attribution& attribution, const std::vector<NodeId>& equals) {
     double sum = 0, largest = 0;
     for (const NodeId i : equals) {
         const OperationError& e = attribution[i];
-        if (!e.is_flipped) return false;
+        if (!e.decision_changed) return false;
         sum += e.contribution;
         largest = std::max(largest, std::fabs(e.contribution));
     }
-    return equals.size() > 1 && std::fabs(sum) <= equal_contributions * largest;
+    return equals.size() > 1 && std::fabs(sum) <= equal_contribution_tolerance * largest;
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
     for (NodeId i = 0; i <= attribution.subject; ++i) {
         if (is_considered(i)) largest = std::max(largest, size(i));
     }
-    const double least = std::min(largest, largest * (1 - equal_contributions));
+    const double least = std::min(largest, largest * (1 - equal_contribution_tolerance));
     std::vector<NodeId> equals;
     for (NodeId i = 0; i <= attribution.subject; ++i) {
         if (is_considered(i) && size(i) >= least) equals.push_back(i);
@@ -109,7 +109,7 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
 std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attribution) {
     const std::vector<NodeId> largest = largest_contributions(tape, attribution);
     std::vector<NodeId> equals = largest;
-    while (do_wrong_choices_cancel(attribution, equals)) {
+    while (are_wrong_choices_that_cancel(attribution, equals)) {
         double least = HUGE_VAL;
         for (const NodeId i : equals) least = std::min(least, std::fabs(attribution[i].contribution));
         equals = largest_contributions(tape, attribution, least);

@@ -34,12 +34,12 @@ struct ScalarBits {
 /// log2 x for a normal number x > 0, with an error below 1.4 ulp of the result; exactly k for 2^k.
 ///
 /// With f = m − 1 (exact) and s = f/(2 + f): ln m = 2 artanh s = f − g, g = f²/2 − s(f²/2 + R), R = s²·P(s²), where
-/// P is the polynomial of degree 6 through 2/3 + 2z/5 + 2z²/7 + … at the Chebyshev points of [0, 0.02944]; what it
-/// leaves out is less than 2^-57 of ln m. 1/ln 2 = c1 + c2, c1 of 26 bits: the product with the leading half of f is
-/// exact, and so is what the sum with k leaves out (k = 0, or |k| ≥ 1 > |log2 m|). Roundings weigh most near m = √½,
-/// where the result is just below ½: there g/ln 2 < 0.078, so its product and the two sums around it cost an eighth of
-/// an ulp each, the roundings inside g (f²/2, s, the product, the difference) a third together, the polynomial and the
-/// constant c an eighth, and the last sum a half.
+/// P is the polynomial of degree 6 through 2/3 + 2z/5 + 2z²/7 + … at the Chebyshev points of [0, 0.02944]; its
+/// truncation error is less than 2^-57 of ln m. 1/ln 2 = c1 + c2, c1 of 26 bits: the product with the leading half of f
+/// is exact, and so is the rounding error of the sum with k (k = 0, or |k| ≥ 1 > |log2 m|). Roundings weigh most near m
+/// = √½, where the result is just below ½: there g/ln 2 < 0.078, so its product and the two sums around it cost an
+/// eighth of an ulp each, the roundings inside g (f²/2, s, the product, the difference) a third together, the
+/// polynomial and the constant c an eighth, and the last sum a half.
 template <class Bits, class T>
 T log2_by(const T& number) {
     const NearOne<T> x = Bits::near_one(number);

@@ -50,8 +50,9 @@ RowQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& fo
                       const Requirement& requirement) {
     return {.rays = summary.rays - summary.count(answer::Outcome::unresolved),
             .wrong = summary.wrong_count(),
-            .main_fault = summary.wrong(),
-            .main_fault_count = summary.wrong() ? summary.count(*summary.wrong()) : 0,
+            .main_fault = summary.most_frequent_wrong_decision(),
+            .main_fault_count =
+                summary.most_frequent_wrong_decision() ? summary.count(*summary.most_frequent_wrong_decision()) : 0,
             .kept_bits = form_row.format.parameters.precision - summary.metrics[0].quantile(requirement.quantile),
             .hits = summary.true_hits,
             .distance_error =

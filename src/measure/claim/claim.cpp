@@ -77,7 +77,8 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
             const auto name = answer::outcome_names[static_cast<std::size_t>(evaluate::wrong_decisions[k])];
             if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
         }
-        if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
+        if (claim.metric == "wrong_fraction" && summary->first_fault() != nullptr)
+            result.witness = *summary->first_fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.reason = scene::toml::count_with_noun(summary->count(answer::Outcome::unresolved),

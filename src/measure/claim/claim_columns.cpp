@@ -28,7 +28,7 @@ std::vector<SummaryColumn> number_columns(const std::vector<const Metric*>& metr
 /// Adds the names of all other columns that a claim may have meant, for did-you-mean.
 void add_other_columns(std::vector<std::string>& names) {
     for (const Metric& m : metric::metrics()) {
-        if (m.by_run) names.emplace_back("culprit_fraction");
+        if (m.depends_on_forms) names.emplace_back("culprit_fraction");
         else if (m.categories.empty())
             for (const metric::Statistic& statistic : metric::statistics)
                 names.push_back(evaluate::column_name(m, statistic));
@@ -78,7 +78,7 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         for (const std::string& text : claim->operations) find_operations(text, *claim, setting_);  // throws early
         add_metric_of_label(*claim);
     }
-    metrics_ = metric_set_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
+    metrics_ = metric_set_.adapt_to_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
 }
 
 /// Adds the metric of `contribution_c_p50` or `cancellation_disc_max`, for a label of the claim's form.
@@ -108,7 +108,7 @@ void ClaimColumns::add_metric_of_label(const Claim& claim) {
 
 double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
     const auto culprit_index =
-        static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
+        static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::depends_on_forms) - metrics_.begin());
     const auto categories = metrics_[culprit_index]->categories;
     std::vector<std::size_t> category_indices;
     for (const std::string& text : claim.operations) {

@@ -60,7 +60,7 @@ evaluate::FormSummary summarise_pixel(const Claim& claim, const scene::file::Sce
     evaluate::FormSummary row_summary(metrics), pixel_summary(metrics);
     const auto column = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
-    evaluate::measure_row({form_row, metrics}, shared.of(form_row), row_summary, std::span(&pixel_subset, 1));
+    evaluate::measure_row({form_row, metrics}, shared.inputs_of(form_row), row_summary, std::span(&pixel_subset, 1));
     return pixel_summary;
 }
 

@@ -20,7 +20,7 @@ bool has_same_bits(double a, double b) {
 
 CheckResult compare_answers(const intersect::Info& info, const AllAnswers& a, const AllAnswers& b, std::size_t i) {
     if (a.hit[i] != b.hit[i]) return a.hit[i] != 0 ? CheckResult::first_alone : CheckResult::second_alone;
-    if (a.hit[i] == 0 || !tells_t(info)) return CheckResult::agree;
+    if (a.hit[i] == 0 || !returns_t(info)) return CheckResult::agree;
     const bool has_both_roots = info.roots == intersect::Roots::both;
     const bool is_same_answer =
         has_same_bits(a.t[i], b.t[i]) &&
@@ -56,15 +56,15 @@ AllAnswers answers_of(const FormKernels& kernels, const RayBlock& rays, std::spa
             const auto batch_targets = targets.size() == 1 ? targets : targets.subspan(begin, end - begin);
             kernel(buffers.rays(begin, end), intersect::Target<S>(batch_targets), buffers.hits(begin, end));
         }
-        const auto widened = [](const std::vector<S>& column) {
+        const auto widen = [](const std::vector<S>& column) {
             return std::vector<double>(column.begin(), column.end());
         };
-        answers = {widened(buffers.t), widened(buffers.near), widened(buffers.far), buffers.hit};
+        answers = {widen(buffers.t), widen(buffers.near), widen(buffers.far), buffers.hit};
     });
     return answers;
 }
 
-bool tells_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
+bool returns_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
 
 std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const RayBlock& rays,
                                            const Primitive<double>& primitive) {
@@ -74,17 +74,17 @@ std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const Ray
     const AllAnswers a = answers_of(kernels, rays, std::span(&primitive, 1));
     for (std::size_t i = 0; i < a.size(); ++i) {
         const auto is_ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
-        const bool any_ahead = form_checks_tmax || is_ahead(a.t[i]) || (has_both_roots && is_ahead(a.far[i]));
-        meets.push_back(static_cast<std::uint8_t>(a.hit[i] != 0 && any_ahead));
+        const bool is_any_ahead = form_checks_tmax || is_ahead(a.t[i]) || (has_both_roots && is_ahead(a.far[i]));
+        meets.push_back(static_cast<std::uint8_t>(a.hit[i] != 0 && is_any_ahead));
     }
     return meets;
 }
 
 std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const RayBlock& all_rays) {
     std::vector<std::uint8_t> meets(all_rays.size());
-    band_form.by_primitive(
+    band_form.for_each_primitive(
         all_rays, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
-            const std::vector<std::uint8_t> primitive_meets = hits_before_tmax(band_form.form, rays, primitive);
+            const std::vector<std::uint8_t> primitive_meets = hits_before_tmax(band_form.kernels, rays, primitive);
             for (std::size_t k = 0; k < ray_indices.size(); ++k) meets[ray_indices[k]] |= primitive_meets[k];
         });
     return meets;
@@ -97,20 +97,21 @@ void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
         band_form.row.format.engine == Format::Engine::rounded;  // software formats have no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         if (!is_software || isa == intersect::simd::Isa::scalar)
-            kernels_by_width.emplace_back(*band_form.row.form, band_form.row.format, band_form.form.stop, isa);
+            kernels_by_width.emplace_back(*band_form.row.form, band_form.row.format, band_form.kernels.stop, isa);
     }
-    band_form.by_primitive(
+    band_form.for_each_primitive(
         band_form.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
             const std::span<const Primitive<double>> target(&primitive, 1);
-            const AllAnswers single_answers = answers_of(band_form.form, rays, target, Calls::one_by_one);
-            for (const FormKernels& width : kernels_by_width) {
-                const AllAnswers batch_answers = answers_of(width, rays, target);
+            const AllAnswers single_answers = answers_of(band_form.kernels, rays, target, Calls::one_by_one);
+            for (const FormKernels& width_kernels : kernels_by_width) {
+                const AllAnswers batch_answers = answers_of(width_kernels, rays, target);
                 for (std::size_t k = 0; k < ray_indices.size(); ++k) {
                     const std::size_t i = ray_indices[k];
                     if (is_disagreement(out.results[i])) continue;
                     const Ray<double> ray = band_form.inputs.rays[i];
                     out.set(i, compare_answers(info, single_answers, batch_answers, k), [&] {
-                        return TwoRays{i, band_form.shown(ray, HUGE_VAL), band_form.shown(ray, HUGE_VAL)};
+                        return TwoRays{i, band_form.group_to_explain(ray, HUGE_VAL),
+                                       band_form.group_to_explain(ray, HUGE_VAL)};
                     });
                 }
             }

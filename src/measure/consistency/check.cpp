@@ -26,12 +26,12 @@ FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& te
     : scene(tested_scene),
       row(tested_form),
       band(tested_band),
-      form(*tested_form.form, tested_form.format, tested_band.stop()),
+      kernels(*tested_form.form, tested_form.format, tested_band.stop()),
       inputs(tested_band.inputs_for(tested_form.format, *tested_form.form->info)),
-      closest(answer::evaluate(*tested_form.form, inputs)),
+      closest_hits(answer::evaluate(*tested_form.form, inputs)),
       tree_(tree_of(tested_band, tested_form.format.parameters, inputs.primitives)) {}
 
-scene::rays::RayGroup FormOnBand::shown(const Ray<double>& ray, double tmax) const {
+scene::rays::RayGroup FormOnBand::group_to_explain(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
     const bool has_few = inputs.primitives.size() <= truth::Band::most_original_primitives;
     std::vector<Primitive<double>> primitives;
@@ -70,7 +70,7 @@ FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& band_form, cons
     std::vector<std::pair<std::uint32_t, std::size_t>> pairs;
     std::vector<std::uint32_t> candidates;
     for (std::size_t i = 0; i < all_rays.size(); ++i) {
-        band_form.form.stop.check();
+        band_form.kernels.stop.check();
         band_form.tree_->find_candidates(all_rays[i], candidates);
         for (const std::uint32_t k : candidates) pairs.emplace_back(k, i);
     }
@@ -95,10 +95,10 @@ scene::rays::RayBlock FormOnBand::RaysOfPrimitives::rays_at(std::span<const std:
 namespace {
 
 bool always_applies(const Scene&, const Intersector&) { return true; }
-bool applies_if_t_reported(const Scene&, const Intersector& form) { return tells_t(*form.info); }
+bool applies_if_t_reported(const Scene&, const Intersector& form) { return returns_t(*form.info); }
 /// A form that assumes unit directions cannot take the direction q − p.
 bool applies_to_any_length(const Scene&, const Intersector& form) {
-    return tells_t(*form.info) && form.info->direction == intersect::Direction::any;
+    return returns_t(*form.info) && form.info->direction == intersect::Direction::any;
 }
 /// A reversed segment meets a surface from the other side.
 bool applies_to_both_sides(const Scene&, const Intersector& form) {

@@ -41,7 +41,7 @@ enum class CheckResult : std::uint8_t {
 inline constexpr std::array<std::string_view, 7> check_result_names{
     "not_asked", "agree", "first_alone", "second_alone", "other_number", "by_inputs", "unresolved"};
 
-/// True if the form is to blame.
+/// True if the form causes the difference.
 inline constexpr bool is_disagreement(CheckResult a) {
     return a == CheckResult::first_alone || a == CheckResult::second_alone || a == CheckResult::other_number;
 }
@@ -58,19 +58,19 @@ struct PixelCheckResults {
     explicit PixelCheckResults(std::size_t pixels) : results(pixels, CheckResult::not_asked) {}
 
     std::vector<CheckResult> results;
-    /// For checks that compare numbers: `apart` is the difference of the two answers in ulps, and `excess` how much it
-    /// differs from the difference of the exact numbers. NaN if nothing is compared; both are empty for other checks.
+    /// For checks that compare numbers: `apart` is the difference of the two answers in ulps, and `excess` is that
+    /// difference minus the difference of the exact numbers. NaN if nothing is compared; empty for other checks.
     std::vector<double> apart, excess;
-    std::optional<TwoRays> shown;  ///< the first disagreement
+    std::optional<TwoRays> first_disagreement;
 
     /// Sets the result of a pixel. `make_rays()` returns the rays of both questions; it is called only for the first
     /// disagreement.
     template <class Rays>
     void set(std::size_t pixel, CheckResult result, const Rays& make_rays) {
         results[pixel] = result;
-        if (is_disagreement(result) && !shown) {
-            shown = make_rays();
-            shown->pixel = pixel;
+        if (is_disagreement(result) && !first_disagreement) {
+            first_disagreement = make_rays();
+            first_disagreement->pixel = pixel;
         }
     }
 };
@@ -115,7 +115,7 @@ AllAnswers answers_of(const FormKernels& kernels, const scene::rays::RayBlock& r
                       std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
 
 /// True if the form reports t, so that an end can be compared with it.
-bool tells_t(const intersect::Info& info);
+bool returns_t(const intersect::Info& info);
 
 /// A form in a format on the pixels of a band: the input of every check.
 struct FormOnBand {
@@ -125,15 +125,15 @@ struct FormOnBand {
     const scene::file::Scene& scene;
     const evaluate::TestedForm& row;
     const truth::Band& band;
-    FormKernels form;
+    FormKernels kernels;
     truth::FormatInputs inputs;
-    answer::Answers closest;  ///< closest hits, as in a map
+    answer::Answers closest_hits;  ///< as in a map
 
     /// Returns the rays of the pixels, with unit directions if the form assumes them.
     [[nodiscard]] const scene::rays::RayBlock& rays() const { return inputs.rays_for(*row.form->info); }
-    [[nodiscard]] std::size_t pixels() const { return closest.hit.size(); }
+    [[nodiscard]] std::size_t pixels() const { return closest_hits.hit.size(); }
     [[nodiscard]] const FloatFormat& format() const { return row.format.parameters; }
-    [[nodiscard]] bool is_unit() const { return row.form->info->direction == intersect::Direction::unit; }
+    [[nodiscard]] bool takes_unit_directions() const { return row.form->info->direction == intersect::Direction::unit; }
     /// The primitives that rays may meet, and their indices: all primitives, or the triangles of a large mesh that a
     /// tree finds.
     struct Candidates {
@@ -146,12 +146,13 @@ struct FormOnBand {
     /// Calls `act(primitive, rays, ray_indices)` for each primitive that any of the rays may meet, with these rays and
     /// their indices in `all_rays`.
     template <class Act>
-    void by_primitive(const scene::rays::RayBlock& all_rays, const Act& act) const {
+    void for_each_primitive(const scene::rays::RayBlock& all_rays, const Act& act) const {
         const RaysOfPrimitives rays_of_primitives(*this, all_rays);
         for (std::size_t k = 0; k < rays_of_primitives.size(); ++k) rays_of_primitives.call(k, act);
     }
-    /// Returns a ray with its end and all primitives, or without primitives if there are too many.
-    [[nodiscard]] scene::rays::RayGroup shown(const Ray<double>& ray, double tmax) const;
+    /// Returns a ray with its end and all primitives, or without primitives if there are too many, for `lostbits
+    /// explain`.
+    [[nodiscard]] scene::rays::RayGroup group_to_explain(const Ray<double>& ray, double tmax) const;
 
 private:
     /// For each primitive, the rays that may meet it.
@@ -192,14 +193,14 @@ std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const sce
 std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
 
 struct Check {
-    std::string_view name;    ///< `reverse`
-    std::string_view title;   ///< says in one line what must agree
-    std::string_view first;   ///< the question whose yes is `first_alone`
-    std::string_view second;  ///< the other question
+    std::string_view name;            ///< `reverse`
+    std::string_view title;           ///< says in one line what must agree
+    std::string_view first_question;  ///< the question whose yes is `first_alone`
+    std::string_view second_question;
     /// True if the check applies to a form on a scene.
     bool (*applies)(const scene::file::Scene&, const intersect::table::Intersector&);
     void (*measure)(const FormOnBand&, PixelCheckResults&);
-    bool numbers = false;  ///< compares numbers, and fills `apart` and `excess`
+    bool compares_numbers = false;  ///< if true, `measure` fills `apart` and `excess`
 };
 
 /// Checks in the order of every table.

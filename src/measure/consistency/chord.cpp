@@ -21,7 +21,7 @@ std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Primitive<double>&
     return with_span(lift_ray<E>(ray), lift_primitive<E>(primitive), [](const auto& span) { return ends_of(span); });
 }
 
-/// Returns a double within `error` of x; nothing if x is not known so well.
+/// Returns a double within `error` of x; nothing if x is not known to that accuracy.
 std::optional<double> to_double_within(const Ball& x, double error) {
     if (!x.is_bounded() || x.radius() > error / 2) return std::nullopt;
     return x.hi() + x.lo();
@@ -116,7 +116,7 @@ std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t 
     return rays;
 }
 
-RayBlock as_unit(RayBlock rays, const FloatFormat& format) {
+RayBlock with_unit_directions(RayBlock rays, const FloatFormat& format) {
     truth::make_unit({rays.dx, rays.dy, rays.dz}, format);
     return rays;
 }
@@ -128,15 +128,16 @@ struct SegmentsFromEnd {
 
     SegmentsFromEnd(const FormOnBand& band_form, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
         : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
-          answers(
-              answers_of(band_form.form, band_form.is_unit() ? as_unit(rays, band_form.format()) : rays, primitives)) {}
+          answers(answers_of(band_form.kernels,
+                             band_form.takes_unit_directions() ? with_unit_directions(rays, band_form.format()) : rays,
+                             primitives)) {}
 };
 
 CheckResult check_result_of_numbers(const FormOnBand& band_form, const ReversedRays& rays, const ChordAnswer& answer,
                                     double& apart, double& excess) {
-    const double segment_length = band_form.is_unit() ? length(rays.forth.direction) : 1;
+    const double segment_length = band_form.takes_unit_directions() ? length(rays.forth.direction) : 1;
     const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(band_form.format(), std::ilogb(segment_length))));
-    const auto error = chord_error(rays, answer, band_form.is_unit(), ulp);
+    const auto error = chord_error(rays, answer, band_form.takes_unit_directions(), ulp);
     if (!error) return CheckResult::unresolved;
     apart = error->apart;
     excess = error->excess;

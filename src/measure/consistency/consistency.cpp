@@ -10,24 +10,25 @@ namespace lostbits::measure::consistency {
 namespace {
 
 void add_check(const PixelCheckResults& check_results, const ConsistencyBand& band, CheckSummary& summary) {
-    for (const CheckResult result : check_results.results) ++summary.count[static_cast<std::size_t>(result)];
+    for (const CheckResult result : check_results.results) ++summary.counts[static_cast<std::size_t>(result)];
     summary.apart.add(check_results.apart);
     summary.excess.add(check_results.excess);
-    if (!check_results.shown || summary.shown) return;
-    const auto pixel = static_cast<int>(check_results.shown->pixel);
-    summary.shown = ShownDisagreement{pixel % band.width, band.y0 + pixel / band.width, *check_results.shown};
+    if (!check_results.first_disagreement || summary.first_disagreement) return;
+    const auto pixel = static_cast<int>(check_results.first_disagreement->pixel);
+    summary.first_disagreement =
+        FirstDisagreement{pixel % band.width, band.y0 + pixel / band.width, *check_results.first_disagreement};
 }
 
 using C = CheckSummary;
 
 double as_number(std::uint64_t n) { return static_cast<double>(n); }
 template <CheckResult a>
-double count_of(const C& s) {
-    return as_number(s.of(a));
+double pixel_count(const C& s) {
+    return as_number(s.count_of(a));
 }
 template <CheckResult a>
 double share_of(const C& s) {
-    return truth::fraction(s.of(a), s.asked());
+    return truth::fraction(s.count_of(a), s.asked());
 }
 template <metric::Distribution C::*numbers, int percent>
 double quantile_of(const C& s) {
@@ -36,19 +37,19 @@ double quantile_of(const C& s) {
 
 constexpr ConsistencyColumn column_rows[] = {
     {"rays", "", "pixels at which both questions are asked", true, [](const C& s) { return as_number(s.asked()); }},
-    {"agree", "", "of these, pixels with the same answer to both questions", true, count_of<CheckResult::agree>},
+    {"agree", "", "of these, pixels with the same answer to both questions", true, pixel_count<CheckResult::agree>},
     {"first_alone", "", "the answer is yes only to the first question, and one of the answers is wrong", true,
-     count_of<CheckResult::first_alone>},
+     pixel_count<CheckResult::first_alone>},
     {"second_alone", "", "the answer is yes only to the second, and one of the answers is wrong", true,
-     count_of<CheckResult::second_alone>},
+     pixel_count<CheckResult::second_alone>},
     {"other_number", "",
      "the decisions are the same, the numbers are not: they differ in any bit (packs), or by an ulp more than the "
      "exact ones (reverse, placed)",
-     true, count_of<CheckResult::other_number>},
+     true, pixel_count<CheckResult::other_number>},
     {"by_inputs", "", "the answers differ as the exact ones do: the stored numbers of the questions differ", true,
-     count_of<CheckResult::by_inputs>},
+     pixel_count<CheckResult::by_inputs>},
     {"unresolved", "", "the answers differ, and the exact ones are not proved", true,
-     count_of<CheckResult::unresolved>},
+     pixel_count<CheckResult::unresolved>},
     {"disagree_fraction", "", "share of first_alone, second_alone and other_number", false,
      [](const C& s) { return truth::fraction(s.disagreements(), s.asked()); }},
     {"decision_fraction", "", "share of first_alone and second_alone", false,
@@ -69,16 +70,16 @@ constexpr ConsistencyColumn column_rows[] = {
 }  // namespace
 
 std::uint64_t CheckSummary::asked() const {
-    return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(CheckResult::not_asked);
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - count_of(CheckResult::not_asked);
 }
 
 std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
-                                     std::vector<const Check*> among) {
-    std::erase_if(among, [&](const Check* check) {
+                                     std::vector<const Check*> candidates) {
+    std::erase_if(candidates, [&](const Check* check) {
         return std::ranges::none_of(
             rows, [&](const evaluate::TestedForm& form_row) { return check->applies(scene, *form_row.form); });
     });
-    return among;
+    return candidates;
 }
 
 bool can_be_compared(const intersect::table::Intersector& form) { return is_primitive(form.shape); }

@@ -15,30 +15,30 @@
 namespace lostbits::measure::consistency {
 
 /// First disagreement of a check: the pixel of the picture and the rays of both questions.
-struct ShownDisagreement {
+struct FirstDisagreement {
     int x = 0, y = 0;
     TwoRays rays;
 };
 
 /// Results of one check over all pixels of a row.
 struct CheckSummary {
-    std::array<std::uint64_t, check_result_names.size()> count{};
+    std::array<std::uint64_t, check_result_names.size()> counts{};
     metric::Distribution apart, excess;  ///< for checks that compare numbers, in ulps
-    std::optional<ShownDisagreement> shown;
+    std::optional<FirstDisagreement> first_disagreement;
 
-    [[nodiscard]] std::uint64_t of(CheckResult a) const { return count[static_cast<std::size_t>(a)]; }
+    [[nodiscard]] std::uint64_t count_of(CheckResult a) const { return counts[static_cast<std::size_t>(a)]; }
     /// Number of pixels at which both questions are asked.
     [[nodiscard]] std::uint64_t asked() const;
-    /// Number of differences that the form is to blame for. `decisions` counts those that are in the decision.
-    [[nodiscard]] std::uint64_t disagreements() const { return decisions() + of(CheckResult::other_number); }
+    /// Number of differences that the form causes. `decisions` counts those in which the decisions differ.
+    [[nodiscard]] std::uint64_t disagreements() const { return decisions() + count_of(CheckResult::other_number); }
     [[nodiscard]] std::uint64_t decisions() const {
-        return of(CheckResult::first_alone) + of(CheckResult::second_alone);
+        return count_of(CheckResult::first_alone) + count_of(CheckResult::second_alone);
     }
 };
 
 LOSTBITS_FIELDS(TwoRays, pixel, first, second)
-LOSTBITS_FIELDS(ShownDisagreement, x, y, rays)
-LOSTBITS_FIELDS(CheckSummary, count, apart, excess, shown)
+LOSTBITS_FIELDS(FirstDisagreement, x, y, rays)
+LOSTBITS_FIELDS(CheckSummary, counts, apart, excess, first_disagreement)
 
 /// One summary for each check of the request. A check that does not apply has only `not_asked` pixels.
 using RowChecks = std::vector<CheckSummary>;
@@ -69,9 +69,9 @@ struct ConsistencyStudy {
     ConsistencyBand measure(const truth::Band& band, std::size_t row_index, RowChecks& summary) const;
 };
 
-/// Returns the checks of `among` that apply to at least one of the rows on a scene.
+/// Returns those of the candidates that apply to at least one of the rows on a scene.
 std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
-                                     std::vector<const Check*> among = all_checks());
+                                     std::vector<const Check*> candidates = all_checks());
 
 /// True if the form intersects a primitive. Forms that march a distance field are not compared.
 bool can_be_compared(const intersect::table::Intersector& form);

@@ -16,7 +16,7 @@ using truth::Truth;
 namespace {
 
 /// Returns the primitive moved so that its middle is the origin, under a matrix that moves it back.
-Primitive<double> under_matrix(const Primitive<double>& primitive, const FloatFormat& format) {
+Primitive<double> move_under_matrix(const Primitive<double>& primitive, const FloatFormat& format) {
     const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto stored_point = [&](const Vec<double>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
     const Vec<double> middle = stored_point(visit(primitive, [](const auto& shape) { return shape.middle(); }));
@@ -90,13 +90,13 @@ const Intersector& form_with_matrices(const Intersector& form) {
 
 /// Returns each primitive under a matrix without it, and each other primitive under a matrix. A primitive that cannot
 /// be converted is unchanged. Returns an empty list if none can be converted.
-std::vector<Primitive<double>> converted_primitives(const FormOnBand& band_form,
-                                                    const std::vector<Primitive<double>>& primitives) {
+std::vector<Primitive<double>> convert_primitives(const FormOnBand& band_form,
+                                                  const std::vector<Primitive<double>>& primitives) {
     bool any_converted = false;
     std::vector<Primitive<double>> converted;
     for (const Primitive<double>& primitive : primitives) {
         const auto other_primitive = primitive.placed ? image_of(primitive, band_form.format())
-                                                      : std::optional(under_matrix(primitive, band_form.format()));
+                                                      : std::optional(move_under_matrix(primitive, band_form.format()));
         any_converted = any_converted || other_primitive;
         converted.push_back(other_primitive.value_or(primitive));
     }
@@ -113,7 +113,7 @@ struct BandAmongPrimitives {
             culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives),
                                                        band_form.inputs.rays);
         scene::rays::RayGroup group{.rays = band_form.inputs.rays, .primitives = primitives};
-        band = std::make_unique<truth::Band>(std::move(group), truth::ProofLimit{.stop = band_form.form.stop},
+        band = std::make_unique<truth::Band>(std::move(group), truth::ProofLimit{.stop = band_form.kernels.stop},
                                              culler.get());
     }
 };
@@ -131,21 +131,21 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
     out.apart.assign(band_form.pixels(), truth::missing);
     out.excess.assign(band_form.pixels(), truth::missing);
     const std::vector<Primitive<double>> primitives = primitives_of(band_form),
-                                         converted = converted_primitives(band_form, primitives);
+                                         converted = convert_primitives(band_form, primitives);
     if (converted.empty()) return;
     const BandAmongPrimitives given_band(band_form, primitives), converted_band(band_form, converted);
     const truth::Band &given_truth = *given_band.band, &converted_truth = *converted_band.band;
     const Intersector& form = form_with_matrices(*band_form.row.form);
     const bool is_unit = form.info->direction == intersect::Direction::unit;
     const auto converted_answers = answer::evaluate(form, converted_truth.inputs_for(band_form.row.format, *form.info));
-    const answer::Answers &a = band_form.closest, &b = converted_answers;
+    const answer::Answers &a = band_form.closest_hits, &b = converted_answers;
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
         const Truth p = given_truth.truth(i, band_form.row.convention()),
                     q = converted_truth.truth(i, band_form.row.convention());
         CheckResult result = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
         if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
             result = CheckResult::unresolved;
-        else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && tells_t(*form.info)) {
+        else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && returns_t(*form.info)) {
             const auto &first = is_unit ? p.distance : p.t, &second = is_unit ? q.distance : q.t;
             const std::int64_t ulp = ulp_exponent(band_form.format(), first.floor_log2());
             const auto error_in_ulps = [ulp](double t, const truth::Certified& exact) {
@@ -159,7 +159,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
                                            : CheckResult::agree;
         }
         out.set(i, result, [&] {
-            TwoRays two_rays{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
+            TwoRays two_rays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
                              scene::rays::group_of(band_form.inputs.rays[i])};
             if (converted.size() <= truth::Band::most_original_primitives) two_rays.second.primitives = converted;
             return two_rays;

@@ -96,8 +96,8 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndO
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentRays& s = segments[k];
         out.set(pixels[k], check_result_of_segment(band_form, s, first_meets[k] != 0, second_meets[k] != 0), [&] {
-            return TwoRays{0, band_form.shown(s.by_difference, s.difference_end),
-                           band_form.shown(s.by_unit, s.unit_end)};
+            return TwoRays{0, band_form.group_to_explain(s.by_difference, s.difference_end),
+                           band_form.group_to_explain(s.by_unit, s.unit_end)};
         });
     }
 }
@@ -110,17 +110,17 @@ void compare_with_shadow_tests(const FormOnBand& band_form, const EndOf& end_of,
     scene::rays::RayBlock rays = band_form.rays();
     rays.tmax.assign(rays.size(), HUGE_VAL);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (band_form.closest.hit[i] != 0) rays.tmax[i] = end_of(band_form.closest.t[i]);
+        if (band_form.closest_hits.hit[i] != 0) rays.tmax[i] = end_of(band_form.closest_hits.t[i]);
     }
     const auto meets = hits_before_tmax(band_form, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (band_form.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
+        if (band_form.closest_hits.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
         const CheckResult result = (meets[i] != 0) == expected ? CheckResult::agree
                                    : expected                  ? CheckResult::first_alone
                                                                : CheckResult::second_alone;
         out.set(i, result, [&] {
-            return TwoRays{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
-                           band_form.shown(band_form.inputs.rays[i], rays.tmax[i])};
+            return TwoRays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
+                           band_form.group_to_explain(band_form.inputs.rays[i], rays.tmax[i])};
         });
     }
 }

@@ -22,8 +22,8 @@ namespace {
 struct Passage {
     enum class Kind : std::uint8_t { outside, rim, inner, in_plane };
     Kind kind = Kind::outside;
-    bool front = false;  ///< known for `rim` and `inner`
-    int t_sign = 0;      ///< known for `rim` and `inner`
+    bool hits_front = false;  ///< known for `rim` and `inner`
+    int t_sign = 0;           ///< known for `rim` and `inner`
 };
 
 template <class E>
@@ -92,8 +92,8 @@ std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles
     return found;
 }
 
-/// Directions without zeros and without two components of one size, from the fractional parts of multiples of √2, √3
-/// and √5. None of them lies in a plane that people draw.
+/// Directions without zeros and without two components of the same size, from the fractional parts of multiples of √2,
+/// √3 and √5. None of them lies in a plane that people draw.
 Vec<double> direction_of_attempt(int k) {
     const auto fraction = [k](double x) { return std::fmod((k + 1) * x, 1) + 0x1p-6; };
     const Vec<double> d(fraction(std::sqrt(2.0)), fraction(std::sqrt(3.0)), fraction(std::sqrt(5.0)));
@@ -102,7 +102,7 @@ Vec<double> direction_of_attempt(int k) {
 
 /// Counts the crossings of one ray from a point. Nothing if the ray meets a rim or lies in the plane of a triangle.
 std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& triangles, ProofLimit limit) {
-    PointInMesh found;
+    PointInMesh position;
     bool is_clear = true;
     for (const std::uint32_t k : candidates_of(ray, triangles)) {
         limit.stop.check();
@@ -112,43 +112,43 @@ std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangl
             continue;
         }
         if (passage->kind == Passage::Kind::outside || passage->t_sign < 0) continue;
-        if (passage->t_sign == 0) return PointInMesh{.on_surface = true};
+        if (passage->t_sign == 0) return PointInMesh{.is_on_surface = true};
         if (passage->kind == Passage::Kind::rim) is_clear = false;
-        ++found.crossings;
-        found.winding += passage->front ? -1 : 1;
+        ++position.crossings;
+        position.winding += passage->hits_front ? -1 : 1;
     }
-    return is_clear ? std::optional(found) : std::nullopt;
+    return is_clear ? std::optional(position) : std::nullopt;
 }
 
 }  // namespace
 
 MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range,
                            ProofLimit limit) {
-    MeshCrossings found;
-    if (!is_valid(ray)) return found;
+    MeshCrossings crossings;
+    if (!is_valid(ray)) return crossings;
     for (const std::uint32_t k : candidates_of(ray, triangles)) {
         limit.stop.check();
         const Primitive<double> triangle = triangles.primitives[k];
         const auto passage = passage_of(ray, triangle);
         if (passage && (passage->kind == Passage::Kind::outside || passage->kind == Passage::Kind::in_plane)) continue;
         const Truth truth = find_truth(ray, triangle, limit, {}, range);
-        if (!passage || truth.decision == Truth::Decision::unresolved) found.is_resolved = false;
+        if (!passage || truth.decision == Truth::Decision::unresolved) crossings.is_resolved = false;
         else if (truth.is_hit())
-            found.in_order.push_back(
-                {k, 0, truth.t, truth.distance, passage->front, passage->kind == Passage::Kind::rim});
+            crossings.in_order.push_back(
+                {k, 0, truth.t, truth.distance, passage->hits_front, passage->kind == Passage::Kind::rim});
     }
     const auto order = [&](const MeshCrossing& a, const MeshCrossing& b) {
         if (const int difference = compare(a.t, b.t); difference != 0) return difference;
         const auto exact = order_of_t(ray, triangles.primitives[a.triangle], triangles.primitives[b.triangle]);
-        if (!exact) found.is_resolved = false;
+        if (!exact) crossings.is_resolved = false;
         return exact.value_or(0);
     };
-    std::ranges::stable_sort(found.in_order, [&](const auto& a, const auto& b) { return order(a, b) < 0; });
-    for (std::size_t i = 1; i < found.in_order.size(); ++i) {
-        MeshCrossing &previous = found.in_order[i - 1], &next = found.in_order[i];
+    std::ranges::stable_sort(crossings.in_order, [&](const auto& a, const auto& b) { return order(a, b) < 0; });
+    for (std::size_t i = 1; i < crossings.in_order.size(); ++i) {
+        MeshCrossing &previous = crossings.in_order[i - 1], &next = crossings.in_order[i];
         next.rank = previous.rank + (order(previous, next) == 0 ? 0 : 1);
     }
-    return found;
+    return crossings;
 }
 
 std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
@@ -182,7 +182,7 @@ bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle,
     return false;
 }
 
-PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, ProofLimit limit) {
+PointInMesh locate_in_mesh(const Vec<double>& point, const Triangles& triangles, ProofLimit limit) {
     constexpr int attempts = 64;
     if (is_valid(Ray<double>{point, {1, 1, 1}}))
         for (int k = 0; k < attempts; ++k)

@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::crossing {
 
-/// Triangles, and the index that finds the ones that a ray can meet. Without an index (null), every triangle is tested.
+/// Triangles, and the index that finds those that a ray can meet. Without an index (null), every triangle is tested.
 struct Triangles {
     const scene::rays::PrimitiveList<double>& primitives;  ///< triangles only
     const culling::PrimitiveIndex* index = nullptr;
@@ -23,8 +23,8 @@ struct MeshCrossing {
     int rank = 0;               ///< position in the order of t, from 0; the same for crossings at the same t
     truth::Certified t;         ///< in units of the direction's length
     truth::Certified distance;  ///< t |d|
-    bool front = false;         ///< the ray comes from the side on which the corners run counter-clockwise
-    bool at_rim = false;        ///< the ray passes through an edge or a vertex
+    bool hits_front = false;    ///< the ray comes from the side from which the corners run counter-clockwise
+    bool is_at_rim = false;     ///< the ray passes through an edge or a vertex
 };
 
 /// Crossings of one ray.
@@ -54,9 +54,9 @@ bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle,
 
 /// Position of a point relative to a mesh.
 struct PointInMesh {
-    int winding = 0;          ///< number of layers of the surface around the point, see `place_in_mesh`
-    int crossings = 0;        ///< number of crossings of the ray that counts the layers
-    bool on_surface = false;  ///< the point lies on a triangle; `winding` and `crossings` are then 0
+    int winding = 0;             ///< number of layers of the surface around the point, see `locate_in_mesh`
+    int crossings = 0;           ///< number of crossings of the ray that counts the layers
+    bool is_on_surface = false;  ///< the point lies on a triangle; `winding` and `crossings` are then 0
     bool is_resolved = true;  ///< false: the point is not finite, or every ray tried meets an edge or lies in a plane
 };
 
@@ -70,6 +70,6 @@ struct PointInMesh {
 /// whose corners run counter-clockwise seen from outside, and −1 if they run clockwise. If every edge has an even
 /// number of faces (`MeshEdges::odd` = 0), the same holds modulo 2 for the number of crossings, however the faces are
 /// turned.
-PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, truth::ProofLimit limit = {});
+PointInMesh locate_in_mesh(const Vec<double>& point, const Triangles& triangles, truth::ProofLimit limit = {});
 
 }  // namespace lostbits::measure::crossing

@@ -50,7 +50,7 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     return false;
 }
 
-/// The searched mesh: its columns, as every form is given them, and the edges that two faces share.
+/// The searched mesh: its columns, which are the same for every form, and the edges that two faces share.
 struct SearchedMesh {
     explicit SearchedMesh(const scene::file::Scene& scene)
         : columns(scene::rays::shared_mesh(scene)), edges(shared_edges(columns->mesh())) {}
@@ -83,10 +83,10 @@ struct SearchedMesh {
     [[nodiscard]] const SharedEdge* edge_at(const AimedRay& aimed_ray, std::uint32_t face) const {
         if (!touches(aimed_ray, face)) return nullptr;
         if (!aimed_ray.vertex) return &edges[aimed_ray.edge];
-        const auto has_both = [&](const SharedEdge& edge) {
+        const auto has_vertex_and_face = [&](const SharedEdge& edge) {
             return std::ranges::count(edge.ends, *aimed_ray.vertex) != 0 && std::ranges::count(edge.faces, face) != 0;
         };
-        const auto found = std::ranges::find_if(edges, has_both);
+        const auto found = std::ranges::find_if(edges, has_vertex_and_face);
         return found == edges.end() ? nullptr : &*found;
     }
 
@@ -111,7 +111,7 @@ public:
                   const evaluate::TestedForm& tested_form)
         : outcome_(wanted), mesh_(mesh), batch_(batch), tested_form_(tested_form) {}
 
-    void look_at(const evaluate::BandResult& result) {
+    void inspect(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < batch_.size(); ++i) {
             if (nearest && batch_[i].distance >= nearest->distance) continue;
             const SharedEdge* const edge = edge_with_outcome(outcome_, mesh_, batch_[i], result, i);
@@ -147,9 +147,9 @@ struct Eye {
 };
 
 /// Runs the census of one form, or searches for the nearest ray with one outcome.
-class Search {
+class EdgeSearch {
 public:
-    Search(const EdgeRequest& request, const SearchedMesh& mesh, const evaluate::TestedForm& tested_form)
+    EdgeSearch(const EdgeRequest& request, const SearchedMesh& mesh, const evaluate::TestedForm& tested_form)
         : request_(request),
           file_(request.search),
           mesh_(mesh),
@@ -199,13 +199,13 @@ public:
             std::erase_if(suspects,
                           [this](const AimedRay& aimed_ray) { return !file_.distance.holds(aimed_ray.distance); });
             if (suspects.empty()) continue;
-            const NearestFinder found = nearest_among(suspects);
-            if (!found.nearest || (best_ && found.nearest->distance >= best_->distance)) continue;
+            const NearestFinder finder = nearest_among(suspects);
+            if (!finder.nearest || (best_ && finder.nearest->distance >= best_->distance)) continue;
             // Test the ray again by itself. In a batch, a form is tested on more triangles, because the boxes are as
             // wide as the farthest ray of the batch needs.
-            if (!nearest_among({found.nearest_ray()}).nearest) continue;
-            best_ = found.nearest;
-            best_eye_ = batch_eyes[found.nearest_ray().eye];
+            if (!nearest_among({finder.nearest_ray()}).nearest) continue;
+            best_ = finder.nearest;
+            best_eye_ = batch_eyes[finder.nearest_ray().eye];
         }
         finding.nearest[outcome_index_] = best_;
     }
@@ -258,7 +258,7 @@ private:
 
     std::vector<AimedRay> next_batch(std::vector<Eye>& batch_eyes) {
         std::vector<AimedRay> batch;
-        const auto rounded = [this](Vec<double> v) {
+        const auto round_vector = [this](Vec<double> v) {
             for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, format_);
             return v;
         };
@@ -268,13 +268,14 @@ private:
             const auto [a, b] = mesh_.ends(edge);
             std::optional<std::uint32_t> vertex;
             if (eye.edge_fraction == 0 || eye.edge_fraction == 1) vertex = edge.ends[eye.edge_fraction == 0 ? 0 : 1];
-            const double size = length(b - a);
+            const double edge_length = length(b - a);
             const Vec<double> point = a + eye.edge_fraction * (b - a),
-                              origin = rounded(point + eye.distance * size * eye.direction), to_point = point - origin;
-            const Vec<double> direction = rounded((1 + random_.unit()) / length(to_point) * to_point);
+                              origin = round_vector(point + eye.distance * edge_length * eye.direction),
+                              to_point = point - origin;
+            const Vec<double> direction = round_vector((1 + random_.unit()) / length(to_point) * to_point);
             for (std::size_t k = 0; k < rays_per_eye; ++k)
-                batch.push_back({{origin, k == 0 ? direction : perturbed(direction)},
-                                 length(to_point) / size,
+                batch.push_back({{origin, k == 0 ? direction : perturb(direction)},
+                                 length(to_point) / edge_length,
                                  eye.edge,
                                  batch_eyes.size() - 1,
                                  vertex});
@@ -282,7 +283,7 @@ private:
         return batch;
     }
 
-    Vec<double> perturbed(Vec<double> direction) {
+    Vec<double> perturb(Vec<double> direction) {
         for (int k = 0; k < 3; ++k) {
             const std::int64_t steps = random_.below(2 * file_.ulps + 1) - file_.ulps;
             direction[k] = truth::number_at(truth::ordinal(direction[k], format_) + steps, format_);
@@ -320,7 +321,7 @@ private:
 
     NearestFinder nearest_among(const std::vector<AimedRay>& batch) const {
         NearestFinder finder(searched_outcomes.at(outcome_index_), mesh_, batch, tested_form_);
-        measure(batch, [&finder](const evaluate::BandResult& result) { finder.look_at(result); });
+        measure(batch, [&finder](const evaluate::BandResult& result) { finder.inspect(result); });
         return finder;
     }
 
@@ -352,15 +353,15 @@ private:
 std::vector<EdgeFinding> search_edges(const EdgeRequest& request) {
     const SearchedMesh mesh(request.search.scene);
     const auto units = request.share.unit_range(request.rows.size());
-    std::vector<EdgeFinding> found(units.size());
-    intersect::process::in_parallel(std::size_t{0}, found.size() * progress_units_per_row, [&](std::size_t k) {
+    std::vector<EdgeFinding> findings(units.size());
+    intersect::process::in_parallel(std::size_t{0}, findings.size() * progress_units_per_row, [&](std::size_t k) {
         const std::size_t form_index = k / progress_units_per_row, unit = k % progress_units_per_row;
-        Search search(request, mesh, request.rows[units.first + form_index]);
-        if (unit == searched_outcomes.size()) search.run_census(found[form_index]);
-        else if (!request.census_only) search.find_outcome(found[form_index], unit);
+        EdgeSearch search(request, mesh, request.rows[units.first + form_index]);
+        if (unit == searched_outcomes.size()) search.run_census(findings[form_index]);
+        else if (!request.census_only) search.find_outcome(findings[form_index], unit);
         request.progress(1);
     });
-    return found;
+    return findings;
 }
 
 }  // namespace lostbits::measure::edges

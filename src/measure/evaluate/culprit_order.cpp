@@ -19,7 +19,7 @@ Scene small_picture_of(const Scene& scene, int max_across) {
 }
 
 std::vector<const Metric*> order_culprits(const MapStudy& request, metric::MetricSet& metric_set) {
-    const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
+    const auto culprit = std::ranges::find_if(request.metrics, &Metric::depends_on_forms);
     if (culprit == request.metrics.end()) return request.metrics;
     const Scene small = small_picture_of(*request.scene, 96);
     const auto summaries =

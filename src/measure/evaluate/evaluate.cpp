@@ -83,7 +83,7 @@ std::uint64_t FormSummary::wrong_count() const {
     return sum;
 }
 
-std::optional<Outcome> FormSummary::wrong() const {
+std::optional<Outcome> FormSummary::most_frequent_wrong_decision() const {
     const auto most_frequent = std::ranges::max_element(wrong_decisions, {}, [this](Outcome o) { return count(o); });
     return count(*most_frequent) > 0 ? std::optional(*most_frequent) : std::nullopt;
 }
@@ -92,13 +92,13 @@ const WorstRay* FormSummary::first_of(Outcome wrong) const {
     return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, wrong) - wrong_decisions.begin())].get();
 }
 
-const WorstRay* FormSummary::fault() const {
-    const auto most_frequent = wrong();
+const WorstRay* FormSummary::first_fault() const {
+    const auto most_frequent = most_frequent_wrong_decision();
     return most_frequent ? first_of(*most_frequent) : nullptr;
 }
 
 const WorstRay* FormSummary::worst_ray() const {
-    if (const WorstRay* const wrong = fault()) return wrong;
+    if (const WorstRay* const wrong = first_fault()) return wrong;
     return worst.x < 0 ? nullptr : &worst;
 }
 
@@ -133,7 +133,7 @@ struct JoinedRays {
         worst.group = static_cast<int>(g);
         worst.x = static_cast<std::int64_t>((i - first_rays[g]) % width);
         worst.y = groups[g].rays.y0 + static_cast<int>((i - first_rays[g]) / width);
-        worst.object = std::min<std::int64_t>(worst.object, 0);
+        worst.primitive_index = std::min<std::int64_t>(worst.primitive_index, 0);
     }
 };
 
@@ -166,14 +166,14 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
                   const std::vector<FormSummary*>& summaries) {
     const SharedBandTruth shared(band, rows, metrics);
     for (std::size_t r = 0; r < rows.size(); ++r)
-        measure_row({rows[r], metrics, {}, group}, shared.of(rows[r]), *summaries[r]);
+        measure_row({rows[r], metrics, {}, group}, shared.inputs_of(rows[r]), *summaries[r]);
 }
 
 /// Measures rows on the rays of one group, into the summaries with the same indices.
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
                    const std::vector<const Metric*>& metrics, truth::ProofLimit limit,
                    const std::vector<FormSummary*>& summaries) {
-    for (const FormsOfGenerator& forms : by_generator(rows)) {
+    for (const FormsOfGenerator& forms : group_by_generator(rows)) {
         std::vector<TestedForm> generator_rows;
         std::vector<FormSummary*> row_summaries;
         for (const std::size_t r : forms.rows) generator_rows.push_back(rows[r]), row_summaries.push_back(summaries[r]);

@@ -18,11 +18,11 @@
 
 namespace lostbits::measure::evaluate {
 
-/// One row of the work: a form in a format.
+/// One row of a run: a form in a format.
 struct TestedForm {
     const intersect::table::Intersector* form;
     Format format;
-    /// Touching convention that the form is judged by; absent: its own.
+    /// Touching convention by which the form is judged; absent: its own.
     std::optional<intersect::Touching> touching = {};
 
     /// Form to compare the answers with, which exists in the format; may be null.
@@ -37,11 +37,12 @@ std::vector<const intersect::table::Intersector*> forms_of(const std::vector<Tes
 
 /// A ray that a summary names, with all inputs for evaluating the form again.
 struct WorstRay {
-    std::int64_t x = -1;  ///< for a ray of a list its index: a file may have more than 2^31
+    std::int64_t x = -1;  ///< column of the pixel; for a ray of a list its index, which may be above 2^31
     int y = -1;
-    int group = 0;             ///< index of its group of rays in a sweep or a case
-    std::int64_t object = -1;  ///< the primitive that the form hit; if each ray has its own primitive, the ray's index
-    double size = -1;          ///< |ulp_error|; 0 for a wrong decision
+    int group = 0;  ///< index of its group of rays in a sweep or a case
+    std::int64_t primitive_index =
+        -1;             ///< the primitive that the form hit; if each ray has its own primitive, the ray's index
+    double size = -1;   ///< |ulp_error|; 0 for a wrong decision
     Ray<double> ray{};  ///< in the format; for a form that takes unit directions it is normalised, so t is a distance
     Primitive<double> primitive{};
     double t = 0;
@@ -62,7 +63,7 @@ struct FormSummary {
     std::uint64_t views = 1;  ///< number of groups of rays with primitives of their own: the independent samples, since
                               ///< rays of one group depend on each other
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
-    std::uint64_t true_hits = 0;                ///< rays that truly hit, whatever the form says
+    std::uint64_t true_hits = 0;                ///< rays that truly hit, whatever the form answers
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric with categories, the number of rays in each category; empty for other metrics.
     std::vector<std::vector<std::uint64_t>> categories;
@@ -80,12 +81,13 @@ struct FormSummary {
     /// Number of rays with any of the `wrong_decisions`.
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// The most frequent of the `wrong_decisions`; nothing if every decision is right.
-    [[nodiscard]] std::optional<answer::Outcome> wrong() const;
+    [[nodiscard]] std::optional<answer::Outcome> most_frequent_wrong_decision() const;
     /// The first ray with this wrong decision; null if there is none.
     [[nodiscard]] const WorstRay* first_of(answer::Outcome wrong) const;
-    /// The first ray with the decision `wrong()`; null if every decision is right.
-    [[nodiscard]] const WorstRay* fault() const;
-    /// The ray to examine first: `fault`, otherwise the one with the largest |ulp_error|; null if there is neither.
+    /// The first ray with the decision `most_frequent_wrong_decision()`; null if every decision is right.
+    [[nodiscard]] const WorstRay* first_fault() const;
+    /// The ray to examine first: `first_fault`, otherwise the one with the largest |ulp_error|; null if there is
+    /// neither.
     [[nodiscard]] const WorstRay* worst_ray() const;
     /// Counts of the hits that errors are measured on.
     [[nodiscard]] metric::Agreement agreement() const { return {count(answer::Outcome::agree_hit), true_hits}; }
@@ -110,8 +112,8 @@ struct BandResult {
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, convention); }
 };
 
-/// Receives a row's results (for files, plots, tests); may be empty. Called for each band from top to bottom, never
-/// concurrently for one row; different rows may be shown at the same time.
+/// Receives a row's results (for files, plots, tests); may be empty. It is called for each band from top to bottom, one
+/// band after another for one row. The results of different rows may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
 /// Receives the results of all rows, each with the index of its row.
 using ShowRows = std::function<void(std::size_t row_index, const BandResult&)>;
@@ -141,10 +143,10 @@ void measure_row(const RowRequest& request, const truth::Band& band, const truth
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
                                         const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit);
 
-/// Flags of what must be computed for the metrics: their `Needs`, combined with or.
+/// Inputs that must be computed for the metrics: their `Needs`, combined with or.
 unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
-/// Flags of what a form can provide. Answers of a file and external functions have no formula to evaluate without
-/// rounding or to record.
+/// `Needs` that a form can provide. Answers from a file and external functions have no formula that could be recorded,
+/// or evaluated without rounding.
 unsigned needs_supported_by(const intersect::table::Intersector& form);
 
 }  // namespace lostbits::measure::evaluate

@@ -65,8 +65,8 @@ void Groups::append(Groups&& next_rays) {
     }
 }
 
-std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size_t step) {
-    std::vector<RaysOfValue> groups;
+std::vector<RaysWithValue> group_by_value(std::span<const std::string> values, std::size_t step) {
+    std::vector<RaysWithValue> groups;
     std::unordered_map<std::string, std::size_t> indices;
     for (std::size_t i = 0; i * step < values.size(); ++i) {
         const std::string& value = values[i * step];

@@ -1,5 +1,5 @@
-// Groups rays by the values of a column of the user's own, such as depth, material or instance, with summaries of each
-// group.
+// Groups rays by the values of a column that the user's file has, such as depth, material or instance, with summaries
+// of each group.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::evaluate {
 
-/// Summaries of the rays that have a value, one for each row.
+/// Summaries of all rays with the same value of the column, one for each row.
 struct Group {
     std::string value;
     std::vector<FormSummary> summaries;
@@ -48,11 +48,11 @@ private:
 };
 
 /// Indices of the rays with one value.
-struct RaysOfValue {
+struct RaysWithValue {
     std::string value;
     std::vector<std::uint32_t> rays;
 };
 /// Groups the rays by value, each value once; the value of ray i is at `values[i * step]`.
-std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size_t step);
+std::vector<RaysWithValue> group_by_value(std::span<const std::string> values, std::size_t step);
 
 }  // namespace lostbits::measure::evaluate

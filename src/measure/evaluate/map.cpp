@@ -8,7 +8,7 @@
 
 namespace lostbits::measure::evaluate {
 
-std::vector<FormsOfGenerator> by_generator(const std::vector<TestedForm>& rows) {
+std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& rows) {
     std::vector<FormsOfGenerator> groups;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const auto* const generator = scene::rays::generator_of(*rows[r].form);
@@ -21,7 +21,7 @@ std::vector<FormsOfGenerator> by_generator(const std::vector<TestedForm>& rows) 
 
 std::vector<study::RowsOfScene> MapStudy::scenes() const {
     std::vector<study::RowsOfScene> scenes_of_rows;
-    for (FormsOfGenerator& group : by_generator(rows)) {
+    for (FormsOfGenerator& group : group_by_generator(rows)) {
         auto row_scene = group.generator
                              ? std::make_shared<const scene::file::Scene>(with_ray_generator(*scene, *group.generator))
                              : study::non_owning_pointer(*scene);
@@ -38,7 +38,7 @@ SharedBandTruth MapStudy::prepare(truth::Band& band, const std::vector<std::size
 
 void MapStudy::measure(const SharedBandTruth& shared, std::size_t row_index, FormSummary& summary,
                        const Show& show) const {
-    measure_row({rows[row_index], metrics, show}, shared.of(rows[row_index]), summary);
+    measure_row({rows[row_index], metrics, show}, shared.inputs_of(rows[row_index]), summary);
 }
 
 std::vector<FormSummary> run_map(const MapStudy& map, const ShowRows& show) { return study::run_share(map, show); }

@@ -19,7 +19,7 @@ namespace lostbits::measure::evaluate {
 using answer::Outcome;
 using attribution::RayAttribution;
 using columns::TrueLengths;
-using metric::InColumns;
+using metric::ColumnKernel;
 using metric::Metric;
 using metric::MetricDomain;
 using metric::Sample;
@@ -44,67 +44,68 @@ public:
           truth_(truth),
           needs_(needs_of(metrics_) & needs_supported_by(*row_.form)),
           attributor_(*row_.form, row_.format, culprits_of(metrics_), (needs_ & metric::needs_counterfactuals) != 0),
-          measured_(columns_of_thread.measured),
-          own_ulps_(columns_of_thread.own_ulps) {}
+          correct_t_(columns_of_thread.correct_t),
+          spare_ulps_(columns_of_thread.spare_ulps) {}
 
     void measure(FormSummary& summary, std::span<const RaySubset> parts) {
-        find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, tells_t(),
-                      {result_.outcomes, measured_}, summary);
+        find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, returns_t(),
+                      {result_.outcomes, correct_t_}, summary);
         measure_columns();
         measure_pairs();
-        measure_others();
+        measure_ray_by_ray();
         for (std::size_t m = 0; m < metrics_.size(); ++m) summary.add(m, *metrics_[m], result_.metrics[m]);
         const RowSums sums(request_, result_, truth_, ulps_);
-        sums.keep_worst(summary, largest_);
+        sums.keep_worst(summary, largest_ulps_);
         sums.keep_faults(summary);
         for (const RaySubset& part : parts) sums.add(part);
     }
 
 private:
-    [[nodiscard]] bool tells_t() const { return row_.form->info->roots != intersect::Roots::none; }
+    [[nodiscard]] bool returns_t() const { return row_.form->info->roots != intersect::Roots::none; }
 
     static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
-        const auto found = std::ranges::find_if(metrics, &Metric::by_run);
+        const auto found = std::ranges::find_if(metrics, &Metric::depends_on_forms);
         return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
     }
 
     /// Column of a metric; null if it is not requested.
-    [[nodiscard]] double* column_of(InColumns kind) const {
-        const auto found = std::ranges::find(metrics_, kind, &Metric::in_columns);
+    [[nodiscard]] double* column_of(ColumnKernel kind) const {
+        const auto found = std::ranges::find(metrics_, kind, &Metric::column_kernel);
         return found == metrics_.end() ? nullptr
                                        : result_.metrics[static_cast<std::size_t>(found - metrics_.begin())].data();
     }
 
     void measure_columns() {
-        ulps_ = column_of(InColumns::ulp_error);
+        ulps_ = column_of(ColumnKernel::ulp_error);
         if (!ulps_) {
-            own_ulps_.resize(measured_.size());
-            ulps_ = own_ulps_.data();
+            spare_ulps_.resize(correct_t_.size());
+            ulps_ = spare_ulps_.data();
         }
         std::vector<std::uint32_t> remaining;
-        largest_ = columns::find_errors(measured_, truth_, row_.format.parameters,
-                                        {.ulp = ulps_,
-                                         .lost = column_of(InColumns::lost_bits),
-                                         .correct = column_of(InColumns::correct_bits),
-                                         .relative = column_of(InColumns::relative_error),
-                                         .absolute = column_of(InColumns::absolute_error)},
-                                        remaining);
+        largest_ulps_ = columns::find_errors(correct_t_, truth_, row_.format.parameters,
+                                             {.ulp = ulps_,
+                                              .lost = column_of(ColumnKernel::lost_bits),
+                                              .correct = column_of(ColumnKernel::correct_bits),
+                                              .relative = column_of(ColumnKernel::relative_error),
+                                              .absolute = column_of(ColumnKernel::absolute_error)},
+                                             remaining);
         for (const std::uint32_t i : remaining) {
             const Truth truth = result_.truth(i);
-            ulps_[i] = truth::ulp_error(measured_[i], *in_unit_of(truth, *row_.form->info), row_.format.parameters);
-            if (std::fabs(ulps_[i]) > largest_) largest_ = std::fabs(ulps_[i]);
+            ulps_[i] = truth::ulp_error(correct_t_[i], *in_unit_of(truth, *row_.form->info), row_.format.parameters);
+            if (std::fabs(ulps_[i]) > largest_ulps_) largest_ulps_ = std::fabs(ulps_[i]);
         }
-        if (double* const residuals = column_of(InColumns::residual)) {
+        if (double* const residuals = column_of(ColumnKernel::residual)) {
             const FormatInputs& in = *result_.inputs;
             columns::find_residuals(
-                measured_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
+                correct_t_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
                 residuals, remaining);
         }
         for (const std::uint32_t i : remaining) {
             const Ray<double> ray = ray_of(i);
             const Primitive<double> primitive = primitive_of(i);
             const Truth truth = result_.truth(i);
-            fill(i, sample_of(i, ray, primitive, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
+            fill(i, sample_of(i, ray, primitive, truth),
+                 [](const Metric& m) { return m.column_kernel != ColumnKernel::none; });
         }
     }
 
@@ -123,14 +124,14 @@ private:
     }
 
     /// Computes the metrics that cannot be computed in columns, for each ray with an outcome that they are about.
-    void measure_others() {
+    void measure_ray_by_ray() {
         const auto has_metric = [this](const auto& applies) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return applies(*m); });
         };
         const auto is_of_marches = [](const Metric& m) { return m.domain == MetricDomain::marches; };
         const auto is_of_hits = [](const Metric& m) {
             return (m.domain == MetricDomain::agreed_hits || m.domain == MetricDomain::blamed) &&
-                   m.in_columns == InColumns::no;
+                   m.column_kernel == ColumnKernel::none;
         };
         const auto is_of_every = [](const Metric& m) { return m.domain == MetricDomain::every; };
         const auto is_of_blamed = [](const Metric& m) { return m.domain == MetricDomain::blamed; };
@@ -139,7 +140,7 @@ private:
         const bool measures_every = has_metric(is_of_every);
         const bool measures_faults = (needs_ & metric::needs_attribution) != 0;
         if (!measures_marches && !measures_every && !measures_hits && !measures_faults) return;
-        for (std::size_t i = 0; i < measured_.size(); ++i) {
+        for (std::size_t i = 0; i < correct_t_.size(); ++i) {
             result_.inputs->stop.check();  // attributing the errors of a band takes seconds
             const Outcome outcome = result_.outcomes[i];
             const bool is_fault = outcome != Outcome::not_a_number && is_wrong(outcome);
@@ -152,7 +153,7 @@ private:
                 sample.attribution = &attribution;
                 fill(i, sample, is_of_blamed);
             }
-            if (measures_hits && outcome == Outcome::agree_hit && tells_t()) measure_hit(i, ray, is_of_hits);
+            if (measures_hits && outcome == Outcome::agree_hit && returns_t()) measure_hit(i, ray, is_of_hits);
         }
     }
 
@@ -232,8 +233,8 @@ private:
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return attributor_.of(rays[i], in.target_for(*row_.form, measured_index(i)), rays.range(i),
-                              result_.band->recorded_ray(i, row_.format));
+        return attributor_.attribute_ray(rays[i], in.target_for(*row_.form, measured_index(i)), rays.range(i),
+                                         result_.band->recorded_ray(i, row_.format));
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }
@@ -282,10 +283,10 @@ private:
     const TrueLengths& truth_;
     unsigned needs_;
     attribution::Attributor attributor_;
-    std::vector<double>& measured_;  ///< answers of the correct hits, NaN elsewhere
-    std::vector<double>& own_ulps_;  ///< used if `ulp_error` is not among the metrics
+    std::vector<double>& correct_t_;   ///< the form's t at correct hits, NaN elsewhere
+    std::vector<double>& spare_ulps_;  ///< used if `ulp_error` is not among the metrics
     double* ulps_ = nullptr;
-    double largest_ = 0;  ///< of |ulps|
+    double largest_ulps_ = 0;  ///< largest |ulp_error|
 };
 
 }  // namespace

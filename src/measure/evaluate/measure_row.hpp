@@ -30,7 +30,7 @@ public:
     SharedBandTruth(truth::Band& band, const std::vector<TestedForm>& rows,
                     const std::vector<const metric::Metric*>& metrics);
 
-    [[nodiscard]] RowInputs of(const TestedForm& form_row) const {
+    [[nodiscard]] RowInputs inputs_of(const TestedForm& form_row) const {
         return {band_, inputs_.at(form_row.format.name), columns_};
     }
 
@@ -40,7 +40,7 @@ private:
     columns::BandColumns columns_;
 };
 
-/// Rays of a band that also get a summary of their own. Their indices ascend.
+/// Rays of a band that also get a summary of their own. `rays` holds their indices in rising order.
 struct RaySubset {
     std::span<const std::uint32_t> rays;
     FormSummary* summary;

@@ -20,7 +20,7 @@ using truth::Truth;
 
 namespace {
 
-/// The rays `pixels` of the inputs that a form receives.
+/// Inputs that a form receives for some pixels of a band.
 FormatInputs select_pixels(const FormatInputs& all, const intersect::Info& info,
                            const std::vector<std::uint32_t>& pixels) {
     FormatInputs selected{.format = all.format, .primitives = all.primitives, .march = all.march, .stop = all.stop};
@@ -35,38 +35,39 @@ FormatInputs select_pixels(const FormatInputs& all, const intersect::Info& info,
     return selected;
 }
 
-/// Scan of one form over a part of a band; `pixels` are those on which every width so far has sufficed.
+/// Scan of one form over a part of a band; `pixels` are those on which every precision so far was enough.
 struct Scan {
     std::size_t form;  ///< index in the study
     std::vector<std::uint32_t> pixels;
 };
 
-/// Tests the next smaller width. Pixels on which this width fails get their value and leave the scan.
-void test_width(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits,
-                NeededBand& result) {
+/// Tests the next smaller precision. Pixels on which it fails get their value and leave the scan.
+void test_precision(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int correct_bits,
+                    BitsNeededBand& result) {
     if (scan.pixels.empty()) return;
-    const int width = inputs.format.parameters.precision;
+    const int precision = inputs.format.parameters.precision;
     const answer::Answers answers = answer::evaluate(form, select_pixels(inputs, *form.info, scan.pixels));
-    const bool tells_t = form.info->roots != intersect::Roots::none;
+    const bool returns_t = form.info->roots != intersect::Roots::none;
     std::size_t kept_count = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
         const bool is_wrong_primitive =
-            tells_t && !answer::meets_first(*result.band, i, answers.object[k], form.info->convention());
-        if (suffices(result.truth(i), *form.info, width,
-                     {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.object[k] : -1}, bits))
+            returns_t && !answer::meets_first(*result.band, i, answers.object[k], form.info->convention());
+        if (is_precision_enough(result.truth(i), *form.info, precision,
+                                {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.object[k] : -1},
+                                correct_bits))
             scan.pixels[kept_count++] = i;
-        else result.needed[i] = width == most_width ? needed_beyond : width + 1;
+        else result.bits_needed[i] = precision == most_precision ? beyond_most_precision : precision + 1;
     }
     scan.pixels.resize(kept_count);
 }
 
 /// Scans of every form over every part of the band. The parts depend on the picture alone.
-std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
+std::vector<Scan> scans_of(const std::vector<BitsNeededBand>& results) {
     constexpr std::size_t part_size = 2048;  // small enough to share among threads, large enough for a batch to pay
     std::vector<Scan> scans;
     for (std::size_t f = 0; f < results.size(); ++f) {
-        const std::size_t n = results[f].needed.size();
+        const std::size_t n = results[f].bits_needed.size();
         for (std::size_t begin = 0; begin < n; begin += part_size) {
             Scan scan{f, {}};
             for (std::size_t i = begin; i < std::min(n, begin + part_size); ++i) {
@@ -81,110 +82,113 @@ std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
 
 }  // namespace
 
-bool keeps_bits(double t, const truth::Certified& truth, int bits) {
+bool has_correct_bits(double t, const truth::Certified& truth, int correct_bits) {
     if (!std::isfinite(t)) return false;
-    const long ulp = ulp_exponent({bits, binary64.emin, binary64.emax}, truth.floor_log2());
+    const long ulp = ulp_exponent({correct_bits, binary64.emin, binary64.emax}, truth.floor_log2());
     return std::fabs(truth::scaled_difference(truth::as_certified(t), truth, ulp)) <= 0.5;
 }
 
-bool suffices(const Truth& truth, const intersect::Info& form, int width, Answer form_answer, int bits) {
+bool is_precision_enough(const Truth& truth, const intersect::Info& form, int precision, Answer form_answer,
+                         int correct_bits) {
     switch (answer::classify(truth.decision, form_answer.hit, form_answer.t)) {
         case answer::Outcome::agree_miss: return true;
         case answer::Outcome::agree_hit:
-            return width >= bits && (form_answer.object < 0 || form_answer.object == truth.primitive) &&
-                   keeps_bits(form_answer.t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
+            return precision >= correct_bits &&
+                   (form_answer.primitive_index < 0 || form_answer.primitive_index == truth.primitive) &&
+                   has_correct_bits(form_answer.t, form.direction == Direction::unit ? truth.distance : truth.t,
+                                    correct_bits);
         default: return false;
     }
 }
 
-void NeededSummary::add(const Truth& truth, double needed) {
-    if (std::isnan(needed)) {
+void BitsNeededSummary::add(const Truth& truth, double bits_needed) {
+    if (std::isnan(bits_needed)) {
         ++unresolved;
-    } else if (needed == needed_beyond) {
+    } else if (bits_needed == beyond_most_precision) {
         ++(truth.is_hit() ? hits_beyond : misses_beyond);
     } else {
-        ++(truth.is_hit() ? hits : misses)[static_cast<std::size_t>(needed)];
+        ++(truth.is_hit() ? hits : misses)[static_cast<std::size_t>(bits_needed)];
     }
 }
 
-void NeededSummary::append(const NeededSummary& other) {
-    for (std::size_t w = 0; w < hits.size(); ++w) {
-        hits[w] += other.hits[w];
-        misses[w] += other.misses[w];
+void BitsNeededSummary::append(const BitsNeededSummary& other) {
+    for (std::size_t p = 0; p < hits.size(); ++p) {
+        hits[p] += other.hits[p];
+        misses[p] += other.misses[p];
     }
     hits_beyond += other.hits_beyond;
     misses_beyond += other.misses_beyond;
     unresolved += other.unresolved;
 }
 
-WidthCounts NeededSummary::all() const {
-    WidthCounts sum = hits;
-    for (std::size_t w = 0; w < sum.size(); ++w) sum[w] += misses[w];
+PrecisionCounts BitsNeededSummary::all() const {
+    PrecisionCounts sum = hits;
+    for (std::size_t p = 0; p < sum.size(); ++p) sum[p] += misses[p];
     return sum;
 }
 
-std::uint64_t NeededSummary::pixels() const { return all().count() + hits_beyond + misses_beyond + unresolved; }
+std::uint64_t BitsNeededSummary::pixels() const { return all().count() + hits_beyond + misses_beyond + unresolved; }
 
-std::uint64_t WidthCounts::count() const { return std::accumulate(begin(), end(), std::uint64_t{0}); }
+std::uint64_t PrecisionCounts::count() const { return std::accumulate(begin(), end(), std::uint64_t{0}); }
 
-double WidthCounts::mean() const {
+double PrecisionCounts::mean() const {
     std::uint64_t sum = 0;
-    for (std::size_t w = 0; w < size(); ++w) sum += w * (*this)[w];
+    for (std::size_t p = 0; p < size(); ++p) sum += p * (*this)[p];
     const std::uint64_t n = count();
     return n == 0 ? missing : static_cast<double>(sum) / static_cast<double>(n);
 }
 
-double WidthCounts::quantile(double q) const {
+double PrecisionCounts::quantile(double q) const {
     const std::uint64_t n = count();
     if (n == 0) return missing;
     const auto rank =
         std::clamp<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n))), 1, n);
     std::uint64_t seen = 0;
-    std::size_t w = 0;
-    while ((seen += (*this)[w]) < rank) ++w;
-    return static_cast<double>(w);
+    std::size_t p = 0;
+    while ((seen += (*this)[p]) < rank) ++p;
+    return static_cast<double>(p);
 }
 
-std::uint64_t NeededStudy::units() const {
-    constexpr std::uint64_t widths = most_width - least_width + 1;
-    return scene.pixels() * rows.size() * widths;
+std::uint64_t BitsNeededStudy::units() const {
+    constexpr std::uint64_t precisions = most_precision - least_precision + 1;
+    return scene.pixels() * rows.size() * precisions;
 }
 
-std::vector<NeededBand> NeededStudy::prepare(const truth::Band& band) const {
-    std::vector<NeededBand> results;
+std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) const {
+    std::vector<BitsNeededBand> results;
     for (const intersect::table::Intersector* form : rows) {
-        const int columns = static_cast<int>(band.pixels()) / std::max(1, band.rows());
+        const int picture_width = static_cast<int>(band.pixels()) / std::max(1, band.rows());
         results.push_back({.y0 = band.y0(),
                            .rows = band.rows(),
-                           .width = columns,
+                           .width = picture_width,
                            .band = &band,
                            .form = form->info,
-                           .needed = std::vector<double>(band.pixels(), missing)});
+                           .bits_needed = std::vector<double>(band.pixels(), missing)});
     }
     std::vector<Scan> scans = scans_of(results);
-    for (int width = most_width; width >= least_width; --width) {
+    for (int precision = most_precision; precision >= least_precision; --precision) {
         const auto needs_unit_rays = [&](const Scan& s) {
             return !s.pixels.empty() && results[s.form].form->direction == Direction::unit;
         };
         if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
-            const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(width)),
+            const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(precision)),
                                                     {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
-                test_width(scans[s], *rows[scans[s].form], inputs, bits, results[scans[s].form]);
+                test_precision(scans[s], *rows[scans[s].form], inputs, bits, results[scans[s].form]);
             });
         }
-        if (width > least_width) progress(band.pixels() * rows.size());  // the driver counts the last width
+        if (precision > least_precision) progress(band.pixels() * rows.size());  // the driver counts the last one
     }
     for (const Scan& s : scans) {
-        for (const std::uint32_t i : s.pixels) results[s.form].needed[i] = least_width;
+        for (const std::uint32_t i : s.pixels) results[s.form].bits_needed[i] = least_precision;
     }
     return results;
 }
 
-void NeededStudy::measure(const std::vector<NeededBand>& bands, std::size_t row_index, NeededSummary& summary,
-                          const std::function<void(const NeededBand&)>& show) {
-    const NeededBand& band = bands[row_index];
-    for (std::size_t i = 0; i < band.needed.size(); ++i) summary.add(band.truth(i), band.needed[i]);
+void BitsNeededStudy::measure(const std::vector<BitsNeededBand>& bands, std::size_t row_index,
+                              BitsNeededSummary& summary, const std::function<void(const BitsNeededBand&)>& show) {
+    const BitsNeededBand& band = bands[row_index];
+    for (std::size_t i = 0; i < band.bits_needed.size(); ++i) summary.add(band.truth(i), band.bits_needed[i]);
     show(band);
 }
 

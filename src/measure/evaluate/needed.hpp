@@ -1,5 +1,5 @@
-// Computes the bits needed at each pixel: the smallest significand width P such that a form is right to B bits at P and
-// at every larger width.
+// Computes the bits needed at each pixel: the smallest precision P, in significand bits, such that a form is right to B
+// bits at P and at every larger precision.
 #pragma once
 
 #include <array>
@@ -12,30 +12,31 @@
 
 namespace lostbits::measure::evaluate {
 
-/// Widths that are tested: formats pP with binary64's exponents.
-inline constexpr int least_width = 2, most_width = 53;
-/// Value of a pixel on which not even `most_width` bits suffice. A pixel whose truth is unresolved has NaN.
-inline constexpr double needed_beyond = std::numeric_limits<double>::infinity();
+/// Smallest and largest precision P that are tested, in significand bits: formats pP with binary64's exponents.
+inline constexpr int least_precision = 2, most_precision = 53;
+/// Value of a pixel on which not even `most_precision` bits suffice. A pixel whose truth is unresolved has NaN.
+inline constexpr double beyond_most_precision = std::numeric_limits<double>::infinity();
 
-/// True if t keeps B correct bits: |t − t*| ≤ ½ ulp_B(t*), with the ulp of B significand bits and binary64's exponents.
+/// True if t has B correct bits: |t − t*| ≤ ½ ulp_B(t*), with the ulp of B significand bits and binary64's exponents.
 /// t* is the midpoint of its certificate, as in every metric, and is known to 2^-72 of itself. So a t that close to the
 /// limit may be on either side of it.
-bool keeps_bits(double t, const truth::Certified& truth, int bits);
+bool has_correct_bits(double t, const truth::Certified& truth, int correct_bits);
 
 /// Answer of a form to a ray.
 struct Answer {
     bool hit;
     double t;
-    std::int32_t object = -1;  ///< the primitive that the form hits; −1 if unknown
+    std::int32_t primitive_index = -1;  ///< the primitive that the form hits; −1 if unknown
 };
 
-/// True if a width P suffices on one ray. The form must decide as the truth does (by the form's own convention on
-/// touching). On a hit it must also hit the right primitive, keep B bits, and have them: correct_bits = P −
-/// lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number that is near t* by luck does not have B bits.
-bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, Answer form_answer, int bits);
+/// True if precision P suffices on one ray. The form must decide as the truth does (by the form's own convention on
+/// touching). On a hit it must also hit the right primitive, t must have B correct bits, and P − lost_bits(P) ≥ B.
+/// So P ≥ B on a hit: a narrower number that is near t* by luck does not have B bits.
+bool is_precision_enough(const truth::Truth& truth, const intersect::Info& form, int precision, Answer form_answer,
+                         int correct_bits);
 
-/// [w]: number of pixels that need w bits. Statistics of whole numbers are exact.
-struct WidthCounts : std::array<std::uint64_t, most_width + 1> {
+/// Element P is the number of pixels that need P bits. Statistics of whole numbers are exact.
+struct PrecisionCounts : std::array<std::uint64_t, most_precision + 1> {
     [[nodiscard]] std::uint64_t count() const;
     /// NaN if there are no pixels.
     [[nodiscard]] double mean() const;
@@ -44,43 +45,44 @@ struct WidthCounts : std::array<std::uint64_t, most_width + 1> {
 };
 
 /// Summary of one form over a picture.
-struct NeededSummary {
-    WidthCounts hits{}, misses{};                      ///< by the true decision
-    std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_width` bits suffice
+struct BitsNeededSummary {
+    PrecisionCounts hits{}, misses{};                  ///< by the true decision
+    std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_precision` bits suffice
     std::uint64_t unresolved = 0;
 
-    void add(const truth::Truth& truth, double needed);
+    void add(const truth::Truth& truth, double bits_needed);
     /// Adds the summary of other pixels.
-    void append(const NeededSummary& other);
+    void append(const BitsNeededSummary& other);
     /// Hits and misses together.
-    [[nodiscard]] WidthCounts all() const;
+    [[nodiscard]] PrecisionCounts all() const;
     [[nodiscard]] std::uint64_t pixels() const;
 };
 
 /// Results of a form over some scanlines.
-struct NeededBand {
+struct BitsNeededBand {
     int y0, rows, width;
     const truth::Band* band;
     const intersect::Info* form;
-    std::vector<double> needed;  ///< `least_width` to `most_width`, `needed_beyond`, or NaN where unresolved
+    std::vector<double>
+        bits_needed;  ///< `least_precision` to `most_precision`, `beyond_most_precision`, or NaN if unresolved
 
     /// Truth by the form's own convention.
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }
 };
 
 /// The bits needed at each pixel of a scene, as a study (measure/study/study.hpp); a row is a form. A pixel's value is
-/// the smallest P such that P and every width above it up to 53 suffice.
+/// the smallest P such that P and every precision above it up to 53 suffice.
 ///
-/// Correctness is not monotone in P: a narrow width may be lucky. So a proof of a value P has to test all of P…53. The
-/// scan goes from 53 down, and a pixel leaves it at the first width that fails. That costs 53 − P + 2 evaluations for a
-/// pixel, the least that any proof can take.
+/// Correctness is not monotone in P: a form may be right at a low precision by luck. So a proof of a value P has to
+/// test all of P…53. The scan goes from 53 down, and a pixel leaves it at the first precision that fails. That costs 53
+/// − P + 2 evaluations for a pixel, the least that any proof can take.
 ///
-/// As for every format, inputs are rounded to pP too. Shared inputs are binary32 numbers, so widths below 24 (for own
-/// inputs, all widths) have input error on top of the form's own rounding. The value is that of the whole pipeline at P
-/// bits. Results do not depend on the set of forms.
-struct NeededStudy {
-    using Band = NeededBand;
-    using Summary = NeededSummary;
+/// As for every format, inputs are rounded to pP too. Shared inputs are binary32 numbers, so precisions below 24 (for
+/// own inputs, all precisions) have input error on top of the form's own rounding. The value is that of the whole
+/// pipeline at P bits. Results do not depend on the set of forms.
+struct BitsNeededStudy {
+    using Band = BitsNeededBand;
+    using Summary = BitsNeededSummary;
     static constexpr int pixels_together = study::pixels_of_band;
 
     const scene::file::Scene& scene;
@@ -88,17 +90,17 @@ struct NeededStudy {
     int bits = 12;                                           ///< B, 1 to 52
     truth::ProofLimit limit{};
     shard::Share share = {};
-    /// Called with the number of (pixel, form, width) triples done, `units()` in all; may throw to stop.
+    /// Called with the number of (pixel, form, precision) triples done, `units()` in all; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     [[nodiscard]] std::uint64_t units() const;
 
     static void require() {}
-    [[nodiscard]] static NeededSummary begin(std::size_t) { return {}; }
-    /// All rows of a band. They are scanned together, since a width's inputs serve every form.
-    [[nodiscard]] std::vector<NeededBand> prepare(const truth::Band& band) const;
-    static void measure(const std::vector<NeededBand>& bands, std::size_t row_index, NeededSummary& summary,
-                        const std::function<void(const NeededBand&)>& show);
+    [[nodiscard]] static BitsNeededSummary begin(std::size_t) { return {}; }
+    /// All rows of a band. They are scanned together, since the inputs of a precision serve every form.
+    [[nodiscard]] std::vector<BitsNeededBand> prepare(const truth::Band& band) const;
+    static void measure(const std::vector<BitsNeededBand>& bands, std::size_t row_index, BitsNeededSummary& summary,
+                        const std::function<void(const BitsNeededBand&)>& show);
 };
 
 }  // namespace lostbits::measure::evaluate

@@ -13,26 +13,26 @@ using answer::Outcome;
 using truth::missing;
 using truth::Truth;
 
-void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool tells_t,
+void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool returns_t,
                    const OutcomeColumns& out, FormSummary& summary) {
     const answer::Answers& answers = band_answers.answers;
     const std::size_t n = truth.decision.size();
-    const answer::OutcomeTable table(tells_t);
-    out.measured.resize(n);
+    const answer::OutcomeTable table(returns_t);
+    out.correct_t.resize(n);
     std::uint64_t true_hits = 0;
     Outcome* const outcomes = out.outcomes.data();
-    double* const measured = out.measured.data();
+    double* const correct_t = out.correct_t.data();
     for (std::size_t i = 0; i < n; ++i)
         outcomes[i] = table[answer::OutcomeTable::case_index(truth.decision[i], answers.hit[i] != 0,
                                                              answers.t[i] != answers.t[i])];
     for (std::size_t i = 0; i < n; ++i) {
         const bool is_wrong_primitive =
-            tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
+            returns_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = is_wrong_primitive ? Outcome::wrong_primitive : outcomes[i];
     }
-    if (tells_t) refine_outcomes(band_answers, truth, out.outcomes);
+    if (returns_t) refine_outcomes(band_answers, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
-        measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
+        correct_t[i] = (returns_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }
     for (const Truth::Decision decision : truth.decision)
         true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
@@ -91,7 +91,7 @@ void RowSums::keep_worst(FormSummary& summary, double largest) const {
     const double* const end = ulps_ + result_.outcomes.size();
     const double* const found = std::find_if(ulps_, end, is_worst);
     if (found != end)
-        summary.worst = worst_hit(static_cast<std::size_t>(found - ulps_));  // otherwise no ray is measured
+        summary.worst = worst_hit(static_cast<std::size_t>(found - ulps_));  // otherwise no hit is correct
 }
 
 void RowSums::keep_faults(FormSummary& summary) const {
@@ -130,7 +130,7 @@ void RowSums::add(const RaySubset& part) const {
 }
 
 WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
-    const bool hit = result_.answers->hit[i] != 0, tells_t = row_.form->info->roots != intersect::Roots::none;
+    const bool hit = result_.answers->hit[i] != 0, returns_t = row_.form->info->roots != intersect::Roots::none;
     const Truth truth = result_.truth(i);
     const int object = hit ? result_.answers->object[i] : truth.primitive;
     const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, object);
@@ -139,11 +139,11 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
                .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
                .group = request_.group,
-               .object = result_.inputs->paired && object >= 0 ? first + object : object,
+               .primitive_index = result_.inputs->paired && object >= 0 ? first + object : object,
                .size = 0,
                .ray = result_.inputs->rays[i],
                .primitive = result_.inputs->primitives[primitive],
-               .t = hit && tells_t ? result_.answers->t[i] : missing,
+               .t = hit && returns_t ? result_.answers->t[i] : missing,
                .outcome = outcome,
                .touching = row_.touching};
     if (truth.is_hit())

@@ -20,14 +20,14 @@ namespace lostbits::measure::evaluate {
 struct RowColumns {
     std::vector<answer::Outcome> outcomes;
     std::vector<std::vector<double>> metrics;
-    std::vector<double> measured, own_ulps;
+    std::vector<double> correct_t, spare_ulps;
 
     /// Makes columns for n rays. Metrics that are computed ray by ray, not as a column, start with NaN for every ray.
     void make(std::size_t n, const std::vector<const metric::Metric*>& wanted) {
         outcomes.resize(n);
         metrics.resize(wanted.size());
         for (std::size_t m = 0; m < wanted.size(); ++m) {
-            if (wanted[m]->in_columns == metric::InColumns::no) metrics[m].assign(n, truth::missing);
+            if (wanted[m]->column_kernel == metric::ColumnKernel::none) metrics[m].assign(n, truth::missing);
             else metrics[m].resize(n);
         }
     }
@@ -36,12 +36,12 @@ struct RowColumns {
 /// Outputs for the outcomes of a band, with an element for each ray.
 struct OutcomeColumns {
     std::vector<answer::Outcome>& outcomes;
-    std::vector<double>& measured;  ///< answers of the correct hits, NaN elsewhere
+    std::vector<double>& correct_t;  ///< the form's t at correct hits, NaN elsewhere
 };
 
-/// Finds the outcome of every ray, and counts the outcomes in `summary`. `tells_t` is false for a form that answers
+/// Finds the outcome of every ray, and counts the outcomes in `summary`. `returns_t` is false for a form that answers
 /// only hit or miss: its hits have no t, which does not count as NaN, and the primitive that they hit is unknown.
-void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool tells_t,
+void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool returns_t,
                    const OutcomeColumns& out, FormSummary& summary);
 
 /// A form's statements about its own answer to ray i at one primitive: its error bound, the arithmetic of its filter,

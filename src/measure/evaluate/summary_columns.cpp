@@ -28,8 +28,8 @@ double fraction_of_hits(const S& s) {
     return fraction(s.count(o), s.true_hits);
 }
 
-/// Files that a column of outcomes appears in.
-enum class Shown { always, of_meshes, to_claims };
+/// Files in which a column of outcomes appears: all, those of scenes with meshes, or claims alone.
+enum class Shown { always, for_meshes, in_claims };
 
 /// Columns of every summary, whatever is measured. An answer at NaN is counted neither as a false hit nor as a false
 /// miss, although its ray truly hits or misses.
@@ -41,7 +41,7 @@ Columns outcome_columns() {
                            .unit = "",
                            .meaning = meaning,
                            .value = [o](const S& s) { return to_double(s.count(o)); },
-                           .of_meshes = shown == Shown::of_meshes});
+                           .only_for_meshes = shown == Shown::for_meshes});
     };
     const auto share = [&columns](const char* name, const char* meaning, double (*value)(const S&), Shown shown) {
         columns.push_back({.name = name,
@@ -49,8 +49,8 @@ Columns outcome_columns() {
                            .unit = "1",
                            .meaning = meaning,
                            .value = value,
-                           .tabled = shown != Shown::to_claims,
-                           .of_meshes = shown == Shown::of_meshes});
+                           .is_in_tables = shown != Shown::in_claims,
+                           .only_for_meshes = shown == Shown::for_meshes});
     };
     count(Outcome::agree_hit,
           "correct hits: form and truth agree that the ray hits, and which primitive it hits first");
@@ -66,29 +66,29 @@ Columns outcome_columns() {
           Shown::always);
     share(
         "not_a_number_fraction", "not_a_number among all rays",
-        [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::to_claims);
+        [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::in_claims);
     count(Outcome::wrong_primitive, "wrong primitives: form and truth hit, but the form hits another primitive first");
     share("wrong_primitive_fraction", "wrong_primitive among the rays that truly hit",
-          fraction_of_hits<Outcome::wrong_primitive>, Shown::to_claims);
+          fraction_of_hits<Outcome::wrong_primitive>, Shown::in_claims);
     share(
         "wrong_fraction",
         "not_a_number, false_hit, false_miss, wrong_primitive, crack, double_hit and out_of_order among all rays whose "
         "truth is known",
-        [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::to_claims);
+        [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::in_claims);
     count(Outcome::crack, "rays that the form lets through a mesh: it claims neither the triangle met nor a neighbour",
-          Shown::of_meshes);
+          Shown::for_meshes);
     count(Outcome::double_hit, "rays that cross a mesh once where the form claims two neighbouring triangles",
-          Shown::of_meshes);
+          Shown::for_meshes);
     count(Outcome::wrong_neighbour, "rays on which the form hits a neighbour of the triangle met; not a wrong decision",
-          Shown::of_meshes);
+          Shown::for_meshes);
     count(Outcome::out_of_order,
           "rays on which the form claims a triangle and answers one that is truly behind it and not its neighbour",
-          Shown::of_meshes);
-    share("crack_fraction", "crack among the rays that truly hit", fraction_of_hits<Outcome::crack>, Shown::of_meshes);
+          Shown::for_meshes);
+    share("crack_fraction", "crack among the rays that truly hit", fraction_of_hits<Outcome::crack>, Shown::for_meshes);
     share("double_hit_fraction", "double_hit among the rays that truly hit", fraction_of_hits<Outcome::double_hit>,
-          Shown::of_meshes);
+          Shown::for_meshes);
     share("out_of_order_fraction", "out_of_order among the rays that truly hit",
-          fraction_of_hits<Outcome::out_of_order>, Shown::of_meshes);
+          fraction_of_hits<Outcome::out_of_order>, Shown::for_meshes);
     return columns;
 }
 
@@ -97,7 +97,7 @@ std::uint64_t sum(const std::vector<std::uint64_t>& counts) {
 }
 
 /// Index of the most frequent culprit; NaN if no ray has a culprit.
-double most_frequent(const std::vector<std::uint64_t>& counts) {
+double most_frequent_culprit(const std::vector<std::uint64_t>& counts) {
     const auto largest = std::max_element(counts.begin() + 1, counts.end());
     return largest == counts.end() || *largest == 0 ? missing
                                                     : to_double(static_cast<std::uint64_t>(largest - counts.begin()));
@@ -108,11 +108,11 @@ void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
                        .kind = Kind::category,
                        .unit = "",
                        .meaning = std::string(metric.meaning) + ": the most frequent",
-                       .value = [m](const S& s) { return most_frequent(s.categories[m]); },
+                       .value = [m](const S& s) { return most_frequent_culprit(s.categories[m]); },
                        .categories = metric.categories});
     columns.push_back({column_name(metric) + "_fraction", Kind::number, "1",
                        "its share of the rays that have a culprit", [m](const S& s) {
-                           const double culprit = most_frequent(s.categories[m]);
+                           const double culprit = most_frequent_culprit(s.categories[m]);
                            if (std::isnan(culprit)) return missing;
                            return attribution::culprit_share(s.categories[m],
                                                              std::array{static_cast<std::size_t>(culprit)});
@@ -136,7 +136,7 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
                            .unit = "1",
                            .meaning = "their share of all rays",
                            .value = [m, c](const S& s) { return fraction(s.categories[m][c], sum(s.categories[m])); },
-                           .tabled = false});
+                           .is_in_tables = false});
     }
 }
 
@@ -178,21 +178,22 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
                            .meaning = "end of the interval that holds the 99th percentile of all such rays with 95 % "
                                       "confidence, for independent rays",
                            .value = [m, bound](const S& s) { return s.metrics[m].p99_bounds().*bound; },
-                           .tabled = false});
+                           .is_in_tables = false});
     };
     add_bound("_low", &metric::Bounds::low);
     add_bound("_high", &metric::Bounds::high);
 }
 
-/// Returns `part` of the worst ray; NaN if there is none.
+/// Returns a function that computes `part` of the worst ray; NaN if there is none.
 template <class Part>
-std::function<double(const S&)> of_worst(const Part& part) {
+std::function<double(const S&)> value_of_worst_ray(const Part& part) {
     return [part](const S& s) { return s.worst.x < 0 ? missing : part(s.worst); };
 }
-/// Returns `part` of the first ray with the most frequent wrong decision; NaN if there is none.
+/// Returns a function that computes `part` of the first ray with the most frequent wrong decision; NaN if there is
+/// none.
 template <class Part>
-std::function<double(const S&)> of_fault(const Part& part) {
-    return [part](const S& s) { return s.fault() == nullptr ? missing : part(*s.fault()); };
+std::function<double(const S&)> value_of_first_fault(const Part& part) {
+    return [part](const S& s) { return s.first_fault() == nullptr ? missing : part(*s.first_fault()); };
 }
 
 /// Adds a number twice: as a decimal, and exactly as a hexadecimal float.
@@ -217,7 +218,7 @@ std::string column_name(const Metric& metric, const metric::Statistic& statistic
 Columns summary_columns(const std::vector<const Metric*>& metrics) {
     Columns columns = outcome_columns();
     for (std::size_t m = 0; m < metrics.size(); ++m) {
-        if (metrics[m]->by_run) add_culprit(*metrics[m], m, columns);
+        if (metrics[m]->depends_on_forms) add_culprit(*metrics[m], m, columns);
         else if (!metrics[m]->categories.empty()) add_categories(*metrics[m], m, columns);
         else add_statistics(*metrics[m], m, columns);
         if (metrics[m]->name == "against") add_both_hit(m, columns);
@@ -229,16 +230,16 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
     using W = WorstRay;
     Columns columns{
         {"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first if several are equal",
-         of_worst([](const W& w) { return static_cast<double>(w.x); })},
-        {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
+         value_of_worst_ray([](const W& w) { return static_cast<double>(w.x); })},
+        {"worst_y", Kind::count, "pixel", "row of the same", value_of_worst_ray([](const W& w) { return w.y; })},
         {"worst_object", Kind::count, "", "primitive that the form hit there, from 0",
-         of_worst([](const W& w) { return static_cast<double>(w.object); })},
+         value_of_worst_ray([](const W& w) { return static_cast<double>(w.primitive_index); })},
         {"worst_ulp_error", Kind::number, "ulp", "(t - t*)/ulp(t*) there, with its sign",
-         of_worst([](const W& w) { return w.ulps; })}};
+         value_of_worst_ray([](const W& w) { return w.ulps; })}};
     add_decimal_and_hex(columns, "worst_t", "the form's answer there, in its own unit",
-                        of_worst([](const W& w) { return w.t; }));
+                        value_of_worst_ray([](const W& w) { return w.t; }));
     add_decimal_and_hex(columns, "worst_truth", "t* there, correctly rounded to binary64, in the same unit",
-                        of_worst([](const W& w) { return w.truth; }));
+                        value_of_worst_ray([](const W& w) { return w.truth; }));
     const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
         columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
                            "the worst ray as the format holds it (before any normalisation), or the primitive that the "
@@ -247,16 +248,17 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
     };
     const char* const axes[] = {"x", "y", "z"};
     for (int k = 0; k < 3; ++k)
-        add_hex(std::string("origin_") + axes[k], of_worst([k](const W& w) { return w.ray.origin[k]; }));
+        add_hex(std::string("origin_") + axes[k], value_of_worst_ray([k](const W& w) { return w.ray.origin[k]; }));
     for (int k = 0; k < 3; ++k)
-        add_hex(std::string("direction_") + axes[k], of_worst([k](const W& w) { return w.ray.direction[k]; }));
+        add_hex(std::string("direction_") + axes[k],
+                value_of_worst_ray([k](const W& w) { return w.ray.direction[k]; }));
     // Shapes may share the name of a number: its column has the number of the primitive that was hit.
     std::vector<std::string> names;
     for (const Shape shape : shapes)
         for (const std::string& name : number_names(shape))
             if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     for (const std::string& name : names) {
-        add_hex(name, of_worst([name](const W& w) {
+        add_hex(name, value_of_worst_ray([name](const W& w) {
                     const auto own_names = number_names(w.primitive.shape);
                     const auto name_position = std::ranges::find(own_names, name);
                     return name_position == own_names.end()
@@ -275,14 +277,14 @@ Columns wrong_decision_columns() {
          .unit = "",
          .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_primitive or, for "
                     "meshes, crack, double_hit or out_of_order; the other columns of a fault are about its first ray",
-         .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
+         .value = value_of_first_fault([](const W& w) { return static_cast<double>(w.outcome); }),
          .categories = answer::outcome_names}};
     add_decimal_and_hex(columns, "fault_t",
                         "the form's answer there, in its own unit; missing where it misses or is not a number",
-                        of_fault([](const W& w) { return w.t; }));
+                        value_of_first_fault([](const W& w) { return w.t; }));
     add_decimal_and_hex(columns, "fault_truth",
                         "t* there, correctly rounded to binary64; missing where the ray truly misses",
-                        of_fault([](const W& w) { return w.truth; }));
+                        value_of_first_fault([](const W& w) { return w.truth; }));
     return columns;
 }
 

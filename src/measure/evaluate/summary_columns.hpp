@@ -21,8 +21,8 @@ struct SummaryColumn {
     std::string unit, meaning;
     std::function<double(const FormSummary&)> value;  ///< NaN if there is no value
     std::span<const std::string_view> categories = {};
-    bool tabled = true;      ///< false: only for claims
-    bool of_meshes = false;  ///< tabled only if there are meshes
+    bool is_in_tables = true;      ///< false: only in claims
+    bool only_for_meshes = false;  ///< in tables only if there are meshes
 };
 
 /// Counts and fractions of outcomes, then mean, p50, p99 and max of |metric|, or the counts of its categories.

@@ -4,7 +4,7 @@ namespace lostbits::measure::identity {
 
 void RewriteFinder::add_rewrite(std::vector<std::pair<NodeId, NodeId>> replacements) {
     std::erase_if(replacements, [](const auto& replacement) { return replacement.first == replacement.second; });
-    if (!replacements.empty()) found.push_back({rule, std::move(replacements)});
+    if (!replacements.empty()) rewrites.push_back({rule, std::move(replacements)});
 }
 
 void RewriteFinder::add_each(const std::vector<std::pair<NodeId, NodeId>>& replacements) {
@@ -15,9 +15,10 @@ void RewriteFinder::add_each(const std::vector<std::pair<NodeId, NodeId>>& repla
 std::set<NodeId> RewriteFinder::innermost_names() const {
     std::set<NodeId> names;
     std::map<NodeId, bool> has_name_inside;  // true if the node has a name or is computed from one that has
-    for (const NodeId i : needed) {
+    for (const NodeId i : formula_nodes) {
         const TapeNode& n = terms[i];
-        const bool is_leaf = is_given(n.op) || is_decision(n.op) || !terms.is_own(i) || terms.factors_of(i).has_value();
+        const bool is_leaf =
+            is_given(n.op) || is_decision(n.op) || !terms.has_answer_format(i) || terms.factors_of(i).has_value();
         bool contains_name = false;
         if (!is_leaf)
             for (const NodeId operand : n.operands) contains_name |= operand != no_node && has_name_inside[operand];
@@ -29,13 +30,13 @@ std::set<NodeId> RewriteFinder::innermost_names() const {
 
 void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& visit, bool with_names) const {
     const std::set<NodeId> names = with_names ? innermost_names() : std::set<NodeId>();
-    for (const NodeId i : needed) {
+    for (const NodeId i : formula_nodes) {
         const TapeOp op = terms[i].op;
-        if ((op != TapeOp::add && op != TapeOp::sub) || !terms.is_own(i) || terms.factors_of(i)) continue;
-        const auto sum = multiplied_out(terms, i);
+        if ((op != TapeOp::add && op != TapeOp::sub) || !terms.has_answer_format(i) || terms.factors_of(i)) continue;
+        const auto sum = multiply_out(terms, i);
         if (sum && sum->size() >= 2) visit(i, *sum);
         if (names.empty() || names.contains(i)) continue;
-        const auto sum_with_names = multiplied_out(terms, i, false, names);
+        const auto sum_with_names = multiply_out(terms, i, false, names);
         if (sum_with_names && sum_with_names->size() >= 2 && sum_with_names != sum) visit(i, *sum_with_names);
     }
 }
@@ -46,7 +47,7 @@ std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::
         finder.rule = &rule;
         rule.find(finder);
     }
-    return std::move(finder.found);
+    return std::move(finder.rewrites);
 }
 
 }  // namespace lostbits::measure::identity

@@ -17,25 +17,25 @@ struct Rule;
 /// Nodes of a formula and their replacements, all of which are applied at once.
 struct Rewrite {
     const Rule* rule;
-    std::vector<std::pair<NodeId, NodeId>> replaced;
+    std::vector<std::pair<NodeId, NodeId>> replacements;
 };
 
 /// Finds the rewrites of a formula that the rules allow.
 class RewriteFinder {
 public:
-    /// `direction` is set if the form requires that the direction has length one.
+    /// `direction` is set if the form takes only directions of length one.
     RewriteFinder(Terms& form_terms, const TapeOutputs& outputs, std::optional<Triple> direction)
         : terms(form_terms),
-          needed(form_terms.needed(outputs)),
-          newest(newest_of(form_terms, needed)),
-          unit(direction) {}
+          formula_nodes(form_terms.nodes_of(outputs)),
+          newest_nodes(find_newest_nodes(form_terms, formula_nodes)),
+          unit_direction(direction) {}
 
     Terms& terms;
-    const std::vector<NodeId> needed;  ///< nodes of the formula
-    const Newest newest;
-    const std::optional<Triple> unit;
-    const Rule* rule = nullptr;  ///< the rule whose `find` is running
-    std::vector<Rewrite> found = {};
+    const std::vector<NodeId> formula_nodes;
+    const NewestNodes newest_nodes;
+    const std::optional<Triple> unit_direction;  ///< absent if the form takes directions of any length
+    const Rule* rule = nullptr;                  ///< the rule whose `find` is running
+    std::vector<Rewrite> rewrites = {};
 
     /// Adds a rewrite of one node.
     void add_rewrite(NodeId node, NodeId replacement) { add_rewrite({{node, replacement}}); }
@@ -52,7 +52,7 @@ public:
 
 struct Rule {
     std::string_view name;
-    std::string_view identity;   ///< the identity in real arithmetic
+    std::string_view identity;   ///< in real arithmetic
     std::string_view condition;  ///< condition for the identity; empty if it always holds
     void (*find)(RewriteFinder& finder);
 };

@@ -91,8 +91,8 @@ private:
     }
 
     [[nodiscard]] NodeId newest(NodeId atom) const {
-        const auto position = finder_.newest.find(terms_.meaning(atom));
-        return position == finder_.newest.end() ? atom : position->second;
+        const auto position = finder_.newest_nodes.find(terms_.meaning(atom));
+        return position == finder_.newest_nodes.end() ? atom : position->second;
     }
     Triple plain(const Combination& c) {
         Triple u{};
@@ -105,7 +105,7 @@ private:
     /// The vector p a + q v × (a × b), which equals x a − y b for x = p + q (v·b) and y = q (v·a). Returns nothing if x
     /// and y are not of this form.
     std::optional<Triple> by_cross_products(const Combination& c) {
-        const auto x = multiplied_out(terms_, c.x), y = multiplied_out(terms_, c.y);
+        const auto x = multiply_out(terms_, c.x), y = multiply_out(terms_, c.y);
         if (!c.is_difference || !x || !y || y->empty()) return std::nullopt;
         for (const auto& [dot, exponent] : y->begin()->first) {
             const auto factors = terms_.factors_of(dot);
@@ -115,8 +115,8 @@ private:
             const Sum q = times(*y, Sum{{power(dot, -1), Ratio(1, 1)}});
             const Sum p = vb ? plus(*x, times(q, Sum{{power(*vb, 1), Ratio(-1, 1)}})) : Sum();
             if (p.empty() || p.size() >= x->size()) continue;
-            const NodeId first = written_out(terms_, p, finder_.newest),
-                         second = written_out(terms_, q, finder_.newest);
+            const NodeId first = write_sum(terms_, p, finder_.newest_nodes),
+                         second = write_sum(terms_, q, finder_.newest_nodes);
             const Triple perpendicular = terms_.cross(v, terms_.cross(c.a, c.b));
             Triple u{};
             for (std::size_t k = 0; k < 3; ++k)
@@ -144,7 +144,7 @@ void find_combinations(RewriteFinder& finder) {
         },
         true);
     for (const auto& [i, rewritten] : rewritten_sums)
-        finder.add_rewrite(i, written_out(finder.terms, rewritten, finder.newest, finder.terms[i].label));
+        finder.add_rewrite(i, write_sum(finder.terms, rewritten, finder.newest_nodes, finder.terms[i].label));
 }
 
 }  // namespace lostbits::measure::identity

@@ -81,7 +81,7 @@ std::optional<ConditionalNegation> negation_at(const Terms& terms, NodeId i) {
 
 void find_edges_from_origin(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    for (const NodeId i : finder.needed) {
+    for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
         if (n.op != TapeOp::less_equal) continue;
         const TapeNode sum = terms[n.operands[0]], size = terms[n.operands[1]];

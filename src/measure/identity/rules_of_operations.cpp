@@ -5,18 +5,18 @@
 
 namespace lostbits::measure::identity {
 
-using Replaced = std::vector<std::pair<NodeId, NodeId>>;
+using Replacements = std::vector<std::pair<NodeId, NodeId>>;
 
 namespace {
 
 bool is_one(const Terms& terms, NodeId i) { return terms[i].op == TapeOp::constant && terms[i].operands[0] == 1; }
-bool is_number(const Terms& terms, NodeId i) { return terms.is_own(i) && !is_decision(terms[i].op); }
+bool is_number(const Terms& terms, NodeId i) { return terms.has_answer_format(i) && !is_decision(terms[i].op); }
 
 /// Quotients of the formula, indexed by their divisor.
 std::map<NodeId, std::vector<NodeId>> quotients_of(const RewriteFinder& finder) {
     std::map<NodeId, std::vector<NodeId>> quotients_by_divisor;
-    for (const NodeId i : finder.needed)
-        if (const TapeNode& n = finder.terms[i]; n.op == TapeOp::div && finder.terms.is_own(i))
+    for (const NodeId i : finder.formula_nodes)
+        if (const TapeNode& n = finder.terms[i]; n.op == TapeOp::div && finder.terms.has_answer_format(i))
             quotients_by_divisor[n.operands[1]].push_back(i);
     return quotients_by_divisor;
 }
@@ -25,10 +25,10 @@ std::map<NodeId, std::vector<NodeId>> quotients_of(const RewriteFinder& finder) 
 
 void find_fused_products(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    Replaced replacements;
-    for (const NodeId i : finder.needed) {
+    Replacements replacements;
+    for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
-        if ((n.op != TapeOp::sub && n.op != TapeOp::add) || !terms.is_own(i)) continue;
+        if ((n.op != TapeOp::sub && n.op != TapeOp::add) || !terms.has_answer_format(i)) continue;
         const TapeNode first = terms[n.operands[0]], second = terms[n.operands[1]];
         if (first.op != TapeOp::mul || second.op != TapeOp::mul) continue;
         const auto [a, b, unused] = first.operands;
@@ -44,10 +44,10 @@ void find_fused_products(RewriteFinder& finder) {
 
 void find_other_orders(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    Replaced last_two_first, outer_first;
-    for (const NodeId i : finder.needed) {
+    Replacements last_two_first, outer_first;
+    for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
-        if (n.op != TapeOp::add || !terms.is_own(i) || terms[n.operands[0]].op != TapeOp::add) continue;
+        if (n.op != TapeOp::add || !terms.has_answer_format(i) || terms[n.operands[0]].op != TapeOp::add) continue;
         const auto [a, b, none] = terms[n.operands[0]].operands;
         const NodeId c = n.operands[1];
         last_two_first.emplace_back(i, terms.add(TapeOp::add, {a, terms.add(TapeOp::add, {b, c})}, n.label));
@@ -59,10 +59,10 @@ void find_other_orders(RewriteFinder& finder) {
 
 void find_quotients(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    Replaced replacements;
-    for (const NodeId i : finder.needed) {
+    Replacements replacements;
+    for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
-        if (n.op != TapeOp::mul || !terms.is_own(i)) continue;
+        if (n.op != TapeOp::mul || !terms.has_answer_format(i)) continue;
         for (const std::size_t k : {0, 1}) {
             const TapeNode reciprocal = terms[n.operands[k]];
             if (reciprocal.op != TapeOp::div || !is_one(terms, reciprocal.operands[0])) continue;
@@ -77,7 +77,7 @@ void find_reciprocals(RewriteFinder& finder) {
     Terms& terms = finder.terms;
     for (const auto& [divisor, quotients] : quotients_of(finder)) {
         if (quotients.size() < 2) continue;
-        Replaced replacements;
+        Replacements replacements;
         const NodeId inverse = terms.add(TapeOp::div, {terms.constant(1), divisor});
         for (const NodeId i : quotients)
             replacements.emplace_back(i, terms.add(TapeOp::mul, {terms[i].operands[0], inverse}, terms[i].label));
@@ -88,7 +88,7 @@ void find_reciprocals(RewriteFinder& finder) {
 void find_split_quotients(RewriteFinder& finder) {
     Terms& terms = finder.terms;
     for (const auto& [divisor, quotients] : quotients_of(finder)) {
-        Replaced replacements;
+        Replacements replacements;
         for (const NodeId i : quotients) {
             const TapeNode quotient = terms[i], sum = terms[quotient.operands[0]];
             if (sum.op != TapeOp::add && sum.op != TapeOp::sub) continue;
@@ -105,9 +105,9 @@ void find_split_quotients(RewriteFinder& finder) {
 
 void find_scaled_lengths(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    Replaced replacements;
-    for (const NodeId i : finder.needed) {
-        if (terms[i].op != TapeOp::sqrt || !terms.is_own(i)) continue;
+    Replacements replacements;
+    for (const NodeId i : finder.formula_nodes) {
+        if (terms[i].op != TapeOp::sqrt || !terms.has_answer_format(i)) continue;
         const auto factors = terms.factors_of(terms[i].operands[0]);
         if (!factors || factors->first != factors->second) continue;
         Triple v = factors->first;
@@ -124,8 +124,8 @@ void find_scaled_lengths(RewriteFinder& finder) {
 /// The operations of one line of the source, which a loop repeats, are exchanged together.
 void find_exchanges(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    std::map<std::pair<TapeOp, std::string_view>, Replaced> lines;
-    for (const NodeId i : finder.needed) {
+    std::map<std::pair<TapeOp, std::string_view>, Replacements> lines;
+    for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
         if ((n.op == TapeOp::min || n.op == TapeOp::max) && is_number(terms, i))
             lines[{n.op, n.label}].emplace_back(i, terms.add(n.op, {n.operands[1], n.operands[0]}, n.label));

@@ -18,8 +18,8 @@ struct Root {
 
 std::optional<Root> root_at(const Terms& terms, NodeId i) {
     if (terms[i].op != TapeOp::div) return std::nullopt;
-    const auto numerator_sum = multiplied_out(terms, terms[i].operands[0], true);
-    const auto denominator_sum = multiplied_out(terms, terms[i].operands[1], true);
+    const auto numerator_sum = multiply_out(terms, terms[i].operands[0], true);
+    const auto denominator_sum = multiply_out(terms, terms[i].operands[1], true);
     if (!numerator_sum || !denominator_sum || denominator_sum->size() != 1) return std::nullopt;
     for (const auto& [product, factor] : *numerator_sum) {
         if (product.size() != 1 || product.begin()->second != 1) continue;
@@ -45,7 +45,7 @@ void find_stable_roots(RewriteFinder& finder) {
     Terms& terms = finder.terms;
     const Sum minus_one{{{}, Ratio(-1, 1)}};
     std::map<NodeId, std::vector<Root>> roots;
-    for (const NodeId i : finder.needed) {
+    for (const NodeId i : finder.formula_nodes) {
         auto root = root_at(terms, i);
         if (!root) continue;
         auto& root_group = roots[root->s];
@@ -53,23 +53,23 @@ void find_stable_roots(RewriteFinder& finder) {
     }
     for (const auto& [s, root_group] : roots) {
         const Sum& b = root_group.front().b;
-        const auto disc = multiplied_out(terms, terms[s].operands[0], true);
+        const auto disc = multiply_out(terms, terms[s].operands[0], true);
         if (!disc) continue;
         // (b − s)(b + s): the numerators of the two roots, multiplied
         const Sum product = plus(times(b, b), times(*disc, minus_one));
         if (product.empty() || product.size() > most_products) continue;
-        const auto newest = finder.newest.find(s);
-        const NodeId newest_root = newest == finder.newest.end() ? s : newest->second;
-        const NodeId b_now = written_out(terms, b, finder.newest);
+        const auto newest = finder.newest_nodes.find(s);
+        const NodeId newest_root = newest == finder.newest_nodes.end() ? s : newest->second;
+        const NodeId b_now = write_sum(terms, b, finder.newest_nodes);
         const NodeId negative = terms.add(TapeOp::less, {b_now, terms.constant(0)});
         const NodeId with_sign =
             terms.add(TapeOp::select, {negative, terms.add(TapeOp::neg, {newest_root}), newest_root});
         const NodeId q = terms.add(TapeOp::add, {b_now, with_sign}, "q");
         std::vector<std::pair<NodeId, NodeId>> replacements;
         for (const Root& root : root_group) {
-            const NodeId from_sum = terms.add(TapeOp::div, {q, written_out(terms, root.a, finder.newest)});
+            const NodeId from_sum = terms.add(TapeOp::div, {q, write_sum(terms, root.a, finder.newest_nodes)});
             const NodeId from_product =
-                terms.add(TapeOp::div, {written_out(terms, divided_by(product, root.a), finder.newest), q});
+                terms.add(TapeOp::div, {write_sum(terms, divided_by(product, root.a), finder.newest_nodes), q});
             // b − s cancels if b > 0, b + s if b < 0.
             replacements.emplace_back(root.node, root.minus
                                                      ? terms.add(TapeOp::select, {negative, from_sum, from_product})
@@ -93,7 +93,7 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
             if (exponent != 2 * squares) term = times(term, Sum{{power(atom, exponent - 2 * squares), Ratio(1, 1)}});
             if (squares == 0) continue;
             has_replaced = true;
-            const auto radicand = multiplied_out(terms, terms[atom].operands[0]);
+            const auto radicand = multiply_out(terms, terms[atom].operands[0]);
             if (!radicand || radicand->empty() || (squares < 0 && radicand->size() > 1)) return std::nullopt;
             const Sum factor_sum = squares > 0 ? *radicand : divided_by(Sum{{{}, Ratio(1, 1)}}, *radicand);
             for (int k = 0; k < std::abs(squares); ++k) term = times(term, factor_sum);
@@ -109,9 +109,9 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
 void find_squares_of_roots(RewriteFinder& finder) {
     Terms& terms = finder.terms;
     std::vector<std::pair<NodeId, NodeId>> replacements;
-    for (const NodeId i : finder.needed) {
+    for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
-        if (n.op != TapeOp::mul || !terms.is_own(i)) continue;
+        if (n.op != TapeOp::mul || !terms.has_answer_format(i)) continue;
         const TapeNode a = terms[n.operands[0]], b = terms[n.operands[1]];
         if (a.op == TapeOp::sqrt && b.op == TapeOp::sqrt &&
             terms.meaning(a.operands[0]) == terms.meaning(b.operands[0]))
@@ -120,7 +120,7 @@ void find_squares_of_roots(RewriteFinder& finder) {
     finder.add_each(replacements);
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
         if (const auto rewritten = without_squared_roots(terms, sum))
-            finder.add_rewrite(i, written_out(terms, *rewritten, finder.newest, terms[i].label));
+            finder.add_rewrite(i, write_sum(terms, *rewritten, finder.newest_nodes, terms[i].label));
     });
 }
 

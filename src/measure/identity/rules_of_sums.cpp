@@ -18,7 +18,7 @@ struct Pair {
 class PairFinder {
 public:
     PairFinder(const RewriteFinder& finder, const Sum& sum) : terms_(finder.terms), sum_(sum) {
-        if (finder.unit) unit_ = terms_.known_dot(*finder.unit, *finder.unit);
+        if (finder.unit_direction) unit_ = terms_.known_dot(*finder.unit_direction, *finder.unit_direction);
     }
 
     std::vector<Pair> find_all() {
@@ -70,18 +70,18 @@ private:
 };
 
 /// The node with `replacement` in place of the two products.
-NodeId with_pair(RewriteFinder& finder, NodeId i, const Pair& pair, const Product& replacement) {
+NodeId replace_pair(RewriteFinder& finder, NodeId i, const Pair& pair, const Product& replacement) {
     const PairFinder pair_finder(finder, pair.others);
     const Sum rewritten =
         plus(pair.others, Sum{{pair_finder.without_unit_length(times(pair.rest, replacement)), pair.factor}});
-    return rewritten.empty() ? i : written_out(finder.terms, rewritten, finder.newest, finder.terms[i].label);
+    return rewritten.empty() ? i : write_sum(finder.terms, rewritten, finder.newest_nodes, finder.terms[i].label);
 }
 
 /// Adds each rewrite by itself, and one that applies all innermost rewrites at once (the first at each node).
 void add_all(RewriteFinder& finder, const std::vector<std::pair<NodeId, NodeId>>& replacements) {
     std::vector<std::pair<NodeId, NodeId>> innermost;
     for (const auto& [node, replacement_node] : replacements) {
-        const auto within = finder.terms.needed({node, node, node, node});
+        const auto within = finder.terms.nodes_of({node, node, node, node});
         const auto is_within = [&](const auto& other) { return std::ranges::binary_search(within, other.first); };
         if (node != replacement_node && std::ranges::none_of(innermost, is_within))
             innermost.emplace_back(node, replacement_node);
@@ -90,13 +90,13 @@ void add_all(RewriteFinder& finder, const std::vector<std::pair<NodeId, NodeId>>
     for (const auto& replacement : replacements) finder.add_rewrite({replacement});
 }
 
-/// a − (a·n)/|n|² n. If `normalised`, it is computed with n/|n|.
-Triple foot(RewriteFinder& finder, const Triple& a, const Triple& n, bool normalised) {
+/// a − (a·n)/|n|² n. If `uses_unit_vector`, it is computed with n/|n|.
+Triple foot_of(RewriteFinder& finder, const Triple& a, const Triple& n, bool uses_unit_vector) {
     Terms& terms = finder.terms;
-    const bool is_unit = finder.unit == n;
+    const bool is_unit = finder.unit_direction == n;
     Triple direction = n;
     NodeId share = terms.dot(a, n);
-    if (!is_unit && normalised) {
+    if (!is_unit && uses_unit_vector) {
         const NodeId length = terms.add(TapeOp::sqrt, {terms.dot(n, n)}, "len");
         for (NodeId& x : direction) x = terms.add(TapeOp::div, {x, length});
         share = terms.dot(a, direction);
@@ -110,19 +110,19 @@ Triple foot(RewriteFinder& finder, const Triple& a, const Triple& n, bool normal
     return foot_point;
 }
 
-void find_approach(RewriteFinder& finder, bool normalised) {
+void find_approach(RewriteFinder& finder, bool uses_unit_vector) {
     Terms& terms = finder.terms;
     std::vector<std::pair<NodeId, NodeId>> replacements;
-    if (finder.unit) terms.dot(*finder.unit, *finder.unit);
+    if (finder.unit_direction) terms.dot(*finder.unit_direction, *finder.unit_direction);
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
         for (const Pair& p : PairFinder(finder, sum).find_all()) {
             // (n·n)(b·d) − (n·d)(b·n)
             const auto add_foot = [&](const Triple& n, const Triple& a, const Triple& b) {
-                if (normalised && finder.unit == n) return;
-                const Triple foot_point = foot(finder, a, n, normalised);
+                if (uses_unit_vector && finder.unit_direction == n) return;
+                const Triple foot_point = foot_of(finder, a, n, uses_unit_vector);
                 const NodeId dot_product = a == b ? terms.dot(foot_point, foot_point, "l^2") : terms.dot(foot_point, b);
                 replacements.emplace_back(
-                    i, with_pair(finder, i, p, times(power(terms.dot(n, n), 1), power(dot_product, 1))));
+                    i, replace_pair(finder, i, p, times(power(terms.dot(n, n), 1), power(dot_product, 1))));
             };
             if (p.a == p.c) add_foot(p.a, p.b, p.d);
             if (p.b == p.d) add_foot(p.b, p.a, p.c);
@@ -149,7 +149,7 @@ std::optional<NodeId> root_of(RewriteFinder& finder, const Product& product, boo
     }
     if (has_length != by_length) return std::nullopt;
     if (!halved.empty() || root == no_node) {
-        const NodeId rest = product_of(finder.terms, halved, Ratio(1, 1), finder.newest);
+        const NodeId rest = product_of(finder.terms, halved, Ratio(1, 1), finder.newest_nodes);
         root = root == no_node ? rest : finder.terms.add(TapeOp::mul, {root, rest});
     }
     return root;
@@ -159,7 +159,7 @@ void find_squares(RewriteFinder& finder, bool by_length) {
     Terms& terms = finder.terms;
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
         if (sum.size() != 2) return;
-        const auto [common, rest] = without_common(sum);
+        const auto [common, rest] = factor_out_common(sum);
         const auto positive = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(1, 1); });
         const auto negative = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(-1, 1); });
         if (positive == rest.end() || negative == rest.end()) return;
@@ -169,9 +169,9 @@ void find_squares(RewriteFinder& finder, bool by_length) {
         const NodeId product =
             terms.add(TapeOp::mul, {terms.add(TapeOp::sub, {*a, *b}), terms.add(TapeOp::add, {*a, *b})});
         const auto& [shared, factor] = common;
-        const NodeId common_node = product_of(terms, shared, factor, finder.newest);
+        const NodeId common_node = product_of(terms, shared, factor, finder.newest_nodes);
         const bool is_plain = shared.empty() && factor == Ratio(1, 1);
-        finder.add_rewrite(i, is_plain ? terms.named(product, terms[i].label)
+        finder.add_rewrite(i, is_plain ? terms.name_if_unnamed(product, terms[i].label)
                                        : terms.add(TapeOp::mul, {common_node, product}, terms[i].label));
     });
 }
@@ -228,7 +228,8 @@ void find_volumes(RewriteFinder& finder) {
                             const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
                             const auto rewritten = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
                             if (rewritten && !rewritten->empty())
-                                finder.add_rewrite(i, written_out(terms, *rewritten, finder.newest, terms[i].label));
+                                finder.add_rewrite(i,
+                                                   write_sum(terms, *rewritten, finder.newest_nodes, terms[i].label));
                         }
             }
         },
@@ -243,11 +244,11 @@ void find_unit_approach(RewriteFinder& finder) { find_approach(finder, true); }
 void find_cross_products(RewriteFinder& finder) {
     Terms& terms = finder.terms;
     std::vector<std::pair<NodeId, NodeId>> replacements;
-    if (finder.unit) terms.dot(*finder.unit, *finder.unit);
+    if (finder.unit_direction) terms.dot(*finder.unit_direction, *finder.unit_direction);
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
         for (const Pair& p : PairFinder(finder, sum).find_all()) {
             const Triple first = terms.cross(p.a, p.b), second = terms.cross(p.c, p.d);
-            replacements.emplace_back(i, with_pair(finder, i, p, power(terms.dot(first, second), 1)));
+            replacements.emplace_back(i, replace_pair(finder, i, p, power(terms.dot(first, second), 1)));
         }
     });
     add_all(finder, replacements);

@@ -52,13 +52,13 @@ struct Expander {
         if (before_rules) i = terms.meaning(i);
         const TapeNode& n = terms[i];
         const auto expand = [&](std::size_t k) { return (*this)(n.operands[k]); };
-        if (!terms.is_own(i) || extra_atoms.contains(i)) return as_atom(i);
+        if (!terms.has_answer_format(i) || extra_atoms.contains(i)) return as_atom(i);
         switch (n.op) {
             case TapeOp::constant: return n.operands[0] == 0 ? Sum() : Sum{{{}, Ratio(n.operands[0], 1)}};
-            case TapeOp::neg: return times_both(expand(0), minus_one);
-            case TapeOp::mul: return times_both(expand(0), expand(1));
+            case TapeOp::neg: return multiply(expand(0), minus_one);
+            case TapeOp::mul: return multiply(expand(0), expand(1));
             case TapeOp::div: return quotient(expand(0), expand(1), n.operands[1]);
-            case TapeOp::sub: return sum_of(expand(0), times_both(expand(1), minus_one));
+            case TapeOp::sub: return sum_of(expand(0), multiply(expand(1), minus_one));
             case TapeOp::add:
                 if (const auto factors = terms.factors_of(i))
                     return Sum{{{{terms.known_dot(factors->first, factors->second).value(), 1}}, Ratio(1, 1)}};
@@ -69,39 +69,38 @@ struct Expander {
 
 private:
     [[nodiscard]] Sum as_atom(NodeId i) const { return {{{{terms.meaning(i), 1}}, Ratio(1, 1)}}; }
-    static std::optional<Sum> short_enough(std::optional<Sum> sum) {
+    static std::optional<Sum> nothing_if_too_long(std::optional<Sum> sum) {
         return sum && sum->size() <= most_products ? sum : std::nullopt;
     }
-    static std::optional<Sum> times_both(const std::optional<Sum>& a, const std::optional<Sum>& b) {
-        return a && b ? short_enough(times(*a, *b)) : std::nullopt;
+    static std::optional<Sum> multiply(const std::optional<Sum>& a, const std::optional<Sum>& b) {
+        return a && b ? nothing_if_too_long(times(*a, *b)) : std::nullopt;
     }
     static std::optional<Sum> sum_of(const std::optional<Sum>& a, const std::optional<Sum>& b) {
-        return a && b ? short_enough(plus(*a, *b)) : std::nullopt;
+        return a && b ? nothing_if_too_long(plus(*a, *b)) : std::nullopt;
     }
     [[nodiscard]] std::optional<Sum> quotient(const std::optional<Sum>& a, const std::optional<Sum>& b,
                                               NodeId divisor) const {
         if (b && b->size() == 1) {
             const auto& [product, factor] = *b->begin();
-            return times_both(a, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
+            return multiply(a, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
         }
-        return times_both(a, Sum{{{{terms.meaning(divisor), -1}}, Ratio(1, 1)}});
+        return multiply(a, Sum{{{{terms.meaning(divisor), -1}}, Ratio(1, 1)}});
     }
 };
 
 }  // namespace
 
-std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool before_rules,
-                                  const std::set<NodeId>& extra_atoms) {
+std::optional<Sum> multiply_out(const Terms& terms, NodeId i, bool before_rules, const std::set<NodeId>& extra_atoms) {
     return Expander{terms, before_rules, extra_atoms}(i);
 }
 
-Newest newest_of(const Terms& terms, const std::vector<NodeId>& needed) {
-    Newest newest;
-    for (const NodeId i : needed) newest[terms.meaning(i)] = i;
+NewestNodes find_newest_nodes(const Terms& terms, const std::vector<NodeId>& formula_nodes) {
+    NewestNodes newest;
+    for (const NodeId i : formula_nodes) newest[terms.meaning(i)] = i;
     return newest;
 }
 
-std::pair<std::pair<Product, Ratio>, Sum> without_common(const Sum& sum) {
+std::pair<std::pair<Product, Ratio>, Sum> factor_out_common(const Sum& sum) {
     Product common = sum.begin()->first;
     Ratio factor = sum.begin()->second;
     for (const auto& [product, x] : sum) {
@@ -123,7 +122,7 @@ std::pair<std::pair<Product, Ratio>, Sum> without_common(const Sum& sum) {
     return {{common, factor}, rest};
 }
 
-NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const Newest& newest) {
+NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const NewestNodes& newest) {
     NodeId numerator_node = no_node, denominator_node = no_node;
     const auto multiply = [&](NodeId& accumulated, NodeId operand) {
         accumulated = accumulated == no_node ? operand : terms.add(TapeOp::mul, {accumulated, operand});
@@ -144,13 +143,13 @@ NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, con
     return denominator_node == no_node ? numerator_node : terms.add(TapeOp::div, {numerator_node, denominator_node});
 }
 
-NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::string_view label) {
+NodeId write_sum(Terms& terms, const Sum& sum, const NewestNodes& newest, std::string_view label) {
     if (sum.size() == 1) {
         const auto& [product, factor] = *sum.begin();
         const NodeId magnitude = product_of(terms, product, factor, newest);
-        return terms.named(factor.numerator < 0 ? terms.add(TapeOp::neg, {magnitude}) : magnitude, label);
+        return terms.name_if_unnamed(factor.numerator < 0 ? terms.add(TapeOp::neg, {magnitude}) : magnitude, label);
     }
-    const auto [common, rest] = without_common(sum);
+    const auto [common, rest] = factor_out_common(sum);
     NodeId sum_node = no_node;
     for (const bool negative : {false, true}) {
         for (const auto& [product, factor] : rest) {
@@ -162,7 +161,7 @@ NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::stri
     }
     const auto& [shared, factor] = common;
     const bool is_plain = shared.empty() && factor == Ratio(1, 1);
-    if (is_plain) return terms.named(sum_node, label);
+    if (is_plain) return terms.name_if_unnamed(sum_node, label);
     const auto has_positive_powers = [](const Product& p) {
         return std::ranges::all_of(p, [](const auto& x) { return x.second > 0; });
     };

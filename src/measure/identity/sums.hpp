@@ -41,23 +41,23 @@ Sum times(const Sum& a, const Sum& b);
 inline constexpr std::size_t most_products = 32;
 
 /// Multiplies out node i. Atoms are dot products, and all numbers that are not a sum, a difference, a product, or a
-/// quotient by one product. Each atom represents all nodes with the same meaning. If `before_rules`, nodes are expanded
-/// as they were before rules were applied. `extra_atoms` are further nodes to use as atoms. Returns nothing if the sum
-/// would be too long.
-std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool before_rules = false,
-                                  const std::set<NodeId>& extra_atoms = {});
+/// quotient by one product. Each atom represents all nodes with the same meaning. If `before_rules`, the nodes
+/// are expanded in the form that they had before any rule was applied. `extra_atoms` are further nodes to use as atoms.
+/// Returns nothing if the sum would be too long.
+std::optional<Sum> multiply_out(const Terms& terms, NodeId i, bool before_rules = false,
+                                const std::set<NodeId>& extra_atoms = {});
 
 /// The node to write for each `meaning`: the newest node of a formula with that meaning.
-using Newest = std::map<NodeId, NodeId>;
-Newest newest_of(const Terms& terms, const std::vector<NodeId>& needed);
+using NewestNodes = std::map<NodeId, NodeId>;
+NewestNodes find_newest_nodes(const Terms& terms, const std::vector<NodeId>& formula_nodes);
 
-/// Writes a sum with the common factor of all products before the brackets, and the positive products first. The sum
-/// must not be empty.
-NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::string_view label = {});
+/// Writes a sum, which must not be empty, with the common factor of all products before the brackets and the positive
+/// products first.
+NodeId write_sum(Terms& terms, const Sum& sum, const NewestNodes& newest, std::string_view label = {});
 
 /// Returns the common factor of all products, and the sum without it.
-std::pair<std::pair<Product, Ratio>, Sum> without_common(const Sum& sum);
+std::pair<std::pair<Product, Ratio>, Sum> factor_out_common(const Sum& sum);
 /// Writes a product with its factor, and returns its node.
-NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const Newest& newest);
+NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const NewestNodes& newest);
 
 }  // namespace lostbits::measure::identity

@@ -76,7 +76,7 @@ void Terms::unite(NodeId a, NodeId b) {
 
 std::optional<std::pair<Triple, Triple>> Terms::factors_of(NodeId i) const {
     const TapeNode& sum = tape_[i];
-    if (sum.op != TapeOp::add || !is_own(i)) return std::nullopt;
+    if (sum.op != TapeOp::add || !has_answer_format(i)) return std::nullopt;
     std::vector<NodeId> products;
     for (const NodeId side : {sum.operands[0], sum.operands[1]}) {
         const TapeNode& n = tape_[side];
@@ -125,9 +125,10 @@ NodeId Terms::renew(NodeId i, std::map<NodeId, NodeId>& renewed_nodes) {
     return renewed_nodes[i] = result;
 }
 
-TapeOutputs Terms::with_replaced(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced) {
+TapeOutputs Terms::replace_nodes(const TapeOutputs& outputs,
+                                 const std::vector<std::pair<NodeId, NodeId>>& replacements) {
     std::map<NodeId, NodeId> renewed_nodes;
-    for (const auto& [node, replacement] : replaced) {
+    for (const auto& [node, replacement] : replacements) {
         unite(node, replacement);
         renewed_nodes[node] = replacement;
     }
@@ -135,13 +136,13 @@ TapeOutputs Terms::with_replaced(const TapeOutputs& outputs, const std::vector<s
             renew(outputs.far, renewed_nodes)};
 }
 
-std::vector<NodeId> Terms::needed(const TapeOutputs& outputs) const {
+std::vector<NodeId> Terms::nodes_of(const TapeOutputs& outputs) const {
     std::set<NodeId> found;
     std::vector<NodeId> pending;
     const auto add_node = [&](NodeId i) {
         if (i != no_node && found.insert(i).second) pending.push_back(i);
     };
-    for (const NodeId i : all_of(outputs)) add_node(i);
+    for (const NodeId i : output_nodes(outputs)) add_node(i);
     while (!pending.empty()) {
         const TapeNode& n = tape_[pending.back()];
         pending.pop_back();
@@ -155,7 +156,7 @@ Tape Terms::tape(const TapeOutputs& outputs, std::vector<NodeId>* origins) const
     std::set<NodeId> nodes;
     for (NodeId i = 0; i < tape_.size(); ++i)
         if (tape_[i].op == TapeOp::input) nodes.insert(i);
-    const auto used = needed(outputs);
+    const auto used = nodes_of(outputs);
     nodes.insert(used.begin(), used.end());
     Tape result;
     std::map<NodeId, NodeId> new_nodes;

@@ -1,5 +1,5 @@
-// Formulas as terms: every operation exists only once while rules rewrite a formula, and each knows the operation that
-// it replaces.
+// Formulas as terms. While rules rewrite a formula, equal operations exist only once, and each operation knows which
+// operation it replaces.
 #pragma once
 
 #include <array>
@@ -32,12 +32,12 @@ public:
     /// Format of the answer. All operations that rules add are computed in it.
     [[nodiscard]] const FloatFormat& format() const { return format_; }
     /// True if node i is computed in the format of the answer.
-    [[nodiscard]] bool is_own(NodeId i) const { return tape_.format_of(i) == format_; }
+    [[nodiscard]] bool has_answer_format(NodeId i) const { return tape_.format_of(i) == format_; }
 
     NodeId add(TapeOp op, const TapeOperands& operands, std::string_view label = {});
     NodeId constant(std::int32_t x);
-    /// Gives a node a name, if it has none, and returns the node.
-    NodeId named(NodeId i, std::string_view label) { return label.empty() ? i : (tape_.name(i, label), i); }
+    /// Gives a node a name, if it has none and the label is not empty. Returns the node.
+    NodeId name_if_unnamed(NodeId i, std::string_view label) { return label.empty() ? i : (tape_.name(i, label), i); }
     /// a·b = a.x b.x + a.y b.y + a.z b.z, summed from the first product on.
     NodeId dot(const Triple& a, const Triple& b, std::string_view label = {});
     Triple cross(const Triple& a, const Triple& b);
@@ -52,11 +52,11 @@ public:
     /// The first node that is the dot product of a and b, in either order.
     [[nodiscard]] std::optional<NodeId> known_dot(const Triple& a, const Triple& b) const;
 
-    /// Outputs of a formula with some nodes replaced by others. Nodes computed from the replaced nodes are created
-    /// again.
-    TapeOutputs with_replaced(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced);
+    /// Replaces nodes of a formula by others and returns the new outputs. Nodes computed from the replaced nodes are
+    /// created again.
+    TapeOutputs replace_nodes(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replacements);
     /// Nodes that the outputs are computed from, in order, including inputs.
-    [[nodiscard]] std::vector<NodeId> needed(const TapeOutputs& outputs) const;
+    [[nodiscard]] std::vector<NodeId> nodes_of(const TapeOutputs& outputs) const;
     /// A formula as a separate tape, with all inputs of the form. `origins` receives, for each node of that tape, its
     /// node in these terms.
     [[nodiscard]] Tape tape(const TapeOutputs& outputs, std::vector<NodeId>* origins = nullptr) const;
@@ -77,6 +77,6 @@ private:
 /// Direction of the ray.
 Triple direction_of(const Terms& terms);
 
-inline std::array<NodeId, 4> all_of(const TapeOutputs& o) { return {o.hit, o.t, o.near, o.far}; }
+inline std::array<NodeId, 4> output_nodes(const TapeOutputs& o) { return {o.hit, o.t, o.near, o.far}; }
 
 }  // namespace lostbits::measure::identity

@@ -237,17 +237,17 @@ private:
                                    .show = show,
                                    .first = first,
                                    .answers = request_.is_file_row(form_row) ? &piece.answers : nullptr},
-                                  piece.shared->of(form_row), result_.summaries[r], parts);
+                                  piece.shared->inputs_of(form_row), result_.summaries[r], parts);
         });
         if (file_row_index_) add_first_samples(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
     /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
-    std::vector<evaluate::RaysOfValue> group_rays(const Chunk& chunk) {
+    std::vector<evaluate::RaysWithValue> group_rays(const Chunk& chunk) {
         if (!request_.group_column) return {};
         const std::size_t columns = dump_.layout().kept().size();
-        auto values = evaluate::by_value(std::span(chunk.kept).subspan(*request_.group_column), columns);
+        auto values = evaluate::group_by_value(std::span(chunk.kept).subspan(*request_.group_column), columns);
         try {
             for (const auto& rays_of_value : values)
                 result_.groups.add(rays_of_value.value, request_.rows.size(), request_.metrics);
@@ -259,7 +259,7 @@ private:
 
     void add_first_samples(const Piece& piece) {
         const TestedForm& form_row = file_row();
-        const FormatInputs& inputs = piece.shared->of(form_row).inputs;
+        const FormatInputs& inputs = piece.shared->inputs_of(form_row).inputs;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < most_first_rays; ++i) {
             const truth::Truth truth = piece.band->truth(i, form_row.convention());
             const bool hit = piece.answers.hit[i] != 0;

@@ -121,12 +121,12 @@ private:
         answer.judgement.crossings = SurfaceCrossings(crossings, request_.contract.facing).all().size();
     }
     void judge_point(JudgedAnswer& answer, const crossing::Triangles& triangles) const {
-        const crossing::PointInMesh position = place_in_mesh(answer.ray.origin, triangles, request_.limit);
+        const crossing::PointInMesh position = locate_in_mesh(answer.ray.origin, triangles, request_.limit);
         const bool is_balanced = request_.mesh->mesh().edges.unbalanced == 0;
         const bool is_inside = is_balanced ? position.winding != 0 : position.crossings % 2 != 0;
         answer.winding = position.winding;
         answer.judgement.outcome = !position.is_resolved              ? MeshOutcome::unresolved
-                                   : position.on_surface              ? MeshOutcome::on_surface
+                                   : position.is_on_surface           ? MeshOutcome::on_surface
                                    : is_inside == (answer.count != 0) ? MeshOutcome::agree
                                    : is_inside                        ? MeshOutcome::false_outside
                                                                       : MeshOutcome::false_inside;

@@ -32,10 +32,10 @@ bool can_be(MeshOutcome outcome, AnswerKind kind) {
 SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Facing facing) {
     for (const MeshCrossing& owner : crossings.in_order) {
         const auto is_same_surface = [&owner](const Surface& s) {
-            return s.rank == owner.rank && s.is_front == owner.front;
+            return s.rank == owner.rank && s.is_front == owner.hits_front;
         };
         auto found = std::ranges::find_if(surfaces_, is_same_surface);
-        if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.front, {}});
+        if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.hits_front, {}});
         found->owners.push_back(&owner);
     }
     for (Surface& s : surfaces_)
@@ -141,7 +141,7 @@ private:
         for (std::size_t s = 0; s < surfaces.size(); ++s) {
             if (hit_counts_[s] > 0) continue;
             const bool is_border = is_at_border(ray_, surfaces[s], mesh_);
-            const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::at_rim);
+            const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::is_at_rim);
             if (contract_.touching_may_miss && (is_touched_only(s) || (is_border && is_at_rim))) continue;
             ++judgement_.missing_crossings;
             leaks_ = leaks_ || !is_border;

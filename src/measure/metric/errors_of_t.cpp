@@ -37,7 +37,7 @@ double error_at_zero(const Sample& s) {
 double root(const Sample& s) {
     if (s.march) return missing;
     if (s.outcome != answer::Outcome::agree_hit || !s.primitive) return 0;
-    const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot distinguish crossings that are this near
+    const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot distinguish nearer crossings
     return !is_close && stability::is_wrong_root(*s.ray, *s.primitive, *s.truth, s.t) ? 2 : 1;
 }
 

@@ -42,7 +42,7 @@ Vec<double> hit_point(const Sample& s) {
 /// Calls `compute.operator()<F>()`, where F is the machine's own type for the format. Returns `missing` for a format
 /// without such a type.
 template <class Compute>
-double in_format(const Sample& s, const Compute& compute) {
+double compute_in_format(const Sample& s, const Compute& compute) {
     switch (s.format->engine) {
         case Format::Engine::native32: return compute.template operator()<float>();
         case Format::Engine::native64: return compute.template operator()<double>();
@@ -59,7 +59,7 @@ Vec<F> to_format(const Vec<double>& v) {
 /// Evaluates `formula.operator()<E>()` in interval arithmetic. The result is off by at most 2^-40 of itself or 2^-90;
 /// `missing` if it is unbounded.
 template <class Formula>
-double enclosed(const Formula& formula) {
+double evaluate_enclosed(const Formula& formula) {
     const Ball ball = formula.template operator()<Ball>();
     if (ball.is_bounded() && ball.radius() <= std::max(std::fabs(ball.hi()) * 0x1p-40, 0x1p-90)) return ball.hi();
     const Interval::Precision precision(8192);
@@ -83,7 +83,7 @@ double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
         const auto coordinate = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
         if (double fast_result; !primitive.placed && columns::find_residual<S>(point, coordinate, fast_result))
             return fast_result;
-        return enclosed([&]<class E>() { return relative_distance<E, S>(p, primitive); });
+        return evaluate_enclosed([&]<class E>() { return relative_distance<E, S>(p, primitive); });
     });
 }
 
@@ -102,7 +102,7 @@ double weight_error(double x, const Sample& s, std::size_t vertex) {
     if (!std::isfinite(x)) return HUGE_VAL;
     return visit_shape(*s.primitive, [&]<template <class> class S>() {
         if constexpr (requires(const S<double>& shape) { shape.weights(Ray<double>()); }) {
-            return std::fabs(enclosed([&]<class E>() {
+            return std::fabs(evaluate_enclosed([&]<class E>() {
                 return visit_in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
                                                 [&](const S<E>& shape, const Ray<E>& ray) -> E {
                                                     return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
@@ -150,7 +150,7 @@ inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
 
 /// Error of a projection as pbrt does it, in object space, whose origin is the centre: p = o + t d, then p r/|p|.
 template <class F>
-double projected(const Sample& s) {
+double projection_error(const Sample& s) {
     const auto [centre, radius] = ball_around(*s.primitive);
     const auto r = static_cast<F>(radius), t = static_cast<F>(s.t);
     const Vec<F> o = to_format<F>(s.ray->origin) - to_format<F>(centre), d = to_format<F>(s.ray->direction);
@@ -195,7 +195,7 @@ double normal_error(const Sample& s) {
     const Real t_true = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
     const Vec<Real> exact =
         normal_at(ray, lift_primitive<Real>(*s.primitive), Vec<Real>(ray.origin + t_true * ray.direction));
-    return in_format(s, [&]<class F>() {
+    return compute_in_format(s, [&]<class F>() {
         const Primitive<F> primitive = lift_primitive<F>(*s.primitive);
         const Ray<F> ray_in_format{to_format<F>(s.ray->origin), to_format<F>(s.ray->direction)};
         const Vec<Real> n = normal_at(ray_in_format, primitive, to_format<F>(hit_point(s)));
@@ -221,12 +221,12 @@ double point_error(const Sample& s) {
 
 double projected_error(const Sample& s) {
     if (!row_of(s.primitive->shape).is_ball) return missing;
-    return in_format(s, [&]<class F>() { return projected<F>(s); });
+    return compute_in_format(s, [&]<class F>() { return projection_error<F>(s); });
 }
 
 double padding(const Sample& s) {
     const auto padding_of = [&s](const Ray<double>& ray, const BoundingBox<double>& box) {
-        return in_format(s, [&]<class F>() {
+        return compute_in_format(s, [&]<class F>() {
             return padding_in<F>({to_format<F>(ray.origin), to_format<F>(ray.direction)},
                                  {to_format<F>(box.lo), to_format<F>(box.hi)});
         });

@@ -15,7 +15,7 @@ namespace lostbits::measure::metric {
 template <class... Args>
 struct MeasuredColumn {
     std::string_view name, unit, meaning;
-    bool whole;                ///< a count
+    bool is_count;
     double (*value)(Args...);  ///< NaN if it does not exist, as a share of nothing or a quantile of no numbers
 };
 

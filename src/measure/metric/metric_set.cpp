@@ -49,7 +49,7 @@ constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[]
 
 /// Metrics that a label completes. The label of the first two is a number, which is appended to `meaning`. The label of
 /// the others is the name of an operation or a step, which is appended to `name` and `layer`.
-constexpr Metric labelled[] = {
+constexpr Metric labelled_metrics[] = {
     table_row(
         {"tolerance:", "", "err.tolerance"},
         "tells whether the hit point is at most this far from the true one, along the ray, in the scene's unit of "
@@ -104,9 +104,9 @@ const Metric* MetricSet::find(std::string_view name) {
     const auto owned_metric = std::ranges::find(owned_, name, &OwnedMetric::name);
     if (owned_metric != owned_.end()) return &owned_metric->row;
     const auto kind = std::ranges::find_if(
-        labelled, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
-    if (kind == std::end(labelled)) return nullptr;
-    if (kind->needs == needs_nothing) return make_numbered(*kind, name);
+        labelled_metrics, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
+    if (kind == std::end(labelled_metrics)) return nullptr;
+    if (kind->needs == needs_nothing) return make_metric_with_number(*kind, name);
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
     owned.layer = std::string(kind->layer) + owned.name.substr(kind->name.size());
@@ -117,7 +117,7 @@ const Metric* MetricSet::find(std::string_view name) {
     return &owned.row;
 }
 
-const Metric* MetricSet::make_numbered(const Metric& kind, std::string_view name) {
+const Metric* MetricSet::make_metric_with_number(const Metric& kind, std::string_view name) {
     const std::string_view column = kind.name.substr(0, kind.name.size() - 1);
     if (std::isnan(number_of(name.substr(kind.name.size()))))
         throw InputError("--metric " + std::string(name) +
@@ -146,12 +146,12 @@ const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) 
     return &owned.row;
 }
 
-std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
-                                                const std::vector<const Intersector*>& forms,
-                                                const attribution::Setting& setting) {
+std::vector<const Metric*> MetricSet::adapt_to_forms(std::vector<const Metric*> metrics,
+                                                     const std::vector<const Intersector*>& forms,
+                                                     const attribution::Setting& setting) {
     for (const Metric*& m : metrics) {
         if (has_operation_label(*m)) require_known_label(*m, forms, setting);
-        if (!m->by_run) continue;
+        if (!m->depends_on_forms) continue;
         std::vector<std::string> operations;
         for (const Intersector* form : forms) {
             for (const std::string& operation : attribution::operation_names(*form, setting))
@@ -162,12 +162,12 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
     return metrics;
 }
 
-std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
-                                                const std::vector<const Intersector*>& forms,
-                                                const std::function<attribution::OwnedSetting()>& setting) {
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run || has_operation_label(*m); }))
+std::vector<const Metric*> MetricSet::adapt_to_forms(std::vector<const Metric*> metrics,
+                                                     const std::vector<const Intersector*>& forms,
+                                                     const std::function<attribution::OwnedSetting()>& setting) {
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->depends_on_forms || has_operation_label(*m); }))
         return metrics;
-    return for_forms(std::move(metrics), forms, setting().get());
+    return adapt_to_forms(std::move(metrics), forms, setting().get());
 }
 
 }  // namespace lostbits::measure::metric

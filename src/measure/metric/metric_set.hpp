@@ -16,7 +16,7 @@ class MetricSet {
 public:
     /// Finds the metric of that name. `contribution:LABEL`, `cancellation:LABEL`, `tolerance:LENGTH` and
     /// `enough_bits:BITS` make a metric here. Returns null for an unknown name. Throws InputError for a LENGTH that is
-    /// not a length, and for a second LENGTH: columns are called `tolerance`, whatever the length.
+    /// not a length, and for a second LENGTH: the columns are called `tolerance` for any length.
     const Metric* find(std::string_view name);
 
     /// Makes a `culprit` metric whose categories are `none` and these operations.
@@ -24,17 +24,17 @@ public:
 
     /// Adapts the metrics to these forms: the categories of `culprit` are the operations of each form, and an operation
     /// of several forms is listed once. Throws InputError for a label that no form has, with did-you-mean.
-    std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
-                                         const std::vector<const intersect::table::Intersector*>& forms,
-                                         const attribution::Setting& setting);
+    std::vector<const Metric*> adapt_to_forms(std::vector<const Metric*> metrics,
+                                              const std::vector<const intersect::table::Intersector*>& forms,
+                                              const attribution::Setting& setting);
     /// Like the other overload, but the setting is made only where a metric depends on it: a scene may have millions of
     /// primitives.
-    std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
-                                         const std::vector<const intersect::table::Intersector*>& forms,
-                                         const std::function<attribution::OwnedSetting()>& setting);
+    std::vector<const Metric*> adapt_to_forms(std::vector<const Metric*> metrics,
+                                              const std::vector<const intersect::table::Intersector*>& forms,
+                                              const std::function<attribution::OwnedSetting()>& setting);
 
 private:
-    const Metric* make_numbered(const Metric& kind, std::string_view name);
+    const Metric* make_metric_with_number(const Metric& kind, std::string_view name);
 
     struct OwnedMetric {
         std::string name, layer, meaning;
@@ -42,7 +42,7 @@ private:
         std::vector<std::string_view> categories;
         Metric row;
     };
-    std::deque<OwnedMetric> owned_;  // a deque, since pointers to its rows must stay valid
+    std::deque<OwnedMetric> owned_;  // a deque, because pointers to its rows must stay valid
 };
 
 }  // namespace lostbits::measure::metric

@@ -68,20 +68,21 @@ constexpr unsigned split_needs = needs_stored_truth | needs_unrounded;
 
 constexpr Metric table[] = {
     table_row({"lost_bits", "bits", "bits.lost"}, "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong",
-              lost_bits, {.by_default = true, .in_columns = InColumns::lost_bits}),
+              lost_bits, {.by_default = true, .column_kernel = ColumnKernel::lost_bits}),
     table_row({"correct_bits", "bits", "bits.correct"}, "p - lost_bits", correct_bits,
-              {.ramp = Ramp::kept, .in_columns = InColumns::correct_bits}),
+              {.ramp = Ramp::kept, .column_kernel = ColumnKernel::correct_bits}),
     table_row({"herbie_bits", "bits", "bits.herbie"},
               "log2(1 + |ordinal(t) - ordinal(RN(t*))|): Herbie's and FPBench's measure", herbie,
               {.needs = needs_rounded_truth}),
     table_row(
         {"ulp_error", "ulp", "err.ulp"},
         "(t - t*)/ulp(t*), signed, compared with the unrounded truth; 0 where t is infinite and t* rounds to infinity",
-        ulp_error, {.ramp = Ramp::magnitude, .low = 0x1p-4, .by_default = true, .in_columns = InColumns::ulp_error}),
+        ulp_error,
+        {.ramp = Ramp::magnitude, .low = 0x1p-4, .by_default = true, .column_kernel = ColumnKernel::ulp_error}),
     table_row({"relative_error", "1", "err.relative"}, "|t - t*|/|t*|", relative_error,
-              {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .in_columns = InColumns::relative_error}),
+              {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .column_kernel = ColumnKernel::relative_error}),
     table_row({"absolute_error", "t", "err.absolute"}, "|t - t*|, in units of t", absolute_error,
-              {.ramp = Ramp::magnitude, .high = 0x1p+10, .in_columns = InColumns::absolute_error}),
+              {.ramp = Ramp::magnitude, .high = 0x1p+10, .column_kernel = ColumnKernel::absolute_error}),
     table_row({"distance_error", "length", "err.distance"},
               "|t - t*| |d|: how far the hit point is from the true one, along the ray, in the scene's unit of length",
               distance_error, {.ramp = Ramp::magnitude, .high = 0x1p+10}),
@@ -90,7 +91,7 @@ constexpr Metric table[] = {
         "(|P - G| - r)/r for P = o + t d computed in the format: distance of the hit point from the surface, "
         "negative inside; for a box: the largest of lo - P and P - hi over the axes, in units of the longest side; "
         "statistics are of the magnitude",
-        residual, {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .in_columns = InColumns::residual}),
+        residual, {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .column_kernel = ColumnKernel::residual}),
     table_row(
         {"normal_error", "radian", "err.normal"},
         "angle between the normal at the hit point, both computed in the format, and the normal where the ray truly "
@@ -197,7 +198,10 @@ constexpr Metric table[] = {
               {.needs = needs_attribution}),
     table_row({"culprit", "", "culprit.operation"},
               "operation to which most of the error of t, or of a decision that rounding changed, is assigned", culprit,
-              {.needs = needs_attribution, .ramp = Ramp::categories, .domain = MetricDomain::blamed, .by_run = true}),
+              {.needs = needs_attribution,
+               .ramp = Ramp::categories,
+               .domain = MetricDomain::blamed,
+               .depends_on_forms = true}),
     table_row({"without_culprit", "ulp", "culprit.without"},
               "rounding error of t if the culprit alone does not round, in ulps of t without rounding",
               counterfactual<&attribution::Counterfactuals::only_exact>,
@@ -236,7 +240,7 @@ constexpr Metric metrics_of_marches[] = {
         overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .domain = MetricDomain::marches})};
 
 /// Joins lists of metrics into one.
-std::vector<Metric> joined(std::initializer_list<std::span<const Metric>> lists) {
+std::vector<Metric> join_lists(std::initializer_list<std::span<const Metric>> lists) {
     std::vector<Metric> all;
     for (const auto list : lists) all.insert(all.end(), list.begin(), list.end());
     return all;
@@ -245,8 +249,9 @@ std::vector<Metric> joined(std::initializer_list<std::span<const Metric>> lists)
 }  // namespace
 
 std::span<const Metric> metrics() {
-    static const std::vector<Metric> all = joined({table, metrics_of_t(), metrics_of_stability(), metrics_of_marches,
-                                                   metrics_of_rays(), metrics_of_barycentrics()});
+    static const std::vector<Metric> all =
+        join_lists({table, metrics_of_t(), metrics_of_stability(), metrics_of_marches, metrics_of_rays(),
+                    metrics_of_barycentrics()});
     return all;
 }
 

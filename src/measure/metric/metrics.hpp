@@ -21,7 +21,7 @@
 
 namespace lostbits::measure::metric {
 
-/// All that is known about one ray on which form and truth agree on a hit. For any other ray only `format`, `ray`,
+/// Everything known about one ray on which form and truth agree on a hit. For any other ray, only `format`, `ray`,
 /// `march`, `bounded` and `filter_arithmetic` are set. Null pointers stand for values that no selected metric needs, or
 /// that do not exist (a form that misses in exact arithmetic has no `unrounded`).
 struct Sample {
@@ -32,12 +32,12 @@ struct Sample {
     const truth::Certified* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
     const truth::Certified* unrounded = nullptr;  ///< the form without rounding, on the inputs as the format holds them
     double condition = truth::missing;            ///< κ of the problem at its ideal inputs
-    double reach = truth::missing;                ///< how far half an ulp in each input can move t*, see `truth::reach`
-    double reach_normwise = truth::missing;       ///< the same for errors of u times the length of each vector
-    const Ray<double>* ray = nullptr;             ///< the inputs as the form received them
+    double reach = truth::missing;  ///< distance that half an ulp in each input can move t*, see `truth::reach`
+    double reach_normwise = truth::missing;         ///< the same for errors of u times the length of each vector
+    const Ray<double>* ray = nullptr;               ///< the inputs as the form received them
     const Primitive<double>* primitive = nullptr;   ///< the primitive that the form hit, as the form received it
     const intersect::MarchRecord* march = nullptr;  ///< null for forms that do not march
-    const attribution::RayAttribution* attribution = nullptr;  ///< which operation lost the bits
+    const attribution::RayAttribution* attribution = nullptr;  ///< the operation that lost the bits
     const intersect::BoundedAnswer* bounded = nullptr;         ///< the answer with the form's own bound
     /// For a form that filters: the arithmetic that settled the ray.
     const intersect::FilterArithmetic* filter_arithmetic = nullptr;
@@ -47,14 +47,14 @@ struct Sample {
     const Ray<Real>* true_ray = nullptr;                    ///< the exact ray, which no format rounded or computed
     const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< for a camera whose rays each format computes
     intersect::Convention convention = {};                  ///< convention of the form
-    intersect::Direction direction = {};                    ///< the length of direction that the form requires
+    intersect::Direction direction = {};                    ///< directions that the form takes: any, or unit
     Range<double> range = {};                               ///< the part of the ray that counts
     std::array<std::string_view, 3> weights = {};  ///< the form's names of the barycentric weights on `primitive`
     answer::Outcome outcome = answer::Outcome::agree_miss;
     std::string_view label = {};  ///< label of the metric that is being measured
 };
 
-/// Inputs that must be computed before a metric can be.
+/// Inputs that must be computed before a metric.
 enum Needs : unsigned {
     needs_nothing = 0,
     needs_rounded_truth = 1,
@@ -75,7 +75,7 @@ enum Needs : unsigned {
 };
 
 /// Colour ramp of a metric. lost: from 0 to `high`, on a square-root scale, so that the first bits show; kept: linear
-/// from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: a colour each.
+/// from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: one colour each.
 enum class Ramp { lost, kept, magnitude, categories };
 
 /// The rays on which a metric is measured. `marches`: every ray of the forms that march, whatever its outcome. `every`:
@@ -83,9 +83,9 @@ enum class Ramp { lost, kept, magnitude, categories };
 /// that are compared with another form, whatever the truth; `measure_row` itself measures them.
 enum class MetricDomain { agreed_hits, marches, every, blamed, pairs };
 
-/// Metrics that the vectorised kernels of measure/columns can compute. For the other rays, `value` computes the same
-/// bits.
-enum class InColumns { no, ulp_error, lost_bits, correct_bits, relative_error, absolute_error, residual };
+/// The vectorised kernel of measure/columns that computes a metric for most rays. For the other rays, `value` computes
+/// the same bits.
+enum class ColumnKernel { none, ulp_error, lost_bits, correct_bits, relative_error, absolute_error, residual };
 
 struct Metric {
     std::string_view name = {};     ///< name on the command line and in CSV columns
@@ -102,8 +102,9 @@ struct Metric {
     MetricDomain domain = MetricDomain::agreed_hits;
     /// Categories of a metric whose value names one: the value is an index into this list.
     std::span<const std::string_view> categories = {};
-    bool by_run = false;  ///< the list depends on the forms of the run: empty until `MetricSet::for_forms` knows them
-    InColumns in_columns = InColumns::no;
+    bool depends_on_forms = false;  ///< the categories depend on the forms of the run: empty until
+                                    ///< `MetricSet::adapt_to_forms` knows the forms
+    ColumnKernel column_kernel = ColumnKernel::none;
     std::string_view label = {};  ///< `c` of `contribution:c`; empty for the metrics of the table
 };
 

@@ -46,7 +46,7 @@ void ExactTotal::normalise() {
     pending_terms_ = 0;
 }
 
-double ExactTotal::over(std::uint64_t n) const {
+double ExactTotal::divided_by(std::uint64_t n) const {
     ExactTotal normalised = *this;
     normalised.normalise();
     const auto& limbs = normalised.limbs_;
@@ -88,7 +88,7 @@ void Sums::add(const Sums& other) {
 
 double Sums::mean() const {
     if (sizes_.count == 0) return truth::missing;
-    return std::isinf(sizes_.largest) ? sizes_.largest : total_.over(sizes_.count);
+    return std::isinf(sizes_.largest) ? sizes_.largest : total_.divided_by(sizes_.count);
 }
 
 void Quantiles::add(std::span<const double> values) {
@@ -120,7 +120,7 @@ void Quantiles::set_bucket(std::uint32_t index, std::uint64_t samples) {
 }
 
 void Quantiles::add(const Quantiles& other) {
-    // All of `other` is read before anything is written, because it may be this object.
+    // Reads all of `other` before it writes, because `other` may be this object.
     std::vector<std::uint32_t> indices;
     std::vector<std::uint64_t> counts;
     other.list_buckets(indices, counts);
@@ -194,7 +194,7 @@ Ranks ranks_around(double q, std::uint64_t n) {
     below.insert(below.end(), above.begin(), above.end());
     const std::uint64_t first = likeliest - (below.size() - above.size());
     Ranks ranks{first, n + 1};
-    double sum = 0;  // P(K <= k) all
+    double sum = 0;  // P(K <= k), times the total
     for (std::size_t i = 0; i < below.size(); ++i) {
         sum += below[i];
         const std::uint64_t next = first + i + 1;
@@ -208,42 +208,43 @@ Ranks ranks_around(double q, std::uint64_t n) {
 }
 
 void Distribution::add(std::span<const double> values) {
-    if (!open_) {
+    if (!unsealed_) {
         if (std::ranges::all_of(values, [](double x) { return std::isnan(x); })) return;
-        open_ = std::make_unique<OpenState>();
+        unsealed_ = std::make_unique<UnsealedState>();
     }
-    open_->sums.add(values);
-    open_->quantiles.add(values);
-    count_ = open_->sums.count();
+    unsealed_->sums.add(values);
+    unsealed_->quantiles.add(values);
+    count_ = unsealed_->sums.count();
 }
 
 void Distribution::add(const Distribution& other) {
     if (other.count_ == 0) return;
-    if (!other.open_ || (!open_ && count_ > 0))
-        throw std::logic_error("a sealed distribution cannot be added to another one, nor can one be added to it");
-    if (!open_) open_ = std::make_unique<OpenState>();
-    open_->sums.add(other.open_->sums);
-    open_->quantiles.add(other.open_->quantiles);
-    count_ = open_->sums.count();
+    if (!other.unsealed_ || (!unsealed_ && count_ > 0))
+        throw std::logic_error(
+            "a sealed distribution cannot be added to another one, and no other one can be added to it");
+    if (!unsealed_) unsealed_ = std::make_unique<UnsealedState>();
+    unsealed_->sums.add(other.unsealed_->sums);
+    unsealed_->quantiles.add(other.unsealed_->quantiles);
+    count_ = unsealed_->sums.count();
 }
 
 double Distribution::mean() const {
     if (count_ == 0) return truth::missing;
-    return open_ ? open_->sums.mean() : sealed_mean_;
+    return unsealed_ ? unsealed_->sums.mean() : sealed_mean_;
 }
 
 double Distribution::quantile(double q) const {
     if (count_ == 0) return truth::missing;
-    if (open_) return open_->quantiles.at(q, open_->sums);
+    if (unsealed_) return unsealed_->quantiles.at(q, unsealed_->sums);
     const auto found = std::ranges::find(quantiles, q, &Statistic::q);
     if (found == quantiles.end())
         throw std::logic_error("a sealed distribution has only the quantiles that tables show");
-    return sealed_[static_cast<std::size_t>(found - quantiles.begin())];
+    return sealed_quantiles_[static_cast<std::size_t>(found - quantiles.begin())];
 }
 
 Bounds Distribution::p99_bounds() const {
     if (count_ == 0) return {truth::missing, truth::missing};
-    if (!open_) return sealed_bounds_;
+    if (!unsealed_) return sealed_bounds_;
     const Ranks ranks = ranks_around(0.99, count_);
     const auto sample = [this](std::uint64_t rank) {
         return quantile((static_cast<double>(rank) - 0.5) / static_cast<double>(count_));
@@ -252,11 +253,11 @@ Bounds Distribution::p99_bounds() const {
 }
 
 void Distribution::seal() {
-    if (!open_) return;
+    if (!unsealed_) return;
     sealed_bounds_ = p99_bounds();
-    for (std::size_t i = 0; i < sealed_.size(); ++i) sealed_[i] = quantile(quantiles[i].q);
+    for (std::size_t i = 0; i < sealed_quantiles_.size(); ++i) sealed_quantiles_[i] = quantile(quantiles[i].q);
     sealed_mean_ = mean();
-    open_.reset();
+    unsealed_.reset();
 }
 
 }  // namespace lostbits::measure::metric

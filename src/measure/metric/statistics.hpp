@@ -31,7 +31,7 @@ public:
     void add(const ExactTotal& other);
     /// Total divided by n, rounded to a double: off by at most an ulp if it is normal. The total must not be
     /// negative.
-    [[nodiscard]] double over(std::uint64_t n) const;
+    [[nodiscard]] double divided_by(std::uint64_t n) const;
 
     template <class Bits>
     void fields(Bits& bits) {
@@ -49,10 +49,10 @@ private:
     std::uint32_t pending_terms_ = 0;  // terms added since all limbs were from 0 to 2^32 − 1
 };
 
-/// Mean of absolute values, finite or not. Each added list is summed in two doubles a lane, with a relative error of at
-/// most n·2^-104; the sums of lists are added without error. So the mean is off by at most an ulp and n·2^-104 of
-/// itself. It depends neither on the order of the lists nor on how they were divided between shards, and no sample
-/// costs a division.
+/// Mean of absolute values, finite or not. Each added list is summed in two doubles for each lane, with a relative
+/// error of at most n·2^-104; the sums of lists are added without error. So the mean is off by at most an ulp and
+/// n·2^-104 of itself. It depends neither on the order of the lists nor on how they were divided between shards, and no
+/// sample costs a division.
 class Sums {
 public:
     /// Adds samples; NaN is skipped.
@@ -72,18 +72,19 @@ public:
     }
 
 private:
-    columns::RawSizes sizes_{};  ///< its sums are of one list and empty after `add`
-    ExactTotal total_;           ///< sum of the finite absolute values
+    columns::RawSizes
+        sizes_{};       ///< counts of all samples; the sums are those of the list being added, and 0 after `add`
+    ExactTotal total_;  ///< sum of the finite absolute values
 };
 
-/// Counts of non-negative numbers in 1024 buckets a binade: a quantile is off by at most 2^-11 of itself, zero and
-/// infinity are exact, and the result does not depend on the order of the samples.
+/// Counts of non-negative numbers in 1024 buckets for each binade: a quantile is off by at most 2^-11 of itself, zero
+/// and infinity are exact, and the result does not depend on the order of the samples.
 class Quantiles {
 public:
     /// Counts the absolute values; NaN is skipped.
     void add(std::span<const double> values);
-    /// Nearest-rank quantile, 0 < q ≤ 1, of all that was added, with the counts that `sums` has. NaN when empty. q = 1
-    /// is the largest sample, exactly.
+    /// Nearest-rank quantile, 0 < q ≤ 1, of all added samples, with the counts that `sums` has. NaN when empty. For
+    /// q = 1, it is exactly the largest sample.
     [[nodiscard]] double at(double q, const Sums& sums) const;
     /// Adds all samples of another.
     void add(const Quantiles& other);
@@ -168,24 +169,24 @@ public:
     /// Reads or writes the whole state, sealed or not, for `output::shard`.
     template <class Bits>
     void fields(Bits& bits) {
-        bits(count_, sealed_, sealed_mean_, sealed_bounds_.low, sealed_bounds_.high, open_);
+        bits(count_, sealed_quantiles_, sealed_mean_, sealed_bounds_.low, sealed_bounds_.high, unsealed_);
     }
 
 private:
-    struct OpenState {
+    struct UnsealedState {
         Sums sums;
         Quantiles quantiles;
 
         template <class Bits>
-        friend void fields(Bits& bits, OpenState& open) {
-            open.sums.fields(bits);
-            open.quantiles.fields(bits);
+        friend void fields(Bits& bits, UnsealedState& state) {
+            state.sums.fields(bits);
+            state.quantiles.fields(bits);
         }
     };
 
     std::uint64_t count_ = 0;
-    std::unique_ptr<OpenState> open_;
-    std::array<double, quantiles.size()> sealed_{};
+    std::unique_ptr<UnsealedState> unsealed_;
+    std::array<double, quantiles.size()> sealed_quantiles_{};
     double sealed_mean_ = 0;
     Bounds sealed_bounds_{};
 };
@@ -216,8 +217,8 @@ struct Agreement {
     }
 };
 
-/// Smallest, middle and largest value of several draws. The middle one is a measured number: the lower one where two
-/// are in the middle.
+/// Smallest, middle and largest value of several draws. The middle value is a measured one: the lower of the two if the
+/// number of values is even.
 struct Spread {
     double low, median, high;
     int draws;  ///< number of draws on which the number exists

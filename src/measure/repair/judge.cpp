@@ -106,7 +106,7 @@ public:
     Part(const RepairRequest& request, const choice::IdealRays& rays)
         : band(rays.band(request.limit)), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
 
-    [[nodiscard]] evaluate::RowInputs rows() const { return shared_.of(row_); }
+    [[nodiscard]] evaluate::RowInputs rows() const { return shared_.inputs_of(row_); }
 
     truth::Band band;
 

@@ -344,8 +344,8 @@ std::string Patcher::Writer::expression_text(NodeId n, int& binds) const {
     if (source_pattern.pattern.empty())
         throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
     binds = source_pattern.binds;
-    return attribution::filled(source_pattern.pattern,
-                               [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
+    return attribution::fill_pattern(source_pattern.pattern,
+                                     [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
 }
 
 std::string Patcher::Writer::make_name(NodeId n) {

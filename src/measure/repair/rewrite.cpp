@@ -47,7 +47,7 @@ public:
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
         candidates_.push_back({.outputs = terms_.outputs(), .quality = own_quality, .work = estimated_work(form)});
-        seen_.insert(identity::all_of(terms_.outputs()));
+        seen_.insert(identity::output_nodes(terms_.outputs()));
     }
 
     Rewriting run() {
@@ -120,8 +120,8 @@ private:
         std::vector<Candidate> children;
         for (const auto& [loss, k] : order) {
             if (children.size() == limit_.max_children) break;
-            const TapeOutputs outputs = terms_.with_replaced(parent.outputs, rewrites[k].replaced);
-            if (!seen_.insert(identity::all_of(outputs)).second) continue;
+            const TapeOutputs outputs = terms_.replace_nodes(parent.outputs, rewrites[k].replacements);
+            if (!seen_.insert(identity::output_nodes(outputs)).second) continue;
             children.push_back({.outputs = outputs, .rules = parent.rules});
             children.back().rules.push_back(rewrites[k].rule);
         }
@@ -129,8 +129,8 @@ private:
     }
     [[nodiscard]] int largest_loss(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
         int loss = 0;
-        for (const auto& [node, replacement] : rewrite.replaced)
-            for (const NodeId i : terms_.needed({node, node, node, node}))
+        for (const auto& [node, replacement] : rewrite.replacements)
+            for (const NodeId i : terms_.nodes_of({node, node, node, node}))
                 if (const auto found = losses.find(i); found != losses.end()) loss = std::max(loss, found->second);
         return loss;
     }

@@ -44,7 +44,7 @@ private:
             case TapeOp::copysign: return std::signbit(node.value) == std::signbit(x(0)) ? dx(0) : -dx(0);
             case TapeOp::min:
             case TapeOp::max:
-            case TapeOp::select: return at(attribution::side_taken(tape_, i));
+            case TapeOp::select: return at(attribution::chosen_side(tape_, i));
             case TapeOp::next_up:
             case TapeOp::next_down: return dx(0);
             case TapeOp::convert: return rounding::to_format(dx(0), 0, format);

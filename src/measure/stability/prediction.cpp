@@ -56,7 +56,7 @@ double value_of(const Tape& tape, NodeId i) {
     const Values values{tape, n};
     if (is_given(n.op)) return n.value;
     if (is_decision(n.op)) return holds(n.op, values) ? 1 : 0;
-    if (kind_of(n.op) == OperationKind::choice) return tape[side_taken(n, values)].value;
+    if (kind_of(n.op) == OperationKind::choice) return tape[chosen_side(n, values)].value;
     if (n.op == TapeOp::call) {
         const auto exact = result_of_call<DeepExact>(tape, i, [&](NodeId k) { return DeepExact::lift(tape[k].value); });
         return exact ? DeepExact::round_to(*exact, tape.format_of(i)) : n.value;

@@ -16,10 +16,10 @@ namespace {
 
 /// Number of rays in a block. The columns of most programs then stay in the second-level cache, and many rays share the
 /// cost of a kernel call.
-constexpr std::size_t block = 128;
+constexpr std::size_t block_size = 128;
 /// Number of doubles from the start of one column to the next. The distance is not a multiple of 4096 bytes, because
 /// the processor would then treat a load as one that depends on a recent store.
-constexpr std::size_t column_step = block + 8;
+constexpr std::size_t column_step = block_size + 8;
 constexpr std::size_t most_lanes = 8;
 
 double* scratch_of_thread(std::size_t doubles) {
@@ -183,8 +183,8 @@ void ColumnRun::run(const RawProblems<S>& p) const {
     for (const auto& [value, offset] : constants_) kernels_->repeat(value, scratch + offset);
     load(shared_inputs_, scratch, 0, 1);
     for (const Step& step : shared_steps_) step.kernel(scratch, step.operands, 1);
-    for (std::size_t first = 0; first < p.size; first += block) {
-        const std::size_t packs = std::min(block, p.size - first) / lanes;
+    for (std::size_t first = 0; first < p.size; first += block_size) {
+        const std::size_t packs = std::min(block_size, p.size - first) / lanes;
         load(ray_inputs_, scratch, first, packs);
         run_block(scratch, packs);
         const auto cells = [&](std::size_t output) {

@@ -12,7 +12,7 @@
 
 namespace lostbits::measure::stages {
 
-/// Column: the numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
+/// A column. The numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
 template <class S>
 struct RawColumn {
     const S* from;
@@ -32,12 +32,12 @@ struct RawFindings {
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
 
-/// Says if the primitives of a batch are under matrices (`placed`), and of which kind. One batch has matrices of one
-/// kind only. In the columns, the numbers of a matrix follow the numbers of its primitive.
-struct UnderMatrix {
+/// Tells whether the primitives of a batch are under matrices (`placed`), and of which kind. All matrices of one batch
+/// are of the same kind. In the columns, the numbers of a matrix follow the numbers of its primitive.
+struct MatrixKind {
     bool placed = false, is_inverse = false;
     int orientation = 1;
-    friend auto operator<=>(const UnderMatrix&, const UnderMatrix&) = default;
+    friend auto operator<=>(const MatrixKind&, const MatrixKind&) = default;
 };
 
 /// Whole packs of problems, and buffers for the findings. `size` is a multiple of the number of doubles in a register.
@@ -47,9 +47,9 @@ struct RawProblems {
     RawColumn<S> ray_low[6], primitive_low[most_stored];  ///< second words
     bool two_words;                                       ///< true if there are second words; always false for floats
     RawColumn<S> tmin, tmax;
-    bool ranged;  ///< if false, tmin is 0 and tmax infinite for every ray
+    bool has_ranges;  ///< if false, tmin is 0 and tmax infinite for every ray
     OpenEnds open;
-    UnderMatrix matrix;
+    MatrixKind matrix;
     RawFindings out;
     std::size_t size;
 };

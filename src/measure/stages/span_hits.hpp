@@ -44,8 +44,8 @@ E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mas
     return root.n / root.m;
 }
 
-/// Tests by the order of an entry relative to the end of the range if the entry lies in the range, for both the closed
-/// and the open primitive. A ray that ends at the entry touches the primitive.
+/// Tests whether an entry lies in the range, for both the closed and the open primitive, from the order of the entry
+/// relative to the end of the range. A ray that ends at the entry touches the primitive.
 template <class Mask, class T>
 Mask entry_in_time(const Order<Mask>& to_end, const SpanRange<T>& range) {
     return {to_end.less.yes(), is_before_range_end(to_end, range).no()};
@@ -61,9 +61,9 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
     const auto inside = s.c < zero;
     const auto is_h_positive = s.h > zero;
     const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
-    const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), none = P(0) < P(0);
-    if (is_unset(hit)) return {hit, missed, none, zero};
-    return {hit, missed, none, root_of(s, inside.yes(), is_h_positive.yes())};
+    const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), no_lane = P(0) < P(0);
+    if (is_unset(hit)) return {hit, missed, no_lane, zero};
+    return {hit, missed, no_lane, root_of(s, inside.yes(), is_h_positive.yes())};
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
@@ -82,9 +82,9 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const Spa
     const auto missed =
         (outside.yes() && ((begin.half_slope >= zero).yes() || (s.q < zero).yes() || near_in_range.no())) ||
         (inside.yes() && far_in_range.no());
-    const auto none = P(0) < P(0);
-    if (is_unset(hit)) return {hit, missed, none, zero};
-    return {hit, missed, none, root_of(s, hits_far, (s.h > zero).yes())};
+    const auto no_lane = P(0) < P(0);
+    if (is_unset(hit)) return {hit, missed, no_lane, zero};
+    return {hit, missed, no_lane, root_of(s, hits_far, (s.h > zero).yes())};
 }
 
 /// Order of x and y, each of which may be off by 2^-44 of itself plus half of `least`.
@@ -204,10 +204,10 @@ template <class W>
 SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
     using P = typename Running<W>::P;
     const Running<W> zero(0), one(1);
-    const auto hit = s.open.yes() && (s.at.n > zero).yes(), none = P(0) < P(0);
+    const auto hit = s.open.yes() && (s.at.n > zero).yes(), no_lane = P(0) < P(0);
     const auto missed = s.closed.no() || (s.at.n < zero).yes();
-    if (is_unset(hit)) return {hit, missed, none, zero};
-    return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+    if (is_unset(hit)) return {hit, missed, no_lane, zero};
+    return {hit, missed, no_lane, s.at.n / select(hit, s.at.m, one)};
 }
 
 /// Answer of `truth::enclose` for a ray with a range that does not begin on the surface.
@@ -217,10 +217,10 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const SpanRang
     const Running<W> zero(0), one(1);
     const auto to_begin = order_of(s.at, Fraction<Running<W>>{range.begin, one});
     const auto before_end = is_before_range_end(order_of(s.at, range.end), range);
-    const auto hit = s.open.yes() && to_begin.at_most.no() && before_end.yes(), none = P(0) < P(0);
+    const auto hit = s.open.yes() && to_begin.at_most.no() && before_end.yes(), no_lane = P(0) < P(0);
     const auto missed = s.closed.no() || to_begin.less.yes() || before_end.no();
-    if (is_unset(hit)) return {hit, missed, none, zero};
-    return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+    if (is_unset(hit)) return {hit, missed, no_lane, zero};
+    return {hit, missed, no_lane, s.at.n / select(hit, s.at.m, one)};
 }
 
 /// Answer of `truth::enclose` for the usual convention, if the ray meets no rim: the near side if the ray is known
@@ -228,8 +228,8 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const SpanRang
 template <class E, class Begin>
 SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, const std::array<mask_t<E>, 2>& in_range) {
     using P = typename E::P;
-    const auto none = P(0) < P(0);
-    std::array<mask_t<P>, 2> hits{none, none}, misses{none, none};
+    const auto no_lane = P(0) < P(0);
+    std::array<mask_t<P>, 2> hits{no_lane, no_lane}, misses{no_lane, no_lane};
     for (std::size_t i = 0; i < 2; ++i) {
         const auto crossing = s.crossing(static_cast<int>(i));
         const auto to_begin = s.compare_crossing(static_cast<int>(i), begin);
@@ -237,8 +237,8 @@ SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, cons
         misses[i] = crossing.closed.no() || to_begin.less.yes() || in_range[i].no();
     }
     const auto hits_far = misses[0] && hits[1], hit = hits[0] || hits_far, missed = misses[0] && misses[1];
-    if (is_unset(hit)) return {hit, missed, none, E(1)};
-    return {hit, missed, none, root_of(s.primitive.side, hits_far, (s.primitive.side.h > E(0)).yes())};
+    if (is_unset(hit)) return {hit, missed, no_lane, E(1)};
+    return {hit, missed, no_lane, root_of(s.primitive.side, hits_far, (s.primitive.side.h > E(0)).yes())};
 }
 template <class W>
 SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
@@ -288,14 +288,14 @@ SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& 
                                const mask_t<E>& exit_in_range) {
     using P = typename E::P;
     const auto enters = s.compare_entry(begin), leaves = s.compare_exit(begin);
-    const auto open = s.is_open().yes() && leaves.at_most.no(), none = P(0) < P(0);
+    const auto open = s.is_open().yes() && leaves.at_most.no(), no_lane = P(0) < P(0);
     const auto hits_near = open && enters.at_most.no() && entry_in_range.yes();
     const auto hits_far = open && enters.less.yes() && exit_in_range.yes();
     const auto missed = s.is_hit().no() || leaves.less.yes() || (enters.at_most.no() && entry_in_range.no()) ||
                         (enters.less.yes() && exit_in_range.no());
-    if (is_unset(hits_near || hits_far)) return {none, missed, none, E(1)};
+    if (is_unset(hits_near || hits_far)) return {no_lane, missed, no_lane, E(1)};
     const BoundaryHit<E> boundary = boundary_hit(s, hits_far);
-    return {(hits_near || hits_far) && boundary.known, missed, none, boundary.t};
+    return {(hits_near || hits_far) && boundary.known, missed, no_lane, boundary.t};
 }
 template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(const Span<Running<W>>& s) {

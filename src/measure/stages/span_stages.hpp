@@ -99,10 +99,10 @@ SpanRange<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& pr
             open};
 }
 
-/// Results that are requested for all problems. `ranged` is true if the rays have ranges; `t` and `distance` are true
-/// for the lengths that are needed.
+/// Results that are requested for all problems. `has_ranges` is true if the rays have ranges; `t` and `distance` are
+/// true for the lengths that are needed.
 struct RequestedResults {
-    bool ranged, t, distance;
+    bool has_ranges, t, distance;
 };
 
 /// A ray and a primitive in the space of the primitive, and d·d in the world. `proper` is true if the numbers of the
@@ -121,14 +121,14 @@ struct ObjectSpaceProblem {
 /// is not an exact zero.
 template <class S, class E>
 struct ObjectSpaceMap {
-    UnderMatrix matrix;
+    MatrixKind matrix;
     Affine<E> map;
     std::array<Vec<E>, 3> adjugate;
     std::array<E, numbers_of<S>> primitive;
     mask_t<typename E::P> proper;
 
     static ObjectSpaceMap of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map,
-                             const UnderMatrix& matrix) {
+                             const MatrixKind& matrix) {
         using P = typename E::P;
         ObjectSpaceMap result{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
         if (matrix.orientation == 0) result.proper = P(0) < P(0);
@@ -168,7 +168,7 @@ Finding<P> settle_shape(const ObjectSpaceProblem<S<E>, E>& problem, const Reques
         primitive_from<S, E>([primitive = problem.primitive](std::size_t k) { return primitive[k]; }).span(ray);
     auto proper = problem.proper && (problem.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
-    const SpanHit<E> span_hit = requested.ranged ? first_span_hit(span, range(proper)) : first_span_hit(span);
+    const SpanHit<E> span_hit = requested.has_ranges ? first_span_hit(span, range(proper)) : first_span_hit(span);
     const auto missed = proper && span_hit.missed;
     auto hit = proper && span_hit.hit;
     const Enclosure<P> no_length{{P(0), P(0)}, P(0)};

@@ -8,11 +8,11 @@ namespace lostbits::measure::stages {
 
 /// Findings that the inputs `word(k)` prove. An input of one word is exact; an input of two words is within
 /// `input_error` of their sum.
-template <template <class> class Of, class W, class Word>
+template <template <class> class ShapeOver, class W, class Word>
 auto settle_inputs(const StageTerms& terms, const Word& word) {
     using E = Running<W>;
     using P = typename E::P;
-    using Shape = Of<E>;
+    using Shape = ShapeOver<E>;
     const auto number = [&](std::size_t input, std::size_t low) {
         using lostbits::abs;
         const P x = word(input);
@@ -38,7 +38,7 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
     const auto range = [&](mask_t<P>& proper) {
         return range_of<E>(word(input_of_tmin), word(input_of_tmax), terms.open, proper);
     };
-    return settle_shape(problem, {terms.ranged, terms.t, terms.distance}, range);
+    return settle_shape(problem, {terms.has_ranges, terms.t, terms.distance}, range);
 }
 
 }  // namespace lostbits::measure::stages

@@ -74,7 +74,7 @@ template <class P>
     store_length(found.distance, out.distance);
 }
 
-template <template <class> class Of, class P, auto settle_pack>
+template <template <class> class ShapeOver, class P, auto settle_pack>
 [[gnu::flatten]] void settle_ties(const RawProblems<double>& raw) {
     const RawProblems<double> p = raw;  // a copy, whose pointers no store can change
     const RequestedResults requested{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
@@ -83,8 +83,9 @@ template <template <class> class Of, class P, auto settle_pack>
         const auto load_all = [&]<std::size_t... k>(const RawColumn<double>* c, std::index_sequence<k...>) {
             return std::array<P, sizeof...(k)>{load(c[k])...};
         };
-        const auto tie = settle_pack(load_all(p.ray, std::make_index_sequence<6>()),
-                                     load_all(p.primitive, std::make_index_sequence<numbers_of<Of<P>>>()), requested);
+        const auto tie =
+            settle_pack(load_all(p.ray, std::make_index_sequence<6>()),
+                        load_all(p.primitive, std::make_index_sequence<numbers_of<ShapeOver<P>>>()), requested);
         store(tie.found, p.out, i);
         store_lanes<P>(tie.touches, p.out.touches + i);
         store_lanes<P>(tie.on_surface, p.out.on_surface + i);
@@ -105,12 +106,13 @@ template <class P>
 template <class P>
 void fill_stages(RawStages& kernels) {
     kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
-    Primitives::each([&]<template <class> class Of>() {
-        constexpr std::size_t count = numbers_of<Of<P>>;
-        auto& ties = kernels.ties[static_cast<std::size_t>(shape_as<Of>)];
-        if constexpr (is_flat_between_points<Of<Multiple<P>>>) ties = settle_ties<Of, P, settle_tie<Of, P, count>>;
-        else if constexpr (is_quartic_along<Of<Running<TwoWords<P>>>>)
-            ties = settle_ties<Of, P, settle_start<Of, P, count>>;
+    Primitives::each([&]<template <class> class ShapeOver>() {
+        constexpr std::size_t count = numbers_of<ShapeOver<P>>;
+        auto& ties = kernels.ties[static_cast<std::size_t>(shape_as<ShapeOver>)];
+        if constexpr (is_flat_between_points<ShapeOver<Multiple<P>>>)
+            ties = settle_ties<ShapeOver, P, settle_tie<ShapeOver, P, count>>;
+        else if constexpr (is_quartic_along<ShapeOver<Running<TwoWords<P>>>>)
+            ties = settle_ties<ShapeOver, P, settle_start<ShapeOver, P, count>>;
     });
 }
 

@@ -24,8 +24,8 @@ struct StageTerms {
     Shape shape;
     int words;       ///< number of words of each computed number: 1 or 2
     bool two_words;  ///< true if each input has two words
-    UnderMatrix matrix;
-    bool ranged;
+    MatrixKind matrix;
+    bool has_ranges;
     OpenEnds open;
     bool t, distance;  ///< true for the lengths that are requested
 

@@ -84,9 +84,9 @@ void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
     const StageTerms terms{.shape = shape,
                            .words = arithmetic == Arithmetic::one_word ? 1 : 2,
                            .two_words = problems.two_words,
-                           .matrix = problems.matrix.placed ? problems.matrix : UnderMatrix{},
-                           .ranged = problems.ranged,
-                           .open = problems.ranged ? problems.open : OpenEnds{},
+                           .matrix = problems.matrix.placed ? problems.matrix : MatrixKind{},
+                           .has_ranges = problems.has_ranges,
+                           .open = problems.has_ranges ? problems.open : OpenEnds{},
                            .t = problems.out.t.hi != nullptr,
                            .distance = problems.out.distance.hi != nullptr};
     RunCache::of(terms, *kernels, shared_inputs_of(problems))(problems);

@@ -17,9 +17,9 @@ namespace lostbits::measure::stages {
 /// Selects shapes with a polynomial of degree four along a ray (`along`) and the usual convention.
 template <class S>
 inline constexpr bool is_quartic_along = false;
-template <template <class> class Of, class E>
-requires requires(const Of<E>& shape, const Ray<E>& ray) { shape.along(ray); }
-inline constexpr bool is_quartic_along<Of<E>> = true;
+template <template <class> class ShapeOver, class E>
+requires requires(const ShapeOver<E>& shape, const Ray<E>& ray) { shape.along(ray); }
+inline constexpr bool is_quartic_along<ShapeOver<E>> = true;
 
 /// Two words of a dyadic number of any length, and their bound. If the number is outside the range of `is_close`, the
 /// words are {0, NaN} and the bound is infinite: nothing is known about the number.
@@ -40,7 +40,7 @@ std::array<double, 3> words_of(const number::wide::Dyadic<P>& exact) {
 /// Computes the value and, if `with_slope`, the slope of the polynomial at the origin of one ray, exactly. `numbers`
 /// holds the ray and the primitive. If the size of a number is neither 0 nor within [2^-300, 2^300], where sums might
 /// be too long, nothing is known about the results.
-template <template <class> class Of, class P, std::size_t count>
+template <template <class> class ShapeOver, class P, std::size_t count>
 [[gnu::noinline]] static void find_exact_start(const std::array<double, count>& numbers, bool with_slope,
                                                std::array<std::array<double, 3>, 2>& out) {
     using D = number::wide::Dyadic<P>;
@@ -50,7 +50,7 @@ template <template <class> class Of, class P, std::size_t count>
     const auto exact_number = [&](std::size_t k) { return D(numbers[k]); };
     // The value does not depend on the direction, and products with zero cost no time.
     const auto exact_direction = [&](std::size_t k) { return with_slope ? exact_number(k) : D(0.0); };
-    const auto g = primitive_from<Of, D>([&](std::size_t k) { return exact_number(6 + k); })
+    const auto g = primitive_from<ShapeOver, D>([&](std::size_t k) { return exact_number(6 + k); })
                        .along({{exact_number(0), exact_number(1), exact_number(2)},
                                {exact_direction(3), exact_direction(4), exact_direction(5)}});
     out[0] = words_of(g.c[0]);
@@ -59,7 +59,7 @@ template <template <class> class Of, class P, std::size_t count>
 
 /// Replaces the value and the slope of a polynomial at the origin by exact numbers, in the lanes of the masks `value`
 /// and `slope`.
-template <template <class> class Of, class P, std::size_t count>
+template <template <class> class ShapeOver, class P, std::size_t count>
 void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, const mask_t<P>& slope,
                 Polynomial<Running<TwoWords<P>>>& g) {
     if (!any_of(value || slope)) return;
@@ -72,7 +72,7 @@ void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, co
         std::array<double, count> problem;
         for (std::size_t k = 0; k < count; ++k) problem[k] = numbers[k][lane];
         std::array<std::array<double, 3>, 2> exact;
-        find_exact_start<Of, P>(problem, with_slope[lane], exact);
+        find_exact_start<ShapeOver, P>(problem, with_slope[lane], exact);
         for (std::size_t power = 0; power < 2; ++power)
             for (std::size_t k = 0; k < 3; ++k) words[power][k][lane] = exact[power][k];
     }
@@ -221,7 +221,7 @@ private:
 /// there if g₁ = 0 and g₂ ≠ 0: g does not change its sign. Otherwise the first root lies within the reach, or it is the
 /// first root of `span` behind the reach. A slope that nearly vanishes must be exact, too, since the ray may lie in the
 /// tangent plane.
-template <template <class> class Of, class P, std::size_t count>
+template <template <class> class ShapeOver, class P, std::size_t count>
 [[gnu::noinline]] TieFinding<P> settle_start(const std::array<P, 6>& ray, const std::array<P, count>& primitive,
                                              const RequestedResults& requested) {
     using W = TwoWords<P>;
@@ -233,15 +233,15 @@ template <template <class> class Of, class P, std::size_t count>
     for (std::size_t k = 0; k < count; ++k) numbers[k] = E(W(primitive[k]));
     const auto ray_number = [&](std::size_t k) { return E(W(ray[k])); };
     const Ray<E> line{{ray_number(0), ray_number(1), ray_number(2)}, {ray_number(3), ray_number(4), ray_number(5)}};
-    const Of<E> shape = primitive_from<Of, E>([&](std::size_t k) { return numbers[k]; });
+    const ShapeOver<E> shape = primitive_from<ShapeOver, E>([&](std::size_t k) { return numbers[k]; });
     const auto span = shape.span(line);
     const E zero(0);
-    const auto proper =
-        is_proper<Of<E>>(numbers) && (span.d2 > zero).yes() && sum_of_sizes(ray[0], ray[1], ray[2]) < P(HUGE_VAL);
+    const auto proper = is_proper<ShapeOver<E>>(numbers) && (span.d2 > zero).yes() &&
+                        sum_of_sizes(ray[0], ray[1], ray[2]) < P(HUGE_VAL);
 
     Polynomial<E> g = shape.along(line);
     const auto is_rough = [](const E& x, double most) { return !(x.radius() <= P(most) * abs(x.first())); };
-    make_exact<Of>(problems, is_rough(g.c[0], 0x1p-78), is_rough(g.c[1], 0x1p-60), g);
+    make_exact<ShapeOver>(problems, is_rough(g.c[0], 0x1p-78), is_rough(g.c[1], 0x1p-60), g);
     const auto at_origin = (g.c[0] <= zero).yes() && (g.c[0] >= zero).yes();
     const RootsFromStart<P> roots(g, span.bound.first() / span.a.first());
     const auto touches = at_origin && (g.c[1] <= zero).yes() && (g.c[1] >= zero).yes() && roots.bends();

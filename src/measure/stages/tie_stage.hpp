@@ -22,10 +22,10 @@ using number::wide::Multiple;
 inline constexpr int bits_of_points = 31, bits_of_directions = 33;
 template <class S>
 inline constexpr bool is_flat_between_points = false;
-template <template <class> class Of, class P>
-inline constexpr bool is_flat_between_points<Of<Multiple<P>>> =
-    std::is_same_v<decltype(std::declval<Of<Multiple<P>>>().span(Ray<Multiple<P>>())),
-                   FlatSpan<Multiple<P>>>&& std::ranges::all_of(Of<Multiple<P>>::keys, [](const Key& key) {
+template <template <class> class ShapeOver, class P>
+inline constexpr bool is_flat_between_points<ShapeOver<Multiple<P>>> =
+    std::is_same_v<decltype(std::declval<ShapeOver<Multiple<P>>>().span(Ray<Multiple<P>>())),
+                   FlatSpan<Multiple<P>>>&& std::ranges::all_of(ShapeOver<Multiple<P>>::keys, [](const Key& key) {
         return key.kind == Key::Kind::point;
     });
 
@@ -69,7 +69,7 @@ private:
 /// Answer of `truth::enclose` for a surface with the usual convention. A surface or ray that is not valid is a
 /// miss: a direction of zero crosses no plane, and no line crosses the plane of points that lie on one line. For
 /// numbers that are not finite, the result is a miss, or nothing is settled.
-template <template <class> class Of, class P, std::size_t count>
+template <template <class> class ShapeOver, class P, std::size_t count>
 TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points,
                          const RequestedResults& requested) {
     using E = Multiple<P>;
@@ -79,7 +79,7 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
     const Grid<P> direction_grid = Grid<P>::of(bits_of_directions, ray[3], ray[4], ray[5]);
     const auto ray_number = [&](std::size_t k) { return E(ray[k], k < 3 ? point_grid : direction_grid); };
     const FlatSpan<E> span =
-        primitive_from<Of, E>([&](std::size_t k) {
+        primitive_from<ShapeOver, E>([&](std::size_t k) {
             return E(points[k], point_grid);
         }).span({{ray_number(0), ray_number(1), ray_number(2)}, {ray_number(3), ray_number(4), ray_number(5)}});
     const E zero(0);

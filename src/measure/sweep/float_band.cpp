@@ -30,7 +30,7 @@ public:
 
     void measure(std::size_t row_index, const evaluate::Show& show) const {
         evaluate::FormSummary summary(measured_metrics());
-        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_truth_.of(rows_[row_index]),
+        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_truth_.inputs_of(rows_[row_index]),
                               summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }

@@ -308,7 +308,7 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
 
 Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*>& metrics, double max_bits) {
     if (s.count(Outcome::unresolved) > 0) return Verdict::unresolved;
-    if (const auto wrong = s.wrong()) {
+    if (const auto wrong = s.most_frequent_wrong_decision()) {
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number
                : *wrong == Outcome::false_miss ? Verdict::false_miss
                : *wrong == Outcome::false_hit  ? Verdict::false_hit

@@ -278,7 +278,7 @@ private:
         evaluate::FormSummary summary(request_.metrics);
         BatchWorst batch_worst(metric_, row_.form->info->direction, file_);
         evaluate::measure_row({row_, request_.metrics, [&batch_worst](const auto& result) { batch_worst.add(result); }},
-                              shared.of(row_), summary);
+                              shared.inputs_of(row_), summary);
         return batch_worst;
     }
 

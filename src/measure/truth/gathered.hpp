@@ -185,7 +185,7 @@ public:
         std::iota(rest_indices.begin(), rest_indices.end(), begin + whole_count);
         auto& gathered = GatheredProblems<S>::for_thread();
         auto raw = gathered.gather(problems_, std::span(rest_indices).first(rest_count), lanes);
-        raw.ranged = has_ranges_;
+        raw.has_ranges = has_ranges_;
         if (!found.t.hi) raw.out.t = {};
         if (!found.distance.hi) raw.out.distance = {};
         stage(raw);
@@ -205,7 +205,7 @@ private:
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
         raw.open = problems_.open, raw.matrix = problems_.matrix;
-        raw.ranged = has_ranges_;
+        raw.has_ranges = has_ranges_;
         const S* repeated = repeated_[0];
         for_each_column(problems_, raw, [&](std::span<const S> source, stages::RawColumn<S>& column, S) {
             column =

@@ -90,9 +90,9 @@ private:
                      [primitive_index](std::size_t) { return static_cast<std::int32_t>(primitive_index); });
     }
 
-    static stages::UnderMatrix under_matrix(const Primitive<S>& primitive) {
-        return primitive.placed ? stages::UnderMatrix{true, primitive.placed->is_inverse, primitive.placed->orientation}
-                                : stages::UnderMatrix{};
+    static stages::MatrixKind under_matrix(const Primitive<S>& primitive) {
+        return primitive.placed ? stages::MatrixKind{true, primitive.placed->is_inverse, primitive.placed->orientation}
+                                : stages::MatrixKind{};
     }
 
     /// Tests every ray against the primitive that it is paired with.
@@ -222,7 +222,7 @@ private:
     void add_pair(std::size_t i, std::uint32_t primitive_index) {
         const Primitive<S> primitive = problems_.primitives[primitive_index];
         GatheredProblems<double>& target = gathered_problems(primitive.shape);
-        stages::UnderMatrix& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
+        stages::MatrixKind& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
         if (const auto matrix_kind = under_matrix(primitive); !(matrix_kind == matrix)) {
             settle(primitive.shape);
             matrix = matrix_kind;
@@ -280,7 +280,7 @@ private:
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& problems = gathered_problems(shape);
         auto raw = problems.added_problems(stages.lanes, two_words);
-        raw.open = problems_.rays.open, raw.ranged = has_ranges_;
+        raw.open = problems_.rays.open, raw.has_ranges = has_ranges_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.double_double(raw);
         store_findings(problems.findings, shape, open_pairs, [&open_pairs](std::size_t k) { return open_pairs[k]; });
@@ -353,7 +353,7 @@ private:
     std::vector<RayAndPrimitive> pairs_;
     /// Indices into `pairs_` of the gathered pairs, by shape.
     std::array<std::array<std::size_t, batch_size>, shape_rows.size()> pair_indices_;
-    std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< kind of matrix of the gathered pairs, by shape
+    std::array<stages::MatrixKind, shape_rows.size()> matrices_;  ///< kind of matrix of the gathered pairs, by shape
     static constexpr std::size_t candidate_batch_size = 64;
     std::vector<std::uint32_t> candidates_;  ///< candidates of a batch of rays, one ray after the other
     /// Index in `candidates_` after those of each ray of the batch.

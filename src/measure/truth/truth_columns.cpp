@@ -109,7 +109,7 @@ private:
         auto& gathered = GatheredProblems<double>::for_thread();
         const std::vector<std::size_t> indices = std::exchange(open_indices_, {});
         auto raw = gathered.gather(problems_, indices, stages_.lanes);
-        raw.ranged = in_place_.has_ranges();
+        raw.has_ranges = in_place_.has_ranges();
         const stages::RawLength length = requested_length(raw.out);
         raw.out.t = raw.out.distance = {};
         requested_length(raw.out) = length;

@@ -21,10 +21,11 @@ namespace {
 std::optional<std::string> not_finite_input_sentence(const Explanation& explanation) {
     const NodeId subject = explanation.attribution.subject;
     if (is_decision(explanation.tape[subject].op) || std::isfinite(explanation.tape[subject].value)) return {};
-    for (std::size_t i = 0; i < explanation.inputs.size(); ++i) {
-        if (!std::isfinite(explanation.inputs[i]) && explanation.names[i] != "ray.tmax")
-            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", explanation.names[i],
-                               number_phrase(explanation.inputs[i]), explanation.format.name);
+    for (std::size_t i = 0; i < explanation.input_values.size(); ++i) {
+        if (!std::isfinite(explanation.input_values[i]) && explanation.input_names[i] != "ray.tmax")
+            return fmt::format("The input {} is {} in {}. Everything after it follows from that.",
+                               explanation.input_names[i], number_phrase(explanation.input_values[i]),
+                               explanation.format.name);
     }
     return {};
 }
@@ -35,8 +36,9 @@ std::string amplifier_text(const Explanation& explanation, const OperationView& 
     const NodeId amplifier = explanation.amplifier(explanation.attribution.culprit);
     if (amplifier == no_node) return "";
     const TapeNode& amplifier_node = explanation.tape[amplifier];
-    std::string text = fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
-                                   view.error_of(amplifier).cancelled, explanation.tape.format_of(amplifier).precision);
+    std::string text =
+        fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
+                    view.error_of(amplifier).cancelled_bits, explanation.tape.format_of(amplifier).precision);
     const auto& operands = amplifier_node.operands;
     for (auto position = operands.begin(); position != operands.end(); ++position) {
         const NodeId operand = *position;
@@ -55,7 +57,7 @@ std::string amplifier_text(const Explanation& explanation, const OperationView& 
 class EqualContributions {
 public:
     EqualContributions(const Explanation& explanation, const OperationView& view)
-        : explanation_(explanation), view_(view), equals_(explanation.attribution.equals) {
+        : explanation_(explanation), view_(view), equals_(explanation.attribution.equal_culprits) {
         const auto has_opposite_sign = [&](NodeId i) {
             return std::signbit(view.contribution(i)) !=
                    std::signbit(view.contribution(explanation.attribution.culprit));
@@ -109,10 +111,10 @@ private:
 std::string remaining_error_text(const Explanation& explanation, const OperationView& view) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const std::string undo_clause =
-        attribution.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
+        attribution.equal_culprits.size() == 1 ? ". The two undo each other" : ". They undo each other";
     if (attribution.error == 0) return undo_clause + ", and no error is left";
     double smallest_share = std::fabs(view.error_of(attribution.culprit).contribution);
-    for (const NodeId i : attribution.equals)
+    for (const NodeId i : attribution.equal_culprits)
         smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
     const auto other_operations = largest_contributions(explanation.tape, attribution, smallest_share);
     const std::string remaining_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
@@ -131,7 +133,7 @@ std::string culprit_error_phrase(const Explanation& explanation, const Operation
     const NodeId culprit = explanation.attribution.culprit;
     const measure::attribution::OperationError& operation_error = view.error_of(culprit);
     const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, operation_error.rounding)));
-    const char* const error_kind = operation_error.is_flipped                                          ? "wrong choice"
+    const char* const error_kind = operation_error.decision_changed                                    ? "wrong choice"
                                    : measure::attribution::is_on_purpose(explanation.tape[culprit].op) ? "step"
                                                                                                        : "rounding";
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);
@@ -146,14 +148,16 @@ std::string shares_text(const Explanation& explanation, const OperationView& vie
     const EqualContributions equals(explanation, view);
     const std::string assigned_ulps = ulps_or_nothing(std::fabs(view.contribution(attribution.culprit)));
     if (assigned_ulps.empty()) {
-        const std::string others_clause = attribution.equals.empty() ? "" : fmt::format(", as {}", equals.names());
+        const std::string others_clause =
+            attribution.equal_culprits.empty() ? "" : fmt::format(", as {}", equals.names());
         const std::string error_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
         return fmt::format("has no finite share {}{}{}.", target, others_clause,
                            error_ulps.empty() ? "" : fmt::format(", which is off by {}", error_ulps));
     }
     std::string text = fmt::format("is assigned {} {}{}", assigned_ulps, target, equals.clause());
     if (equals.cancels_culprit()) return text + remaining_error_text(explanation, view) + ".";
-    if (!attribution.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
+    if (!attribution.equal_culprits.empty())
+        text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
     const double share = equals.sum() * view.ulp() / attribution.error;
     // The text has as many digits as that of `counterfactual_sentence`, which often repeats the number.
     const double remaining_ulps = std::fabs(attribution.error / view.ulp());

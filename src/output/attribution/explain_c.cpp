@@ -19,7 +19,7 @@ class CProgramWriter {
 public:
     explicit CProgramWriter(const Explanation& explanation)
         : explanation_(explanation),
-          text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::plain),
+          text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::plain),
           slice_(explanation.tape, {explanation.tape.outputs.t, explanation.tape.outputs.hit}),
           computes_in_double_(explanation.format.engine == Format::Engine::rounded) {
         needs_remainders_ = computes_in_double_ && explanation.format.parameters.precision > 25;
@@ -67,7 +67,7 @@ private:
         if (computes_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
         const bool is_rounded = computes_in_double_ && !text.c_wide.empty();
         if (is_rounded && needs_remainders_) require_safe_remainder(i);
-        const std::string value = measure::attribution::filled(
+        const std::string value = measure::attribution::fill_pattern(
             is_rounded && needs_remainders_ ? text.c_wide : text.c.text,
             [&](std::size_t k, int) { return operand(node.operands[k]); },
             [&](char letter) -> std::string {

@@ -38,7 +38,7 @@ class FpCoreWriter {
 public:
     explicit FpCoreWriter(const Explanation& explanation)
         : explanation_(explanation),
-          text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::plain),
+          text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::plain),
           slice_(explanation.tape, {explanation.tape.outputs.t}) {}
 
     std::string source() {
@@ -78,7 +78,7 @@ private:
                 "of formats; --json and --c give the result of the call",
                 explanation_.form->info->name));
         const FloatFormat& f = explanation_.tape.format_of(i);
-        return measure::attribution::filled(
+        return measure::attribution::fill_pattern(
             measure::attribution::text_of(node.op).fpcore.text,
             [&](std::size_t k, int) { return operand(node.operands[k]); },
             [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });

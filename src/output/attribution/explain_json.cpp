@@ -28,7 +28,7 @@ Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
               {"operands", operands},
               {"expression", text.expression(i)}};
     if (!node.label.empty()) json["label"] = std::string(node.label);
-    json["turned"] = operation_error.is_flipped;
+    json["turned"] = operation_error.decision_changed;
     if (is_decision(node.op)) {
         json["computed"] = node.value != 0;
         json["exact"] = operation_error.exact != 0;
@@ -38,9 +38,9 @@ Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
     json["computed"] = exact_number(node.value);
     json["exact"] = json_number(operation_error.exact);
     json["error"] = json_number(operation_error.error);
-    json["cancelled_bits"] = operation_error.cancelled;
-    if (operation_error.cancelled > 0)
-        json["cancellation"] = operation_error.has_operand_error ? "catastrophic" : "benign";
+    json["cancelled_bits"] = operation_error.cancelled_bits;
+    if (operation_error.cancelled_bits > 0)
+        json["cancellation"] = operation_error.operands_have_error ? "catastrophic" : "benign";
     json["local_error_bits"] = json_number(operation_error.local_bits);
     json["rounding"] = json_number(operation_error.rounding);
     json["live"] = operation_error.is_live;
@@ -56,24 +56,24 @@ Json form_result_json(const measure::attribution::FormResult& result) {
             {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(result.outcome)])},
             {"t", json_number(result.t)},
             {"ulp_error", number_or_null(result.ulps)},
-            {"lost_bits", number_or_null(result.lost)},
-            {"lost_bits_around", number_or_null(result.lost_nearby)}};
+            {"lost_bits", number_or_null(result.lost_bits)},
+            {"lost_bits_around", number_or_null(result.mean_lost_nearby)}};
 }
 
 }  // namespace
 
 std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march) {
-    const TapeText text(explanation.tape, explanation.names, TapeText::Style::plain);
+    const TapeText text(explanation.tape, explanation.input_names, TapeText::Style::plain);
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const ExplainedVerdict verdict = verdict_of(explanation, march);
     Json json{{"schema", "lostbits-explanation/1"},
               {"form", std::string(explanation.form->info->name)},
               {"format", explanation.format.name},
               {"convention", std::string(intersect::convention_name(explanation.touching))},
-              {"primitive", explanation.primitive},
-              {"primitives", explanation.primitives}};
-    for (std::size_t i = 0; i < explanation.inputs.size(); ++i)
-        json["inputs"][explanation.names[i]] = exact_number(explanation.inputs[i]);
+              {"primitive", explanation.primitive_index},
+              {"primitives", explanation.primitive_count}};
+    for (std::size_t i = 0; i < explanation.input_values.size(); ++i)
+        json["inputs"][explanation.input_names[i]] = exact_number(explanation.input_values[i]);
     json["open_ends"] = std::string(name_of(explanation.range.open));
     json["inputs_rounded"] = explanation.rounded_inputs;
     json["given_direction"] =
@@ -89,10 +89,10 @@ std::string explain_json(const Explanation& explanation, const std::optional<Mar
         json["in_mesh"] =
             std::string(measure::answer::outcome_names[static_cast<std::size_t>(*explanation.mesh_outcome)]);
     json["ulp_error"] = number_or_null(explanation.result.ulps);
-    json["lost_bits"] = number_or_null(explanation.result.lost);
+    json["lost_bits"] = number_or_null(explanation.result.lost_bits);
     json["wrong_root"] = is_wrong_root(explanation);
     json["condition"] = number_or_null(explanation.condition);
-    json["inherent_bits"] = number_or_null(explanation.inherent);
+    json["inherent_bits"] = number_or_null(explanation.inherent_bits);
     json["answer"] = verdict.answer;
     json["verdict"] = verdict.loss;
     json["sentence"] = verdict.blame;
@@ -108,23 +108,23 @@ std::string explain_json(const Explanation& explanation, const std::optional<Mar
     json["culprit_alone_rounded"] =
         has_counterfactuals ? counterfactual(explanation.culprit_alone->only_rounded) : Json(nullptr);
     json["equals"] = Json::array();
-    for (const NodeId i : attribution.equals) json["equals"].push_back(text.name(i));
+    for (const NodeId i : attribution.equal_culprits) json["equals"].push_back(text.name(i));
     const auto of_subject = [&attribution](double v) {
         return attribution.subject == no_node ? Json(nullptr) : json_number(v);
     };
     json["attribution"] = {{"subject", node_or_null(text, attribution.subject)},
                            {"exact_hit", attribution.exact_hit},
-                           {"cut_short", attribution.cut_short},
+                           {"cut_short", attribution.loop_was_cut_short},
                            {"error", of_subject(attribution.error)},
-                           {"explained", of_subject(attribution.explained)},
-                           {"first_order", of_subject(attribution.first_order)},
+                           {"explained", of_subject(attribution.contribution_sum)},
+                           {"first_order", of_subject(attribution.first_order_sum)},
                            {"ulp", number_or_null(explanation.ulp_of_subject())},
                            {"shadow_bits", attribution.exact_bits}};
     json["operations"] = Json::array();
     for (NodeId i = 0; i < explanation.tape.size(); ++i) json["operations"].push_back(operation(explanation, text, i));
-    json["lost_bits_around"] = number_or_null(explanation.result.lost_nearby);
+    json["lost_bits_around"] = number_or_null(explanation.result.mean_lost_nearby);
     json["better"] = Json::array();
-    for (const measure::attribution::FormResult& form_result : explanation.better)
+    for (const measure::attribution::FormResult& form_result : explanation.better_forms)
         json["better"].push_back(form_result_json(form_result));
     return file::json_text(json);
 }

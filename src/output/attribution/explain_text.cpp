@@ -33,18 +33,19 @@ std::string padded(std::string text, std::size_t width) {
 std::string inputs_block(const Explanation& explanation) {
     std::string text, begin_line, end_line;
     std::size_t width = 0;
-    for (const auto& name : explanation.names) width = std::max(width, name.size());
+    for (const auto& name : explanation.input_names) width = std::max(width, name.size());
     const auto line = [&](std::size_t i, const char* suffix) {
-        return fmt::format("  {:<{}} = {:<22} {}{}\n", explanation.names[i], width, file::hex(explanation.inputs[i]),
-                           file::decimal(explanation.inputs[i]), suffix);
+        return fmt::format("  {:<{}} = {:<22} {}{}\n", explanation.input_names[i], width,
+                           file::hex(explanation.input_values[i]), file::decimal(explanation.input_values[i]), suffix);
     };
     const auto end_kind = [](bool is_open) {
         return is_open ? " (open: a surface there does not count)" : " (closed)";
     };
-    for (std::size_t i = 0; i < explanation.inputs.size(); ++i) {
-        if (explanation.names[i] == "ray.tmin") begin_line = line(i, end_kind(explanation.range.open.tmin));
-        else if (explanation.names[i] == "ray.tmax")
-            end_line = line(i, std::isinf(explanation.inputs[i]) ? " (no end)" : end_kind(explanation.range.open.tmax));
+    for (std::size_t i = 0; i < explanation.input_values.size(); ++i) {
+        if (explanation.input_names[i] == "ray.tmin") begin_line = line(i, end_kind(explanation.range.open.tmin));
+        else if (explanation.input_names[i] == "ray.tmax")
+            end_line =
+                line(i, std::isinf(explanation.input_values[i]) ? " (no end)" : end_kind(explanation.range.open.tmax));
         else text += line(i, "");
     }
     return explanation.range.is_whole() ? text : text + begin_line + end_line;
@@ -153,7 +154,7 @@ NodeId origin_of_not_finite(const Explanation& explanation, const OperationView&
     };
     for (;;) {
         if (is_given(explanation.tape[i].op)) return no_node;
-        const NodeId side = measure::attribution::side_taken(explanation.tape, i);
+        const NodeId side = measure::attribution::chosen_side(explanation.tape, i);
         const auto& operands = explanation.tape[i].operands;
         const NodeId* const next = std::ranges::find_if(operands, is_alike);
         if (is_alike(side)) i = side;
@@ -188,8 +189,8 @@ std::string not_finite_text(const Explanation& explanation, const OperationView&
 }
 
 std::string model_text(const Explanation& explanation, const OperationView& view) {
-    if (explanation.missed) return "";  // the truth is about another primitive
-    if (explanation.attribution.cut_short)
+    if (explanation.missed_primitive) return "";  // the truth is about another primitive
+    if (explanation.attribution.loop_was_cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";
     const bool truly_hits = explanation.truth == measure::truth::Truth::Decision::hit;
@@ -224,19 +225,20 @@ std::string sums_sentence(const Explanation& explanation, const OperationView& v
     if (attribution.subject == no_node || !std::isfinite(attribution.error) ||
         measure::attribution::is_plain_miss(explanation.tape, attribution))
         return "";
-    if (!std::isfinite(attribution.explained)) return "Some contributions are not finite, so they have no sum.\n";
-    const double ulp = view.ulp(), unassigned = attribution.error - attribution.explained;
+    if (!std::isfinite(attribution.contribution_sum))
+        return "Some contributions are not finite, so they have no sum.\n";
+    const double ulp = view.ulp(), unassigned = attribution.error - attribution.contribution_sum;
     std::string text =
-        fmt::format("Contributions sum to {} of {} ulp{}.", short_number(attribution.explained / ulp),
+        fmt::format("Contributions sum to {} of {} ulp{}.", short_number(attribution.contribution_sum / ulp),
                     short_number(attribution.error / ulp),
                     std::fabs(unassigned) <= 1e-6 * std::fabs(attribution.error)
                         ? ""
                         : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
-    if (!(std::fabs(attribution.first_order - attribution.error) <= 0.1 * std::fabs(attribution.error))) {
+    if (!(std::fabs(attribution.first_order_sum - attribution.error) <= 0.1 * std::fabs(attribution.error))) {
         // Infinite terms of both signs have no sum.
-        text += std::isfinite(attribution.first_order)
+        text += std::isfinite(attribution.first_order_sum)
                     ? fmt::format(" The last column uses difference quotients, because derivatives would give {} ulp.",
-                                  short_number(attribution.first_order / ulp))
+                                  short_number(attribution.first_order_sum / ulp))
                     : " The last column uses difference quotients, because derivatives are infinite on this ray.";
     }
     return text + "\n";
@@ -259,7 +261,7 @@ std::string rounding_part_sentence(const Explanation& explanation, const Operati
 
 std::string changed_decisions_text(const Explanation& explanation, const OperationView& view) {
     std::string text;
-    for (const NodeId i : explanation.flipped_decisions()) {
+    for (const NodeId i : explanation.changed_decisions()) {
         const TapeNode& node = explanation.tape[i];
         if (!is_comparison(node.op)) {
             const double distance = std::fabs(view.error_of(i).rounding);
@@ -306,8 +308,9 @@ std::string condition_phrase(double condition) {
 }
 
 bool does_another_form_better(const Explanation& explanation) {
-    return std::ranges::any_of(explanation.better, [&](const measure::attribution::FormResult& s) {
-        return explanation.result.lost_nearby - s.lost_nearby >= least_notable_bits && s.lost < explanation.result.lost;
+    return std::ranges::any_of(explanation.better_forms, [&](const measure::attribution::FormResult& s) {
+        return explanation.result.mean_lost_nearby - s.mean_lost_nearby >= least_notable_bits &&
+               s.lost_bits < explanation.result.lost_bits;
     });
 }
 
@@ -337,16 +340,16 @@ std::string envelope_sentence(const Explanation& explanation) {
         if (std::isnan(explanation.condition)) return "The ray hits nothing, so it has no condition number.";
         // The rest of the text is about the primitive that the form hits.
         const std::string where =
-            explanation.missed ? fmt::format("At primitive {}: ", explanation.missed->primitive) : "";
+            explanation.missed_primitive ? fmt::format("At primitive {}: ", explanation.missed_primitive->index) : "";
         return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(explanation.condition),
-                           perturbation_phrase(explanation), explanation.inherent);
+                           perturbation_phrase(explanation), explanation.inherent_bits);
     }
     if (!explanation.returns_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope = fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(explanation.condition),
-                                             perturbation_phrase(explanation), explanation.inherent);
-    if (explanation.result.lost < 1) return envelope + ". Less than one bit is lost.";
+                                             perturbation_phrase(explanation), explanation.inherent_bits);
+    if (explanation.result.lost_bits < 1) return envelope + ". Less than one bit is lost.";
     if (explanation.excess_bits < 1) return envelope + within_envelope(explanation);
-    if (explanation.inherent >= explanation.format.parameters.precision)
+    if (explanation.inherent_bits >= explanation.format.parameters.precision)
         return envelope +
                fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", explanation.excess_bits);
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", explanation.excess_bits);
@@ -361,9 +364,9 @@ std::string explain_text(const Explanation& explanation, bool show_all, const st
     NodeId culprit = explanation.has_tape() ? explanation.attribution.culprit : no_node;
     if (culprit != no_node && std::isfinite(explanation.tape[culprit].value)) culprit = culprit_operation(explanation);
     if (const std::string line = source_line(explanation, culprit); !line.empty()) text += line + "\n";
-    if (explanation.primitives > 1 && is_primitive(explanation.form->shape))
-        text += fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", explanation.primitives - 1,
-                            explanation.primitive);
+    if (explanation.primitive_count > 1 && is_primitive(explanation.form->shape))
+        text += fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n",
+                            explanation.primitive_count - 1, explanation.primitive_index);
     if (explanation.form->is_set())
         text += fmt::format("It is a {}, which the form {} answers.\n", name_of(explanation.shape),
                             explanation.form->of(explanation.shape).info->name);

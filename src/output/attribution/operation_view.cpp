@@ -48,7 +48,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
             std::ranges::for_each(explanation.tape.operands_of(i), mark);
         } else {
             mark(node.operands[0]);
-            mark(measure::attribution::side_taken(explanation.tape, i));
+            mark(measure::attribution::chosen_side(explanation.tape, i));
         }
     }
     return on_path;
@@ -58,7 +58,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
 
 OperationView::OperationView(const Explanation& explanation)
     : explanation_(explanation),
-      text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::pretty),
+      text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::pretty),
       ulp_(explanation.ulp_of_subject()),
       on_path_(nodes_on_path(explanation)) {
     for (NodeId i = 0; i < explanation.tape.size(); ++i) {
@@ -76,8 +76,8 @@ double OperationView::ulps_of_value(NodeId i, double error) const {
 }
 
 std::string OperationView::cancellation(NodeId i) const {
-    const int bits = error_of(i).cancelled;
-    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).has_operand_error ? "catastrophic" : "benign");
+    const int bits = error_of(i).cancelled_bits;
+    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).operands_have_error ? "catastrophic" : "benign");
 }
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
@@ -85,7 +85,7 @@ bool OperationView::is_shown(NodeId i, bool show_all) const {
     if (text_.is_number(i) && node.label.empty() && error_of(i).rounding == 0) return false;
     if (show_all) return is_operation(node.op);
     if (!is_operation(node.op) || !error_of(i).is_live) return false;
-    return !node.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
+    return !node.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled_bits > 1 ||
            i == explanation_.attribution.culprit;
 }
 
@@ -133,7 +133,8 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
                                .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
     if (!shows_errors) return operation_row;
     operation_row.is_culprit = i == culprit_operation(explanation);
-    operation_row.is_branch_flipped = operation_error.is_flipped && (is_decision_row || operation_error.rounding != 0);
+    operation_row.is_branch_flipped =
+        operation_error.decision_changed && (is_decision_row || operation_error.rounding != 0);
     operation_row.is_off_path = !is_decision_row && !view.is_on_path(i);
     operation_row.is_on_purpose = measure::attribution::is_on_purpose(node.op) && operation_error.rounding != 0;
     if (is_decision_row) return operation_row;

@@ -22,10 +22,11 @@ constexpr std::size_t operations_shown = 8;
 /// Operations that round, those with the largest share of the bound first.
 std::vector<NodeId> nodes_by_share(const RangesBound& bound) {
     std::vector<NodeId> nodes;
-    for (std::size_t i = 0; i < bound.shares.size(); ++i)
-        if (bound.shares[i] > 0) nodes.push_back(static_cast<NodeId>(i));
+    for (std::size_t i = 0; i < bound.node_contributions.size(); ++i)
+        if (bound.node_contributions[i] > 0) nodes.push_back(static_cast<NodeId>(i));
     std::ranges::stable_sort(nodes, [&](NodeId a, NodeId b) {
-        return bound.shares[static_cast<std::size_t>(a)] > bound.shares[static_cast<std::size_t>(b)];
+        return bound.node_contributions[static_cast<std::size_t>(a)] >
+               bound.node_contributions[static_cast<std::size_t>(b)];
     });
     return nodes;
 }
@@ -50,12 +51,12 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
     if (seen.bounded_hits == 0) return fmt::format("None of {} hits in a range with a bound.\n", ray_set);
     std::string text =
         fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", ray_set,
-                    seen.hits, seen.bounded_hits, seen.error);
-    text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.share);
+                    seen.hits, seen.bounded_hits, seen.largest_error);
+    text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.largest_ratio);
     if (seen.running_hits > 0)
         text += fmt::format(
             " Running bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
-            seen.running, seen.wider);
+            seen.largest_running_bound, seen.wider_running_bounds);
     return text + "\n";
 }
 
@@ -64,7 +65,7 @@ std::string operations_block(const RangesBound& bound) {
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto nodes = nodes_by_share(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
-        text += fmt::format("  {:>9.3g}  {}\n", bound.shares[static_cast<std::size_t>(nodes[k])],
+        text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[static_cast<std::size_t>(nodes[k])],
                             tape_text.definition(nodes[k]));
     if (nodes.size() > operations_shown)
         text += fmt::format("  and {} other operations, by less\n", nodes.size() - operations_shown);
@@ -74,11 +75,11 @@ std::string operations_block(const RangesBound& bound) {
 Json observed_errors_json(const ObservedErrors& seen) {
     return {{"hits", seen.hits},
             {"bounded_hits", seen.bounded_hits},
-            {"error", json_number(seen.error)},
-            {"share_of_bound", json_number(seen.share)},
+            {"error", json_number(seen.largest_error)},
+            {"share_of_bound", json_number(seen.largest_ratio)},
             {"running_hits", seen.running_hits},
-            {"running", json_number(seen.running)},
-            {"running_wider", seen.wider}};
+            {"running", json_number(seen.largest_running_bound)},
+            {"running_wider", seen.wider_running_bounds}};
 }
 
 }  // namespace
@@ -87,21 +88,24 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
     std::string text =
         fmt::format("{} in {} over the ranges of the rays of {}, in {} box{}:\n{}", request.form->info->name,
                     request.format.name, request.id(), bound.boxes, bound.boxes == 1 ? "" : "es", ranges_block(bound));
-    if (request.is_of_step())
+    if (request.is_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
             bound.rays);
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
-                        100 * bound.missed, 100 * (1 - bound.missed - bound.unknown), 100 * bound.unknown);
-    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (bound.undecided + bound.unknown));
+                        100 * bound.missed_share, 100 * (1 - bound.missed_share - bound.unknown_share),
+                        100 * bound.unknown_share);
+    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n",
+                        100 * (bound.undecided_share + bound.unknown_share));
     text += "Where rays may hit, rounding puts t off by at most\n";
     for (const auto& [share, error, ulps] : bound.quantiles)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
-    if (bound.unknown < 1 - bound.missed)
+    if (bound.unknown_share < 1 - bound.missed_share)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", bound.largest, bound.largest_ulps);
-    text += observed_errors_text(bound.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
-    text += observed_errors_text(bound.drawn, "rays drawn where the bounds are largest");
-    return bound.shares.empty() ? text : text + operations_block(bound);
+    text += observed_errors_text(bound.errors_of_given_rays,
+                                 request.is_step() ? "the rays of the step" : "the rays of the scene");
+    text += observed_errors_text(bound.errors_of_drawn_rays, "rays drawn where the bounds are largest");
+    return bound.node_contributions.empty() ? text : text + operations_block(bound);
 }
 
 std::string ranges_json(const RangesRequest& request, const RangesBound& bound) {
@@ -118,20 +122,21 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
     for (const NodeId i : nodes_by_share(bound))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},
-                              {"ulps", json_number(bound.shares[static_cast<std::size_t>(i)])}});
-    const Json document{{"form", std::string(request.form->info->name)},
-                        {"format", request.format.name},
-                        {request.is_of_step() ? "sweep" : "scene", request.id()},
-                        {"ranges", ranges},
-                        {"boxes", bound.boxes},
-                        {"missed", bound.missed},
-                        {"unsettled", bound.unknown},
-                        {"undecided", bound.undecided + bound.unknown},
-                        {"quantiles", quantiles},
-                        {"largest", {{"error", json_number(bound.largest)}, {"ulps", json_number(bound.largest_ulps)}}},
-                        {request.is_of_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(bound.given)},
-                        {"rays_drawn", observed_errors_json(bound.drawn)},
-                        {"operations", operations}};
+                              {"ulps", json_number(bound.node_contributions[static_cast<std::size_t>(i)])}});
+    const Json document{
+        {"form", std::string(request.form->info->name)},
+        {"format", request.format.name},
+        {request.is_step() ? "sweep" : "scene", request.id()},
+        {"ranges", ranges},
+        {"boxes", bound.boxes},
+        {"missed", bound.missed_share},
+        {"unsettled", bound.unknown_share},
+        {"undecided", bound.undecided_share + bound.unknown_share},
+        {"quantiles", quantiles},
+        {"largest", {{"error", json_number(bound.largest)}, {"ulps", json_number(bound.largest_ulps)}}},
+        {request.is_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(bound.errors_of_given_rays)},
+        {"rays_drawn", observed_errors_json(bound.errors_of_drawn_rays)},
+        {"operations", operations}};
     return file::json_text(document);
 }
 

@@ -47,7 +47,7 @@ std::string outcome_sentence(const Explanation& explanation) {
                            explanation.format.parameters.precision);
     return fmt::format(
         "t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t), file::hex(t),
-        file::decimal(true_t), explanation.result.ulps, explanation.result.lost,
+        file::decimal(true_t), explanation.result.ulps, explanation.result.lost_bits,
         explanation.format.parameters.precision,
         is_wrong_root(explanation)
             ? " Perhaps the wrong root: another crossing of the same primitive is nearer to t than the true one."
@@ -71,8 +71,8 @@ std::string range_sentence(const Explanation& explanation) {
             clauses.push_back(
                 fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, is_open)));
     };
-    add(explanation.before_begin, "before", "tmin", explanation.range.tmin, explanation.range.open.tmin);
-    add(explanation.beyond_end, "beyond", "tmax", explanation.range.tmax, explanation.range.open.tmax);
+    add(explanation.t_before_tmin, "before", "tmin", explanation.range.tmin, explanation.range.open.tmin);
+    add(explanation.t_beyond_tmax, "beyond", "tmax", explanation.range.tmax, explanation.range.open.tmax);
     if (clauses.empty()) return "";
     return fmt::format(" The exact hit {}{}.", clauses.front(),
                        clauses.size() > 1 ? ", and that " + clauses.back() : "");
@@ -81,7 +81,7 @@ std::string range_sentence(const Explanation& explanation) {
 /// Text for a hit of the wrong primitive: the primitive that the form hits, the one that the ray meets first, the
 /// form's answer for the latter alone, and the command that explains that answer.
 std::string wrong_primitive_sentence(const Explanation& explanation) {
-    const measure::attribution::TruePrimitive& missed = *explanation.missed;
+    const measure::attribution::TruePrimitive& missed = *explanation.missed_primitive;
     const std::string reported = missed.hit
                                      ? fmt::format("a hit at {}, {}", number_phrase(missed.t),
                                                    missed.t > explanation.result.t ? "behind" : "which is not before")
@@ -95,8 +95,8 @@ std::string wrong_primitive_sentence(const Explanation& explanation) {
         "The wrong primitive: the form hits primitive {}, but the ray first meets primitive {} (counted from 0). For "
         "that primitive "
         "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
-        label_of(explanation.primitive, explanation.shape), label_of(missed.primitive, missed_shape), reported,
-        explanation.primitive,
+        label_of(explanation.primitive_index, explanation.shape), label_of(missed.index, missed_shape), reported,
+        explanation.primitive_index,
         explain_command(explain_ray_arguments(&missed.ray_and_primitive),
                         {&explanation.form->of(missed_shape), explanation.format, explanation.touching}));
 }
@@ -117,7 +117,7 @@ bool rounding_costs_little(const Explanation& explanation) {
 }
 
 bool is_mostly_not_rounding(const Explanation& explanation) {
-    return explanation.result.lost >= least_notable_bits && rounding_costs_little(explanation);
+    return explanation.result.lost_bits >= least_notable_bits && rounding_costs_little(explanation);
 }
 
 /// Three digits of a number, or the name of a number that is not finite.
@@ -171,14 +171,15 @@ std::string turned_order_sentence(const Explanation& explanation) {
     const auto exact_result = [](bool hit, double t) {
         return hit ? fmt::format("is hit at {}", number_phrase(t)) : std::string("is missed");
     };
-    const std::string order_sentence = fmt::format(
-        "Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
-        explanation.missed->primitive, exact_result(true, explanation.missed->exact_t), explanation.primitive,
-        exact_result(attribution.exact_hit, attribution[explanation.tape.outputs.t].exact));
+    const std::string order_sentence =
+        fmt::format("Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
+                    explanation.missed_primitive->index, exact_result(true, explanation.missed_primitive->exact_t),
+                    explanation.primitive_index,
+                    exact_result(attribution.exact_hit, attribution[explanation.tape.outputs.t].exact));
     return order_sentence +
            (culprit_operation(explanation) == no_node
                 ? fmt::format(" The larger error is that of primitive {}, which the command above explains.",
-                              explanation.missed->primitive)
+                              explanation.missed_primitive->index)
                 : " " + culprit_sentence(explanation));
 }
 
@@ -187,7 +188,7 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const bool agrees_on_hit = explanation.result.outcome == Outcome::agree_hit,
                is_right = explanation.result.is_right();
-    const bool decision_changed = explanation.hit != attribution.exact_hit && !attribution.cut_short;
+    const bool decision_changed = explanation.hit != attribution.exact_hit && !attribution.loop_was_cut_short;
     if (is_right && decision_changed)
         return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
                            attribution.exact_hit ? "hit" : "miss");
@@ -195,15 +196,15 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
     if (attribution.subject == no_node || attribution.culprit == no_node) return culprit_sentence(explanation);
     if (explanation.result.outcome == Outcome::not_a_number && std::isnan(explanation.tape[attribution.culprit].value))
         return culprit_sentence(explanation);
-    if (explanation.hit != attribution.exact_hit && attribution.cut_short)
+    if (explanation.hit != attribution.exact_hit && attribution.loop_was_cut_short)
         return "No single operation is to blame: without rounding the march would have gone on.";
     if (!agrees_on_hit && decision_changed) return "The true answer is not proved, so no operation is to blame.";
     if (!agrees_on_hit) return "The decision is the same without rounding, so no operation is to blame.";
     if (!std::isfinite(explanation.tape[attribution.culprit].value)) return culprit_sentence(explanation);
-    if (explanation.result.lost < least_notable_bits) return "No operation is to blame: less than a bit is lost.";
+    if (explanation.result.lost_bits < least_notable_bits) return "No operation is to blame: less than a bit is lost.";
     if (!rounding_costs_little(explanation)) return "No operation is to blame: none of the roundings reaches t.";
     const bool has_lossy_inputs = explanation.rounded_inputs && !(explanation.excess_bits >= least_notable_bits);
-    const char* const other_cause = explanation.missed ? "the answer is for another primitive"
+    const char* const other_cause = explanation.missed_primitive ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
                                     : is_march         ? "the rest comes from where the march ended"
                                                        : "the rest comes from what the form assumes";
@@ -218,7 +219,7 @@ std::string culprit_paragraph(const Explanation& explanation, bool is_march) {
     if (!explanation.has_tape())
         return "Its operations are not known, because a compiled function is a black box; write it as a form over any "
                "number to see them (docs/your-own-form.md).";
-    if (explanation.missed && explanation.rounding_turned_order()) return turned_order_sentence(explanation);
+    if (explanation.missed_primitive && explanation.rounding_changed_order()) return turned_order_sentence(explanation);
     if (culprit_operation(explanation) == no_node) return no_blame_sentence(explanation, is_march);
     const std::string counterfactual = counterfactual_sentence(explanation);
     return culprit_sentence(explanation) + (counterfactual.empty() ? "" : " " + counterfactual);
@@ -228,7 +229,7 @@ std::string culprit_paragraph(const Explanation& explanation, bool is_march) {
 std::string outcome_text(const measure::attribution::FormResult& result) {
     switch (result.outcome) {
         case Outcome::agree_hit:
-            return std::isnan(result.lost) ? "a correct hit" : fmt::format("{:.1f} bits lost", result.lost);
+            return std::isnan(result.lost_bits) ? "a correct hit" : fmt::format("{:.1f} bits lost", result.lost_bits);
         case Outcome::agree_miss: return "a correct miss";
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
@@ -247,18 +248,19 @@ std::string outcome_text(const measure::attribution::FormResult& result) {
 std::string beside_sentences(const Explanation& explanation,
                              const std::vector<const intersect::table::Intersector*>& listed) {
     std::string text;
-    for (const measure::attribution::FormResult& result : explanation.compared) {
+    for (const measure::attribution::FormResult& result : explanation.compared_forms) {
         const auto& name = result.form->info->name;
-        if (result.other_question)
+        if (result.has_other_truth)
             text += fmt::format(
                 "{} has another contract, so another answer is right for this ray. By its own contract: {}.\n", name,
                 outcome_text(result));
         else if (std::ranges::find(listed, result.form) == listed.end())
-            text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                result.lost_nearby < explanation.result.lost_nearby ? ", by a bit or more" : "",
-                                outcome_text(result));
+            text +=
+                fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
+                            result.mean_lost_nearby < explanation.result.mean_lost_nearby ? ", by a bit or more" : "",
+                            outcome_text(result));
     }
-    for (const auto* form : explanation.not_comparable)
+    for (const auto* form : explanation.incomparable_forms)
         text += !(form->shapes() == explanation.form->shapes())
                     ? fmt::format("{} is a form for another shape, so it was not tried.\n", form->info->name)
                     : fmt::format("{} does not exist in {}, so it was not tried.\n", form->info->name,
@@ -274,34 +276,34 @@ std::string better_sentences(const Explanation& explanation) {
     std::vector<const intersect::table::Intersector*> listed;
     std::size_t unlisted_count = 0;
     const std::string neighbourhood =
-        explanation.pixels_around > 0
-            ? fmt::format("{} pixels around it", explanation.pixels_around)
+        explanation.nearby_pixel_count > 0
+            ? fmt::format("{} pixels around it", explanation.nearby_pixel_count)
             : fmt::format("{} rays around it, with each number within an ulp of its own value",
-                          measure::attribution::neighbours);
-    for (const measure::attribution::FormResult& result : explanation.better) {
+                          measure::attribution::neighbour_count);
+    for (const measure::attribution::FormResult& result : explanation.better_forms) {
         if (explanation.result.is_right() &&
-            !(explanation.result.lost_nearby - result.lost_nearby >= least_notable_bits))
+            !(explanation.result.mean_lost_nearby - result.mean_lost_nearby >= least_notable_bits))
             continue;
         const bool is_requested =
-            std::ranges::find(explanation.compared, result.form, &measure::attribution::FormResult::form) !=
-            explanation.compared.end();
+            std::ranges::find(explanation.compared_forms, result.form, &measure::attribution::FormResult::form) !=
+            explanation.compared_forms.end();
         if (listed.size() >= max_forms && !is_requested) {
             ++unlisted_count;
             continue;
         }
         text += fmt::format("{} {} ({}, {:.1f} around)", listed.empty() ? "" : ",", result.form->info->name,
-                            outcome_text(result), result.lost_nearby);
+                            outcome_text(result), result.mean_lost_nearby);
         listed.push_back(result.form);
     }
     if (listed.empty())
         text = fmt::format("No other form that was tried does better on this ray in this format and around it{}.\n",
-                           explanation.better.empty() ? "" : ", by a bit or more");
+                           explanation.better_forms.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(
             "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
             "as all {}.\n",
             text, unlisted_count > 0 ? fmt::format(" and {} more", unlisted_count) : "", neighbourhood,
-            explanation.form->info->name, explanation.result.lost_nearby, explanation.format.parameters.precision);
+            explanation.form->info->name, explanation.result.mean_lost_nearby, explanation.format.parameters.precision);
     return text + beside_sentences(explanation, listed);
 }
 
@@ -320,14 +322,14 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 
 bool is_wrong_root(const Explanation& explanation) {
     const bool is_far_off = explanation.result.outcome == Outcome::agree_hit && std::fabs(explanation.result.ulps) > 8;
-    if (!is_far_off || !explanation.true_t || !is_primitive(explanation.form->shape) || explanation.missed)
+    if (!is_far_off || !explanation.true_t || !is_primitive(explanation.form->shape) || explanation.missed_primitive)
         return false;
     const Primitive<double> primitive(explanation.shape);
     const std::size_t range_input_count = explanation.range.is_whole() ? 1 : 2;
-    if (explanation.inputs.size() != 6 + primitive.shape_numbers().size() + range_input_count)
+    if (explanation.input_values.size() != 6 + primitive.shape_numbers().size() + range_input_count)
         return false;  // under a matrix
-    return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.inputs),
-                                             measure::tape::primitive_of(explanation.inputs, primitive),
+    return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.input_values),
+                                             measure::tape::primitive_of(explanation.input_values, primitive),
                                              measure::truth::as_certified(*explanation.true_t), explanation.result.t);
 }
 
@@ -338,7 +340,7 @@ NodeId culprit_operation(const Explanation& explanation) {
         return no_node;
     const Outcome outcome = explanation.result.outcome;
     const bool is_about_decision = is_decision(explanation.tape[attribution.subject].op),
-               lost_a_bit = explanation.result.lost >= least_notable_bits;
+               lost_a_bit = explanation.result.lost_bits >= least_notable_bits;
     const bool is_not_finite = !std::isfinite(explanation.tape[attribution.culprit].value);
     if (outcome == Outcome::unresolved || (attribution[attribution.culprit].contribution == 0 && !is_not_finite))
         return no_node;
@@ -346,9 +348,11 @@ NodeId culprit_operation(const Explanation& explanation) {
     if (is_about_decision) is_blamed = !explanation.result.is_right();
     else if (outcome == Outcome::agree_hit)
         is_blamed = lost_a_bit && (is_not_finite || !rounding_costs_little(explanation));
-    else if (outcome == Outcome::wrong_primitive && explanation.rounding_turned_order() && attribution.exact_hit)
+    else if (outcome == Outcome::wrong_primitive && explanation.rounding_changed_order() && attribution.exact_hit)
         is_blamed = std::fabs(attribution.error) >=
-                    std::fabs(explanation.missed->hit ? explanation.missed->t - explanation.missed->exact_t : HUGE_VAL);
+                    std::fabs(explanation.missed_primitive->hit
+                                  ? explanation.missed_primitive->t - explanation.missed_primitive->exact_t
+                                  : HUGE_VAL);
     else
         is_blamed =
             is_not_finite && outcome == Outcome::not_a_number && !std::isnan(attribution[attribution.culprit].exact);
@@ -387,7 +391,8 @@ std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" 
 
 ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<MarchEnd>& march) {
     std::string answer = outcome_sentence(explanation) + range_sentence(explanation) + "\n" +
-                         (explanation.missed ? wrong_primitive_sentence(explanation) : "") + mesh_sentence(explanation);
+                         (explanation.missed_primitive ? wrong_primitive_sentence(explanation) : "") +
+                         mesh_sentence(explanation);
     answer.pop_back();
     return {.answer = std::move(answer),
             .loss = cause_sentence(explanation, march),

@@ -38,36 +38,36 @@ image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14
 pixel::Look look_of(const Check& check) {
     return {{{"not asked", colour_of(Outcome::agree_miss)},
              {"both answers are alike", colour_of(Outcome::agree_hit)},
-             {fmt::format("yes only for: {}", check.first), colour_of(Outcome::false_hit),
+             {fmt::format("yes only for: {}", check.first_question), colour_of(Outcome::false_hit),
               "only the first question is answered with yes"},
-             {fmt::format("yes only for: {}", check.second), colour_of(Outcome::false_miss),
+             {fmt::format("yes only for: {}", check.second_question), colour_of(Outcome::false_miss),
               "only the second question is answered with yes"},
              {"alike, but other numbers", colour_of(Outcome::not_a_number)},
              {"the inputs differ, not the form", colour_of(Outcome::wrong_primitive)},
              {"not proved", colour_of(Outcome::unresolved)},
              {""}},
-            check.numbers ? std::optional(excess_scale()) : std::nullopt,
-            check.numbers ? excess_unit : ""};
+            check.compares_numbers ? std::optional(excess_scale()) : std::nullopt,
+            check.compares_numbers ? excess_unit : ""};
 }
 
 std::string note_of(const Check& check, const CheckSummary& s) {
     if (s.asked() == 0) return "not asked";
     // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
-        const auto yes_count = s.of(CheckResult::second_alone);
+        const auto yes_count = s.count_of(CheckResult::second_alone);
         return yes_count == 0           ? "always no"
                : yes_count == s.asked() ? "always yes"
                                         : share_text(yes_count, s.asked()) + " yes";
     }
     const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
     std::string note = s.decisions() == 0 ? agreement : share_text(s.decisions(), s.asked()) + " differ";
-    if (const auto input_count = s.of(CheckResult::by_inputs); input_count > 0 && !check.numbers)
+    if (const auto input_count = s.count_of(CheckResult::by_inputs); input_count > 0 && !check.compares_numbers)
         note += fmt::format("\n{} by inputs", share_text(input_count, s.asked()));
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
-    else if (s.of(CheckResult::other_number) > 0)
-        note += fmt::format("\n{} other bits", share_text(s.of(CheckResult::other_number), s.asked()));
+    else if (s.count_of(CheckResult::other_number) > 0)
+        note += fmt::format("\n{} other bits", share_text(s.count_of(CheckResult::other_number), s.asked()));
     return note;
 }
 
@@ -89,7 +89,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
                 .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
                 .look = std::make_shared<const pixel::Look>(look_of(check)),
                 .sheet_positions = {{c, r}}};
-            if (check.numbers)
+            if (check.compares_numbers)
                 spec.subtitle.emplace_back(
                     "colour: by how much more than the exact answers the chord differs from either end, clamped at "
                     "both ends of the bar");
@@ -115,7 +115,7 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
                          study.scene.id, study.scene.width, study.scene.height),
                      "shares are of the pixels of which both are asked"},
         .shows_categories = true};
-    if (std::ranges::any_of(study.checks, &Check::numbers)) {
+    if (std::ranges::any_of(study.checks, &Check::compares_numbers)) {
         spec.subtitle.back() +=
             "; reverse and placed have on the ramp by how much more than the exact answers both chords, or both t, "
             "differ";
@@ -147,7 +147,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
         table.add({std::string(check.name), fmt::format("{}: {}", check.title, result_names), [c](const R& r) {
                        return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
                    }});
-        if (!check.numbers) continue;
+        if (!check.compares_numbers) continue;
         const auto number = [c](std::vector<double> PixelCheckResults::*numbers) {
             return [c, numbers](const R& r) {
                 const PixelCheckResults& pixels = r.band->checks[c];
@@ -173,7 +173,7 @@ Table<CheckRow> ConsistencyView::summary_table() {
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
     const auto explain = [](auto ray) {
         return [ray](const R& r) {
-            const auto& shown_pixel = r.summary->shown;
+            const auto& shown_pixel = r.summary->first_disagreement;
             return shown_pixel && !(shown_pixel->rays.*ray).primitives.empty()
                        ? attribution::explain_command(attribution::explain_ray_arguments(&(shown_pixel->rays.*ray)),
                                                       *r.row)
@@ -181,9 +181,11 @@ Table<CheckRow> ConsistencyView::summary_table() {
         };
     };
     const auto shown_at = [](auto part) {
-        return [part](const R& r) { return r.summary->shown ? std::optional(part(*r.summary->shown)) : std::nullopt; };
+        return [part](const R& r) {
+            return r.summary->first_disagreement ? std::optional(part(*r.summary->first_disagreement)) : std::nullopt;
+        };
     };
-    using Rays = decltype(CheckSummary{}.shown->rays);
+    using Rays = decltype(CheckSummary{}.first_disagreement->rays);
     return table.add(
         {{"first_x", "column of the first pixel whose difference the form causes",
           shown_at([](const auto& shown) { return shown.x; })},

@@ -126,7 +126,8 @@ pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& source_row) {
 pixel::ExrLayers<NeededStrip> needed_layers() {
     pixel::ExrLayers<NeededStrip> layers;
     layers.add_preview([](const NeededStrip& strip, std::size_t i) { return strip.preview[i]; });
-    layers.add_number("bits.needed", [](const NeededStrip& strip, std::size_t i) { return strip.result->needed[i]; });
+    layers.add_number("bits.needed",
+                      [](const NeededStrip& strip, std::size_t i) { return strip.result->bits_needed[i]; });
     add_truth(layers);
     return layers;
 }
@@ -139,7 +140,7 @@ ExrPart series_part(const MapExrRequest& request, const TestedForm& form_row, co
                                   {"lostbits:truth", truth},
                                   {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
-        if (m->by_run && !m->categories.empty())
+        if (m->depends_on_forms && !m->categories.empty())
             part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered(m->categories, "; "));
     }
     return part;
@@ -149,10 +150,10 @@ ExrPart needed_part(const MapExrRequest& request, const Info& form) {
     ExrPart part =
         make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
     part.run = 1;  // after the map
-    using measure::evaluate::least_width, measure::evaluate::most_width;
+    using measure::evaluate::least_precision, measure::evaluate::most_precision;
     append(part.spec.attributes,
            {{"lostbits:form", std::string(form.name)},
-            {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
+            {"lostbits:format", "p" + std::to_string(least_precision) + "..p" + std::to_string(most_precision)},
             {"lostbits:bits", std::to_string(request.needed->bits)},
             {"lostbits:truths", pixel::numbered(measure::truth::decision_names)}});
     return part;
@@ -207,7 +208,7 @@ std::vector<ExrRows> MapExr::make_rows(const TestedForm& form_row, const BandRes
     return part_rows;
 }
 
-std::vector<ExrRows> MapExr::make_rows(const NeededBand& result, std::span<const image::Rgb8> preview) const {
+std::vector<ExrRows> MapExr::make_rows(const BitsNeededBand& result, std::span<const image::Rgb8> preview) const {
     const std::size_t index = index_in(needed_forms_, [&result](const Info* form) { return form == result.form; });
     return {band_rows(series_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
 }

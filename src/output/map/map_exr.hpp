@@ -17,8 +17,8 @@
 namespace lostbits::output::map {
 
 using measure::evaluate::BandResult;
+using measure::evaluate::BitsNeededBand;
 using measure::evaluate::MapStudy;
-using measure::evaluate::NeededBand;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
@@ -27,9 +27,9 @@ using pixel::ExrRows;
 /// Values that an EXR holds, and the command that measured them.
 struct MapExrRequest {
     const MapStudy& map;
-    std::vector<const Metric*> layers;                       ///< a selection of the map's metrics
-    std::string command;                                     ///< the command that makes the file again
-    const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: the bits needed are not measured
+    std::vector<const Metric*> layers;                           ///< a selection of the map's metrics
+    std::string command;                                         ///< the command that makes the file again
+    const measure::evaluate::BitsNeededStudy* needed = nullptr;  ///< null: the bits needed are not measured
 };
 
 /// A band of results and the preview of its pixels, which become rows of a part.
@@ -39,7 +39,7 @@ struct Previewed {
     std::span<const image::Rgb8> preview;
 };
 using MapStrip = Previewed<BandResult>;
-using NeededStrip = Previewed<NeededBand>;
+using NeededStrip = Previewed<BitsNeededBand>;
 
 /// The EXR file of a map. It has these parts, in this order, with channels of 32 bits:
 /// - `<form>.<format>`, one per series: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
@@ -64,7 +64,8 @@ public:
     /// or of the bits needed by a form.
     [[nodiscard]] std::vector<ExrRows> make_rows(const TestedForm& form_row, const BandResult& result,
                                                  std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> make_rows(const NeededBand& result, std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrRows> make_rows(const BitsNeededBand& result,
+                                                 std::span<const image::Rgb8> preview) const;
     /// Writes the next rows of the parts. Different parts may be written concurrently.
     void write(const std::vector<ExrRows>& part_rows);
     void close();

@@ -234,7 +234,7 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
     const auto& [scene, scene_arguments, rows, paint, has_several_bars, zooms, explaining_sheet] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
-                                               paint.metric().by_run ? "" : "; percentages are of all rays"),
+                                               paint.metric().depends_on_forms ? "" : "; percentages are of all rays"),
                                    paint.note(has_several_bars), explaining_sheet.empty() ? paint.quantile_note() : "",
                                    rows.empty() ? "" : input_note(scene, rows)};
     if (!explaining_sheet.empty()) {

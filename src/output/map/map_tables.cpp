@@ -57,8 +57,9 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
                                 bool has_meshes, std::string group_column) {
     using R = SummaryRow;
     std::vector<SummaryColumn> ray_columns = measure::evaluate::summary_columns(metrics);
-    std::erase_if(ray_columns,
-                  [has_meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !has_meshes); });
+    std::erase_if(ray_columns, [has_meshes](const SummaryColumn& c) {
+        return !c.is_in_tables || (c.only_for_meshes && !has_meshes);
+    });
     Table<R> table;
     table.add(table::subject_columns(), &R::form_row);
     add_columns(table, ray_columns);
@@ -67,7 +68,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
                [](const R& r) { return worst_ray_command(r, &r.summary->worst); }});
     add_columns(table, measure::evaluate::wrong_decision_columns());
     table.add({"fault_explain", "the command that explains that ray",
-               [](const R& r) { return worst_ray_command(r, r.summary->fault()); }});
+               [](const R& r) { return worst_ray_command(r, r.summary->first_fault()); }});
     if (group_column.empty()) return table;
     // A column may have the name of a formula, or of a column of ours.
     group_column = file::without_formula(group_column);
@@ -107,12 +108,12 @@ table::Table<Culprit> culprit_table() {
 }
 
 bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
-    return std::ranges::any_of(metrics, &Metric::by_run);
+    return std::ranges::any_of(metrics, &Metric::depends_on_forms);
 }
 
 std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& form_row,
                                  const FormSummary& summary) {
-    const auto metric = std::ranges::find_if(metrics, &Metric::by_run);
+    const auto metric = std::ranges::find_if(metrics, &Metric::depends_on_forms);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))

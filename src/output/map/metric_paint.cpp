@@ -138,7 +138,7 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
 
 pixel::Look MetricPaint::look(bool has_mesh) const {
     pixel::Look look = look_;
-    if (metric_->by_run)
+    if (metric_->depends_on_forms)
         look.make_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
             return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
         };
@@ -183,7 +183,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
 }
 
 std::string MetricPaint::note(bool has_several_formats) const {
-    if (metric_->by_run)
+    if (metric_->depends_on_forms)
         return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
     if (!look_.scale) return fmt::format("colour: {}", metric_->meaning);
     const std::string name(metric_->name);
@@ -212,7 +212,7 @@ std::string MetricPaint::quantile_note() const {
 }
 
 std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t metric_index) const {
-    if (metric_->by_run) {
+    if (metric_->depends_on_forms) {
         const auto order = culprits_by_count(summary.categories[metric_index]);
         if (order.empty()) return "no culprit";
         const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(summary.categories[metric_index]);
@@ -268,7 +268,7 @@ std::string MetricPaint::caption(const FormSummary& summary, std::size_t metric_
 }
 
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
-    if (metric_->by_run) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
+    if (metric_->depends_on_forms) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
     if (!is_of_hits())
         return fmt::format("median 1.23×10^-10 {0}; largest 1.23×10^-10 {0}; of {1} rays that both forms hit",
                            metric_->unit, pixels);

@@ -15,9 +15,9 @@
 namespace lostbits::output::map {
 
 using intersect::Info;
-using measure::evaluate::NeededStudy;
-using measure::evaluate::NeededSummary;
-using measure::evaluate::WidthCounts;
+using measure::evaluate::BitsNeededStudy;
+using measure::evaluate::BitsNeededSummary;
+using measure::evaluate::PrecisionCounts;
 using measure::metric::statistics;
 using table::Table;
 using table::when;
@@ -28,25 +28,25 @@ std::string file_stem(const Info& form) { return std::string(form.name) + ".need
 
 /// Colours of the width (number of significand bits) that a pixel needs, and of pixels without a width on the scale.
 pixel::Look needed_look() {
-    using measure::evaluate::least_width, measure::evaluate::most_width;
+    using measure::evaluate::least_precision, measure::evaluate::most_precision;
     return {{{""},
-             {fmt::format("not even {} bits are enough", most_width), beyond_colour},
+             {fmt::format("not even {} bits are enough", most_precision), beyond_colour},
              {outcome_in_words(Outcome::unresolved), pixel::colour_of(Outcome::unresolved)}},
-            image::ColourScale("viridis", image::image_backend().ramp("viridis", 256), least_width, most_width),
+            image::ColourScale("viridis", image::image_backend().ramp("viridis", 256), least_precision, most_precision),
             "bits"};
 }
 
 pixel::PixelValue pixel_of(double needed) {
     if (std::isnan(needed)) return {2};
-    return needed == measure::evaluate::needed_beyond ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
+    return needed == measure::evaluate::beyond_most_precision ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
 }
 
-using NeededColumns = pixel::ColumnFiles<NeededBand>;
+using NeededColumns = pixel::ColumnFiles<BitsNeededBand>;
 
 /// Makes one picture per form.
-NeededColumns make_pictures(const NeededStudy& request, const NeededFilesOptions& options) {
+NeededColumns make_pictures(const BitsNeededStudy& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
-    std::vector<pixel::PixelColumn<NeededBand>> columns;
+    std::vector<pixel::PixelColumn<BitsNeededBand>> columns;
     for (const intersect::table::Intersector* form : request.rows)
         columns.push_back(
             {{.file = file_stem(*form->info) + ".png",
@@ -56,11 +56,11 @@ NeededColumns make_pictures(const NeededStudy& request, const NeededFilesOptions
                            fmt::format(
                                "colour: the smallest width from which on every width up to {} decides correctly "
                                "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
-                               measure::evaluate::most_width, request.bits)},
+                               measure::evaluate::most_precision, request.bits)},
               .look = look},
              columns.size(),
-             pixel::drawn_by<NeededBand>(
-                 [](const NeededBand& band, std::size_t i) { return pixel_of(band.needed[i]); })});
+             pixel::drawn_by<BitsNeededBand>(
+                 [](const BitsNeededBand& band, std::size_t i) { return pixel_of(band.bits_needed[i]); })});
     return {{.scene = request.scene,
              .sheets = {},
              .single_picture_folder = options.folder,
@@ -72,8 +72,8 @@ NeededColumns make_pictures(const NeededStudy& request, const NeededFilesOptions
 struct NeededRow {
     std::string_view form;
     int bits;
-    const NeededSummary* summary;
-    WidthCounts widths;
+    const BitsNeededSummary* summary;
+    PrecisionCounts widths;
 };
 
 Table<NeededRow> needed_table() {
@@ -88,7 +88,7 @@ Table<NeededRow> needed_table() {
         for (const measure::metric::Statistic& s : statistics)
             table.add(
                 {prefix + std::string(s.name), "bits", std::string(s.meaning) + population, [s, counts_of](const R& r) {
-                     const WidthCounts& counts = counts_of(r);
+                     const PrecisionCounts& counts = counts_of(r);
                      return when(counts.count() != 0, static_cast<double>(s.of(counts)));
                  }});
     };
@@ -98,7 +98,7 @@ Table<NeededRow> needed_table() {
     add(
         "hit_needed_", " of the widths needed, over the rays that truly hit",
         [](const R& r) -> const auto& { return r.summary->hits; });
-    using S = NeededSummary;
+    using S = BitsNeededSummary;
     return table.add<S>(
         {{"hits_beyond_53", "rays that truly hit and for which not even 53 bits suffice", &S::hits_beyond},
          {"misses_beyond_53", "rays that truly miss but that the form hits even with 53 bits", &S::misses_beyond},
@@ -107,7 +107,7 @@ Table<NeededRow> needed_table() {
 }
 
 struct NeededPixel {
-    const NeededBand* band;
+    const BitsNeededBand* band;
     std::size_t i;
     measure::truth::Truth truth;
 };
@@ -128,15 +128,15 @@ Table<NeededPixel> needed_pixel_table(int bits) {
              fmt::format("smallest width that suffices for {} correct bits, as does every wider one; inf if not even "
                          "53 bits suffice",
                          bits),
-             table::or_missing([](const R& r) { return r.band->needed[r.i]; })}};
+             table::or_missing([](const R& r) { return r.band->bits_needed[r.i]; })}};
 }
 
-using NeededFormFiles = pixel::RowFiles<NeededBand, NeededPixel>;
+using NeededFormFiles = pixel::RowFiles<BitsNeededBand, NeededPixel>;
 
 }  // namespace
 
 struct NeededFiles::Parts {
-    const NeededStudy& request;
+    const BitsNeededStudy& request;
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
     NeededColumns pictures = make_pictures(request, options);
@@ -151,13 +151,13 @@ struct NeededFiles::Parts {
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
         NeededFormFiles::Writers writers{
             .add_pixel =
-                [](table::TableFile<NeededPixel>& file, const NeededBand& band, std::size_t i) {
+                [](table::TableFile<NeededPixel>& file, const BitsNeededBand& band, std::size_t i) {
                     file.add({&band, i, band.truth(i)});
                 },
-            .pixels = [](const NeededBand& band) { return band.needed.size(); }};
-        pixel::BandFiles<NeededBand> files{pictures, {}, options.keep_piece};
+            .pixels = [](const BitsNeededBand& band) { return band.bits_needed.size(); }};
+        pixel::BandFiles<BitsNeededBand> files{pictures, {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [exr](const NeededBand& band, std::span<const image::Rgb8> preview) {
+            writers.exr_rows = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
                 return exr->make_rows(band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
@@ -166,7 +166,7 @@ struct NeededFiles::Parts {
     }
 };
 
-NeededFiles::NeededFiles(const NeededStudy& request, const NeededFilesOptions& options)
+NeededFiles::NeededFiles(const BitsNeededStudy& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options}) {
     if (!options.keep_piece)
         parts_->table.emplace(
@@ -177,8 +177,8 @@ NeededFiles::NeededFiles(const NeededStudy& request, const NeededFilesOptions& o
 
 NeededFiles::~NeededFiles() = default;
 
-measure::study::ShowBand<NeededStudy> NeededFiles::show() {
-    return [this](std::size_t form, const NeededBand& band) { parts_->forms.at(form)->add_band(band); };
+measure::study::ShowBand<BitsNeededStudy> NeededFiles::show() {
+    return [this](std::size_t form, const BitsNeededBand& band) { parts_->forms.at(form)->add_band(band); };
 }
 
 std::vector<file::DataResource> NeededFiles::resources() const {
@@ -191,7 +191,7 @@ std::vector<file::DataResource> NeededFiles::resources() const {
 
 void NeededFiles::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
 
-void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
+void NeededFiles::finish(const std::vector<BitsNeededSummary>& summaries) {
     Parts& p = *parts_;
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {

@@ -29,18 +29,18 @@ struct NeededFilesOptions {
 /// it before the map of the same folder, which closes the EXR and whose summary.csv marks the folder as complete.
 class NeededFiles {
 public:
-    NeededFiles(const measure::evaluate::NeededStudy& request, const NeededFilesOptions& options);
+    NeededFiles(const measure::evaluate::BitsNeededStudy& request, const NeededFilesOptions& options);
     ~NeededFiles();
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
     /// Returns the function that receives the bands of the forms.
-    [[nodiscard]] measure::study::ShowBand<measure::evaluate::NeededStudy> show();
+    [[nodiscard]] measure::study::ShowBand<measure::evaluate::BitsNeededStudy> show();
     /// Writes the next piece of a form, which another run kept.
     void put(std::size_t form, pixel::Piece&& piece);
     /// Tables for the folder's datapackage.json.
     [[nodiscard]] std::vector<file::DataResource> resources() const;
-    void finish(const std::vector<measure::evaluate::NeededSummary>& summaries);
+    void finish(const std::vector<measure::evaluate::BitsNeededSummary>& summaries);
 
 private:
     struct Parts;

@@ -86,7 +86,8 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
               {"subject", view.subject()},
               {"earlier", table.first_node},
               {"rows", array_of(table.rows, operation_json)}};
-    if (explanation.primitives > 1 && is_primitive(explanation.form->shape)) json["primitive"] = explanation.primitive;
+    if (explanation.primitive_count > 1 && is_primitive(explanation.form->shape))
+        json["primitive"] = explanation.primitive_index;
     return json;
 }
 

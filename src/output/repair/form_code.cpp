@@ -74,7 +74,7 @@ private:
         if (n.op == TapeOp::convert)
             return fmt::format("{}({})", is_wide(i) ? "wide" : "narrow", operand(n.operands[0], 0));
         if (is_square(n)) return fmt::format("square({})", operand(n.operands[0], 0));
-        return measure::attribution::filled(
+        return measure::attribution::fill_pattern(
             measure::attribution::text_of(n.op).plain.text, [&](std::size_t k, int binds) {
                 return operand(n.operands[k], n.op == TapeOp::add && k == 1 ? 2 : is_decision(n.op) ? 1 : binds);
             });

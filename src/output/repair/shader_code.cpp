@@ -204,7 +204,7 @@ private:
         const TapeNode& n = tape_[i];
         if (n.op == TapeOp::any) return operand(n.operands[0], 0);
         const bool is_logic = kind_of(n.op) == OperationKind::logic;
-        return measure::attribution::filled(
+        return measure::attribution::fill_pattern(
             is_logic ? measure::attribution::text_of(n.op).c.text : pattern(i), [&](std::size_t k, int binds) {
                 return operand(n.operands[k], is_logic || is_comparison(n.op) ? 1 : binds);
             });

@@ -39,16 +39,16 @@ void fields(Bits& bits, scene::rays::RayGroup& group) {
 }
 
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)
-LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, object, size, ray, primitive, t, outcome, ulps, truth,
-                touching, given)
+LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, primitive_index, size, ray, primitive, t, outcome, ulps,
+                truth, touching, given)
 LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits, metrics, categories, worst, faults)
 
 template <class Bits>
-void fields(Bits& bits, measure::evaluate::NeededSummary& summary) {
+void fields(Bits& bits, measure::evaluate::BitsNeededSummary& summary) {
     auto& [hits, misses, hits_beyond, misses_beyond, unresolved] = summary;
-    bits(static_cast<std::array<std::uint64_t, measure::evaluate::most_width + 1>&>(hits),
-         static_cast<std::array<std::uint64_t, measure::evaluate::most_width + 1>&>(misses), hits_beyond, misses_beyond,
-         unresolved);
+    bits(static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(hits),
+         static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(misses), hits_beyond,
+         misses_beyond, unresolved);
 }
 
 LOSTBITS_FIELDS(measure::sweep::SweepStep, values, rows)

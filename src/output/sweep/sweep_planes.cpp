@@ -133,7 +133,7 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
                 is_explained = map::is_inside_envelope(cell.value, excess_bits);
                 drawn.has_outlined_cells |= cell.is_outlined;
             } else {
-                const Outcome worst_outcome = s.wrong().value();
+                const Outcome worst_outcome = s.most_frequent_wrong_decision().value();
                 cell.colour = pixel::colour_of(worst_outcome);
                 ++drawn.counts.outcomes[static_cast<std::size_t>(worst_outcome)];
             }

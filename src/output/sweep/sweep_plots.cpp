@@ -287,7 +287,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     constexpr std::size_t max_letters = 70;
     const TestedForm& form_row = request.rows[row_index];
     const auto culprit_metric = static_cast<std::size_t>(
-        std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) - request.metrics.begin());
+        std::ranges::find_if(request.metrics, &measure::metric::Metric::depends_on_forms) - request.metrics.begin());
     std::vector<double> peak_share(request.metrics[culprit_metric]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak_share.size(); ++c)

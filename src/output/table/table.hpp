@@ -79,12 +79,12 @@ inline std::optional<std::string> hex_text(const Cell& cell) {
 /// cell is `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
 TableColumn<R> measured_column(const Measured& column, const Value& value) {
-    return {{std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
+    return {{std::string(column.name), column.is_count ? "integer" : "number", std::string(column.unit),
              std::string(column.meaning)},
             [&column, value](const R& row) {
                 const double x = value(column, row);
-                return column.whole && !std::isnan(x) ? Cell(static_cast<std::uint64_t>(x))
-                                                      : file::number_or_missing(x);
+                return column.is_count && !std::isnan(x) ? Cell(static_cast<std::uint64_t>(x))
+                                                         : file::number_or_missing(x);
             }};
 }
 

@@ -25,12 +25,12 @@ namespace test_ranges {
 using namespace lostbits;
 using intersect::table::Intersector;
 using measure::apriori::bound_over_ranges;
+using measure::apriori::BoxSubdivision;
 using measure::apriori::InputBox;
-using measure::apriori::observe;
+using measure::apriori::observe_errors;
 using measure::apriori::ObservedErrors;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;
-using measure::apriori::Subdivided;
 using measure::apriori::TapeBound;
 using test::form_named;
 using test::Random;
@@ -62,7 +62,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
     const Tape tape = measure::tape::tape_of(form, format);
     const TapeBound bound(tape);
     const InputBox box = around(inputs, random, format.parameters);
-    const Subdivided parts(bound, box, 8, never);
+    const BoxSubdivision parts(bound, box, 8, never);
     std::vector<std::vector<double>> rays{inputs};
     for (int k = 0; k < 16; ++k) {
         rays.emplace_back();
@@ -73,9 +73,9 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
                                                      : rounding::to_format(between, 0, format.parameters));
         }
     }
-    const ObservedErrors seen = observe({form, format, parts, x.primitive, never}, rays);
+    const ObservedErrors seen = observe_errors({form, format, parts, x.primitive, never}, rays);
     INFO(form.info->name << " in " << format.name);
-    CHECK(seen.share <= 1 + 0x1p-40);
+    CHECK(seen.largest_ratio <= 1 + 0x1p-40);
     all.append(seen);
 }
 
@@ -145,16 +145,16 @@ TEST_CASE("a bound over the ranges of a scene exceeds the errors of its rays and
         const auto scene = scene_named(id);
         const RangesBound r = bound_of(form, scene);
         INFO(form << " on " << id);
-        for (const ObservedErrors& seen : {r.given, r.drawn}) {
+        for (const ObservedErrors& seen : {r.errors_of_given_rays, r.errors_of_drawn_rays}) {
             CHECK(seen.bounded_hits > 0);
-            CHECK(seen.share <= 1 + 0x1p-40);
-            CHECK(seen.error <= r.largest);
+            CHECK(seen.largest_ratio <= 1 + 0x1p-40);
+            CHECK(seen.largest_error <= r.largest);
         }
         CHECK(r.quantiles[0].error <= r.quantiles[1].error);
         CHECK(r.quantiles[1].error <= r.quantiles[2].error);
-        CHECK((r.missed >= 0 && r.unknown >= 0 && r.missed + r.unknown < 1));
+        CHECK((r.missed_share >= 0 && r.unknown_share >= 0 && r.missed_share + r.unknown_share < 1));
         // The checks above would also pass if most of the ranges had no bound.
-        CHECK(r.unknown < 0.5);
+        CHECK(r.unknown_share < 0.5);
     };
     for (const char* const form : {"sphere.schoolbook", "sphere.unified"}) check(form, "near-benign");
     const std::size_t step = test::is_long() ? 1 : 2;
@@ -189,19 +189,19 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
             CHECK(r.ranges.front()[k].low == hull[k].low);
             CHECK(r.ranges.front()[k].high == hull[k].high);
         }
-        CHECK(r.given.hits > 0);
-        CHECK(r.given.share <= 1 + 0x1p-40);
+        CHECK(r.errors_of_given_rays.hits > 0);
+        CHECK(r.errors_of_given_rays.largest_ratio <= 1 + 0x1p-40);
         if (step.groups.size() > 1) continue;  // spheres on all sides have hardly any bound
-        CHECK(r.given.bounded_hits > 0);
-        CHECK(r.given.error <= r.largest);
+        CHECK(r.errors_of_given_rays.bounded_hits > 0);
+        CHECK(r.errors_of_given_rays.largest_error <= r.largest);
     }
 }
 
 TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of threads changes nothing", "[apriori]") {
     const auto scene = scene_named("near-benign");
     const RangesBound few = bound_of("sphere.unified", scene, 128), many = bound_of("sphere.unified", scene, 512);
-    CHECK(many.unknown < few.unknown);
-    CHECK(many.missed >= few.missed);
+    CHECK(many.unknown_share < few.unknown_share);
+    CHECK(many.missed_share >= few.missed_share);
     CHECK(many.quantiles[0].error <= few.quantiles[0].error);
     const RangesRequest request{
         .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
@@ -212,8 +212,8 @@ TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of 
 
 TEST_CASE("a form that uses the sign of a value that is zero without rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
-    CHECK(r.missed + r.unknown == 1);
-    CHECK(r.given.bounded_hits == 0);
+    CHECK(r.missed_share + r.unknown_share == 1);
+    CHECK(r.errors_of_given_rays.bounded_hits == 0);
 }
 
 TEST_CASE("a form without a bound over ranges reports why", "[apriori]") {

@@ -141,7 +141,7 @@ void check_box(const Tape& tape, const std::array<std::vector<double>, 3>& rows,
     InputBox box;
     for (const auto& row : rows) box.push_back({row.front(), row.back()});
     const TapeBound bound(tape);
-    const BoxBound b = bound.over(box);
+    const BoxBound b = bound.bound_over(box);
     ++tally.boxes;
     REQUIRE(!b.misses);
     if (!(b.error < HUGE_VAL)) return;
@@ -156,10 +156,10 @@ void check_box(const Tape& tape, const std::array<std::vector<double>, 3>& rows,
                 REQUIRE(t.exact);
                 const double off = static_cast<double>(abs(Real(t.computed) - *t.exact));
                 REQUIRE(off <= b.error * (1 + 0x1p-40));
-                REQUIRE(static_cast<double>(abs(*t.exact)) >= b.least * (1 - 0x1p-40));
+                REQUIRE(static_cast<double>(abs(*t.exact)) >= b.least_t * (1 - 0x1p-40));
                 worst = std::fmax(worst, off);
             }
-    for (const double share : bound.shares(box)) sum += share;
+    for (const double share : bound.node_contributions(box)) sum += share;
     REQUIRE(sum >= b.error * (1 - 0x1p-40));
     tally.tight += worst >= b.error / 2;
 }
@@ -188,7 +188,7 @@ BoxBound bound_of(TapeOp op, const FloatFormat& format, const InputBox& box) {
     const NodeId zero = tape.add(TapeOp::constant, format, 0, {0}), one = tape.add(TapeOp::constant, format, 1, {1});
     const NodeId t = tape.add(op, format, 0, {x, row_of(op).operands > 1 ? y : no_node});
     tape.outputs = {tape.add(TapeOp::less, format, 1, {zero, one}), t, t, t};
-    return TapeBound(tape).over(box);
+    return TapeBound(tape).bound_over(box);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST_CASE("every operation on a tape is that of the format on its operands", "[a
         for (NodeId i = 0; i < tape.size(); ++i) {
             const TapeNode& n = tape[i];
             if (!is_operation(n.op) || n.op == TapeOp::call) continue;
-            if (const NodeId side = measure::attribution::side_taken(tape, i); side != no_node) {
+            if (const NodeId side = measure::attribution::chosen_side(tape, i); side != no_node) {
                 REQUIRE(same_number(n.value, tape[side].value));
                 continue;
             }
@@ -64,7 +64,7 @@ TEST_CASE("the exact value of an answer is the result of the form without roundi
                      [&](const Intersector& form, const Format&, const Setting& s, const Tape& tape) {
                          const Attribution a = measure::attribution::attribute(tape, tape.outputs.t);
                          const auto self = measure::answer::without_rounding(form, s.ray, s.target(form));
-                         if (!self || a.cut_short) return;
+                         if (!self || a.loop_was_cut_short) return;
                          REQUIRE(a.exact_hit);
                          const double exact = a[tape.outputs.t].exact;
                          REQUIRE(std::fabs(measure::truth::scaled_difference(measure::truth::as_certified(exact), *self,
@@ -80,27 +80,27 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
     constexpr double near_by = 0x1p-36, far_away = 0x1p-30;
     int seen = 0, first_order = 0;
     const auto sums_up = [&](const Attribution& a, double rest) {
-        if (a.cut_short || !std::isfinite(a.error)) return false;
+        if (a.loop_was_cut_short || !std::isfinite(a.error)) return false;
         if (rest == far_away && !std::isfinite(sum_of_sizes(a))) return false;  // adjoints beyond binary64
         // Difference quotients leave no remainder. The difference is the rounding of these sums, in binary64, and of
         // the adjoints, which are sums of the same kind.
-        REQUIRE(std::fabs(a.explained - a.error) <= rest * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
+        REQUIRE(std::fabs(a.contribution_sum - a.error) <= rest * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
         ++seen;
         return true;
     };
     const auto derives = [&](const Intersector& form, const Tape& tape, const Attribution& a) {
-        if (a[tape.outputs.t].is_flipped || form.shape == Shape::sdf) return;
+        if (a[tape.outputs.t].decision_changed || form.shape == Shape::sdf) return;
         // Second order: each derivative is off by the relative errors of the values at which it is evaluated, a few of
         // them in a row.
         double worst = 0;
         bool turned = false;
         for (const measure::attribution::OperationError& e : a.errors) {
             if (!e.is_live) continue;
-            turned |= e.is_flipped;
+            turned |= e.decision_changed;
             if (e.exact != 0) worst = std::max(worst, std::fabs(e.error / e.exact));
         }
         if (turned || worst > 0x1p-10) return;
-        REQUIRE(std::fabs(a.first_order - a.error) <= 64 * worst * sum_of_sizes(a) + 0x1p-36 * std::fabs(a.error));
+        REQUIRE(std::fabs(a.first_order_sum - a.error) <= 64 * worst * sum_of_sizes(a) + 0x1p-36 * std::fabs(a.error));
         first_order += a.error != 0;
     };
     // The quick exact arithmetic and the deep one must agree.
@@ -168,18 +168,18 @@ TEST_CASE("one ray worked out by hand has two roundings and one cancellation", "
     CHECK(of(square).rounding == -0x1p-24);
     CHECK(of(square).adjoint == 3);
     CHECK(of(square).contribution == -3 * 0x1p-24);
-    CHECK(of(rest).cancelled == 11);
-    CHECK(of(rest).has_operand_error);
+    CHECK(of(rest).cancelled_bits == 11);
+    CHECK(of(rest).operands_have_error);
     CHECK(of(rest).rounding == 0);
     CHECK(of(rest).exact == 0x1p-11 + 0x1p-24);
     // On exact operands, each rounded: RN(x²) − 1 = 2^-11, off by 2^-24 where an ulp is 2^-34: 2^10 ulp, 11 bits.
     CHECK(of(rest).local_bits == 11);
     CHECK(of(square).local_bits == 0);
     CHECK(a.error == -3 * 0x1p-24);
-    CHECK(a.explained == a.error);
+    CHECK(a.contribution_sum == a.error);
     CHECK(a.culprit == square.node());
-    CHECK_FALSE(of(x).has_operand_error);
-    CHECK_FALSE(of(square).has_operand_error);
+    CHECK_FALSE(of(x).operands_have_error);
+    CHECK_FALSE(of(square).operands_have_error);
 }
 
 TEST_CASE("a decision changed by rounding is attributed to the operands of the comparison", "[attribution]") {
@@ -198,12 +198,12 @@ TEST_CASE("a decision changed by rounding is attributed to the operands of the c
     CHECK(a.subject == missed.node());
     CHECK(a.exact_hit);
     CHECK(a.error == -0x1p-24);
-    CHECK(a.explained == -0x1p-24);
+    CHECK(a.contribution_sum == -0x1p-24);
     CHECK(a.culprit == square.node());
     const Attribution of_t = measure::attribution::attribute(tape, t.node());
     CHECK(of_t.culprit == t.node());  // the choice of the wrong side is an error of its own: 2^-25 in place of 2^-24
     CHECK(of_t.error == -0x1p-25);
-    CHECK(of_t.explained == of_t.error);
+    CHECK(of_t.contribution_sum == of_t.error);
 }
 
 TEST_CASE("the root of a difference that vanished is attributed without remainder", "[attribution]") {
@@ -216,8 +216,8 @@ TEST_CASE("the root of a difference that vanished is attributed without remainde
     const T root = sqrt(x * x - y);
     const Attribution a = measure::attribution::attribute(tape, root.node(), {.full = true});
     CHECK(a.error == -0x1p-12);
-    CHECK(a.explained == -0x1p-12);
-    CHECK(std::isinf(a.first_order));
+    CHECK(a.contribution_sum == -0x1p-12);
+    CHECK(std::isinf(a.first_order_sum));
 }
 
 TEST_CASE("a value that is zero without rounding gets no sign from truncation noise", "[attribution]") {

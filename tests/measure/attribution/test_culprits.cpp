@@ -31,9 +31,9 @@ TEST_CASE("every culprit is an operation of its form, and an ordinary miss has n
     const int rays = is_long() ? 40 : 10;
     const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
         MetricSet made;
-        const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
+        const Metric* const culprit = made.adapt_to_forms({find_metric("culprit")}, {&form}, given(s)).front();
         measure::attribution::Attributor attributor(form, format, culprit->categories);
-        const measure::attribution::RayAttribution blame = attributor.of(s.ray, s.target(form));
+        const measure::attribution::RayAttribution blame = attributor.attribute_ray(s.ray, s.target(form));
         if (measure::attribution::is_plain_miss(*blame.tape, *blame.attribution)) {
             CHECK(std::isnan(blame.culprit));
             CHECK(blame.attribution->culprit == no_node);
@@ -56,7 +56,7 @@ TEST_CASE("cancellation and contributions of labels are parts of the totals", "[
     int cancelled = 0;
     const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
         measure::attribution::Attributor attributor(form, format, {});
-        const measure::attribution::RayAttribution blame = attributor.of(s.ray, s.target(form));
+        const measure::attribution::RayAttribution blame = attributor.attribute_ray(s.ray, s.target(form));
         const int worst = measure::attribution::worst_cancellation(*blame.attribution);
         for (const std::string_view label : measure::attribution::labels_of(form, given(s))) {
             INFO(label);
@@ -82,13 +82,14 @@ TEST_CASE("a range limit changed by rounding has a culprit among the operations,
                           {0x1.9a5e32p-2, 0x1.576072p-1, 0x1.3f964ep-1}};
     const measure::attribution::Setting without{primitives}, with{primitives, nullptr, nullptr, true};
     MetricSet made;
-    const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, with).front();
+    const Metric* const culprit = made.adapt_to_forms({find_metric("culprit")}, {&form}, with).front();
     const Format f32 = *find_format("f32");
     measure::attribution::Attributor attributor(form, f32, culprit->categories);
-    const auto whole = attributor.of(ray, intersect::Target<double>(primitives[0]));
+    const auto whole = attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]));
     CHECK(whole.attribution->exact_hit);
     CHECK(whole.attribution->subject == whole.tape->outputs.t);
-    const auto blame = attributor.of(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
+    const auto blame =
+        attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
     CHECK_FALSE(blame.attribution->exact_hit);
     REQUIRE(blame.culprit >= 1);
     CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
@@ -117,14 +118,14 @@ TEST_CASE("an unknown label is refused with a suggestion, and a known one is fou
     MetricSet made;
     const std::vector<const Metric*> asked{made.find("contribution:disc"), made.find("cancellation:c"),
                                            made.find("culprit")};
-    const auto metrics = made.for_forms(asked, forms, setting);
+    const auto metrics = made.adapt_to_forms(asked, forms, setting);
     CHECK(metrics[0] == asked[0]);
     CHECK(metrics[1] == asked[1]);
     CHECK(metrics[2]->categories.size() > 100);
     CHECK(asked[2]->categories.empty());  // the row of the table does not change
     CHECK(made.find("contribution:") == nullptr);
     CHECK(made.find("contributions:c") == nullptr);
-    CHECK_THROWS_WITH(made.for_forms({made.find("cancellation:disk")}, forms, setting),
+    CHECK_THROWS_WITH(made.adapt_to_forms({made.find("cancellation:disk")}, forms, setting),
                       Catch::Contains("did you mean \"disc\"?"));
 }
 
@@ -148,8 +149,8 @@ TEST_CASE("categories are ordered by how often they are to blame", "[culprits]")
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
         request.rows.push_back({&form, *find_format("f32")});
     MetricSet made;
-    request.metrics = made.for_forms(request.metrics, measure::evaluate::forms_of(request.rows),
-                                     measure::attribution::OwnedSetting(scene).get());
+    request.metrics = made.adapt_to_forms(request.metrics, measure::evaluate::forms_of(request.rows),
+                                          measure::attribution::OwnedSetting(scene).get());
     const Metric* const before = request.metrics[1];
     request.metrics = order_culprits(request, made);
     const Metric* const after = request.metrics[1];

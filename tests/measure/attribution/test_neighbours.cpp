@@ -48,7 +48,7 @@ TEST_CASE("neighbours differ by at most an ulp per number, keep zeros and repeat
     const std::vector<Primitive<double>> primitives{in.format_inputs.primitives[0]};
     const auto around = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives),
                again = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives);
-    REQUIRE(around.size() == measure::attribution::neighbours);
+    REQUIRE(around.size() == measure::attribution::neighbour_count);
     const auto middle = numbers_of(in.format_inputs.rays[in.index]);
     std::vector<int> down(6), up(6);
     for (std::size_t k = 0; k < around.size(); ++k) {
@@ -83,20 +83,20 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
         const auto around = measure::attribution::neighbours_of(
-            ray, in, f32.parameters, {in.format_inputs.primitives[static_cast<std::size_t>(all.primitive)]});
+            ray, in, f32.parameters, {in.format_inputs.primitives[static_cast<std::size_t>(all.primitive_index)]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;
             for (const OneRay& beside : around) sum += lost(each, beside);
             return sum / static_cast<double>(around.size());
         };
-        CHECK(all.result.lost_nearby == Approx(mean(form)));
+        CHECK(all.result.mean_lost_nearby == Approx(mean(form)));
         double before = 0;
-        for (const FormResult& s : all.better) {
+        for (const FormResult& s : all.better_forms) {
             INFO(x << " " << s.form->info->name);
-            CHECK(s.lost_nearby == Approx(mean(*s.form)));
-            CHECK(s.lost_nearby < all.result.lost_nearby);
-            CHECK(s.lost_nearby >= before);
-            before = s.lost_nearby;
+            CHECK(s.mean_lost_nearby == Approx(mean(*s.form)));
+            CHECK(s.mean_lost_nearby < all.result.mean_lost_nearby);
+            CHECK(s.mean_lost_nearby >= before);
+            before = s.mean_lost_nearby;
             ++better;
             unlucky += !s.beats(all.result);  // loses more on this very ray
         }
@@ -104,11 +104,11 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
             if (other.info->roots == intersect::Roots::none || other.shape != form.shape || !other.exists_in(f32) ||
                 other.info->direction != form.info->direction)
                 continue;
-            const bool named = std::ranges::find(all.better, &other, &FormResult::form) != all.better.end();
-            const bool beats = lost(other, ray) < all.result.lost;
+            const bool named = std::ranges::find(all.better_forms, &other, &FormResult::form) != all.better_forms.end();
+            const bool beats = lost(other, ray) < all.result.lost_bits;
             if (beats && !named) {
                 ++lucky;
-                CHECK(!(mean(other) < all.result.lost_nearby));
+                CHECK(!(mean(other) < all.result.mean_lost_nearby));
             }
         }
     }

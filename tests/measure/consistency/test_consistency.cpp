@@ -88,11 +88,11 @@ TEST_CASE("consistency: every form agrees in packs and alone, and summaries add 
             for (std::size_t c = 0; c < checks().size(); ++c) {
                 const CheckSummary& s = all[r][c];
                 CAPTURE(name, rows[r].form->info->name, rows[r].format.name, checks()[c].name);
-                CHECK(std::accumulate(s.count.begin(), s.count.end(), std::uint64_t{0}) == scene.pixels());
-                CHECK(s.of(CheckResult::unresolved) == 0);
-                CHECK(s.shown.has_value() == (s.disagreements() > 0));
+                CHECK(std::accumulate(s.counts.begin(), s.counts.end(), std::uint64_t{0}) == scene.pixels());
+                CHECK(s.count_of(CheckResult::unresolved) == 0);
+                CHECK(s.first_disagreement.has_value() == (s.disagreements() > 0));
                 if (!checks()[c].applies(scene, *rows[r].form)) CHECK(s.asked() == 0);
-                if (!checks()[c].numbers) CHECK(s.excess.count() == 0);
+                if (!checks()[c].compares_numbers) CHECK(s.excess.count() == 0);
                 if (checks()[c].name != "packs") continue;
                 CHECK(s.asked() == scene.pixels());
                 CHECK(s.disagreements() == 0);
@@ -105,26 +105,26 @@ TEST_CASE("consistency: numbers agree with a Python computation whose truth is i
           "[measure][consistency]") {
     // float by `struct`, schoolbook operation by operation; exact discriminants as fractions, roots to 80 digits.
     const CheckSummary far = one("rtg-fig-7-3-4100-oblique", "sphere.schoolbook", "f32", "reverse");
-    CHECK(far.of(CheckResult::agree) == 146);
-    CHECK(far.of(CheckResult::first_alone) == 21);
-    CHECK(far.of(CheckResult::second_alone) == 21);
-    CHECK(far.of(CheckResult::other_number) == 4);
+    CHECK(far.count_of(CheckResult::agree) == 146);
+    CHECK(far.count_of(CheckResult::first_alone) == 21);
+    CHECK(far.count_of(CheckResult::second_alone) == 21);
+    CHECK(far.count_of(CheckResult::other_number) == 4);
     CHECK(far.apart.quantile(1) == 2044);
     CHECK(far.excess.quantile(1) == Approx(2044.0336627394759).epsilon(1e-12));
     CHECK(far.excess.count() == 90);
     const CheckSummary segment = one("rtg-fig-7-3-4100-oblique", "sphere.schoolbook", "f32", "segment");
-    CHECK(segment.of(CheckResult::agree) == 73);
-    CHECK(segment.of(CheckResult::first_alone) == 21);
-    CHECK(segment.of(CheckResult::second_alone) == 22);
-    CHECK(segment.of(CheckResult::by_inputs) == 8);
+    CHECK(segment.count_of(CheckResult::agree) == 73);
+    CHECK(segment.count_of(CheckResult::first_alone) == 21);
+    CHECK(segment.count_of(CheckResult::second_alone) == 22);
+    CHECK(segment.count_of(CheckResult::by_inputs) == 8);
     const CheckSummary shorter = one("rtg-fig-7-3-4100-oblique", "sphere.schoolbook", "f32", "short");
-    CHECK(shorter.of(CheckResult::agree) == 73);
-    CHECK(shorter.of(CheckResult::first_alone) == 27);
-    CHECK(shorter.of(CheckResult::second_alone) == 24);
+    CHECK(shorter.count_of(CheckResult::agree) == 73);
+    CHECK(shorter.count_of(CheckResult::first_alone) == 27);
+    CHECK(shorter.count_of(CheckResult::second_alone) == 24);
     const CheckSummary near = one("near-benign", "sphere.schoolbook", "f32", "reverse");
-    CHECK(near.of(CheckResult::agree) == 132);
-    CHECK(near.of(CheckResult::other_number) == 59);
-    CHECK(near.of(CheckResult::by_inputs) == 1);
+    CHECK(near.count_of(CheckResult::agree) == 132);
+    CHECK(near.count_of(CheckResult::other_number) == 59);
+    CHECK(near.count_of(CheckResult::by_inputs) == 1);
     CHECK(near.excess.quantile(1) == Approx(9.22616585020865).epsilon(1e-12));
 }
 
@@ -134,13 +134,13 @@ TEST_CASE("consistency: a t rounded once agrees from either end within an ulp", 
         CAPTURE(scene);
         CHECK(s.excess.count() > 100);
         CHECK(s.excess.quantile(1) <= 1);
-        CHECK(s.of(CheckResult::other_number) == 0);
+        CHECK(s.count_of(CheckResult::other_number) == 0);
     }
 }
 
 TEST_CASE("consistency: an origin on the surface and an end at a box are checked", "[measure][consistency]") {
     const CheckSummary beyond = one("consistency-on-surface", "sphere.half_b", "f32", "beyond");
-    CHECK(beyond.of(CheckResult::first_alone) == beyond.asked());
+    CHECK(beyond.count_of(CheckResult::first_alone) == beyond.asked());
     CHECK(beyond.asked() == 192);
     CHECK(one("consistency-on-surface", "sphere.half_b", "f32", "before").asked() == 0);  // before t = 0 is no ray
     // This form does not count a hit at t = 0.
@@ -149,24 +149,24 @@ TEST_CASE("consistency: an origin on the surface and an end at a box are checked
           one("box-octree", "box.max_mult", "f32", "before").asked());
     CHECK(one("box-octree", "box.inclusive", "f32", "before").decisions() == 0);
     const CheckSummary closed = one("box-octree", "box.inclusive", "f32", "end");
-    CHECK(closed.of(CheckResult::second_alone) == closed.asked());
+    CHECK(closed.count_of(CheckResult::second_alone) == closed.asked());
     CHECK(one("box-octree", "box.exclusive", "f32", "end").decisions() == 0);
 }
 
 TEST_CASE("consistency: forms that contradict themselves are detected", "[measure][consistency]") {
     const auto hits = one("near-benign", "sphere.half_b", "f32", "beyond").asked();
     REQUIRE(hits > 50);
-    CHECK(of_kernel(drifts, "packs").of(CheckResult::other_number) >= hits);
+    CHECK(of_kernel(drifts, "packs").count_of(CheckResult::other_number) >= hits);
     CHECK(of_kernel(drifts, "packs").decisions() == 0);
     const CheckSummary forgetful = of_kernel(forgets_one, "packs");
-    CHECK(forgetful.of(CheckResult::first_alone) == 1);
+    CHECK(forgetful.count_of(CheckResult::first_alone) == 1);
     CHECK(forgetful.disagreements() == 1);
-    REQUIRE(forgetful.shown);
-    CHECK(forgetful.shown->x == 5);
-    CHECK(forgetful.shown->y == 6);
+    REQUIRE(forgetful.first_disagreement);
+    CHECK(forgetful.first_disagreement->x == 5);
+    CHECK(forgetful.first_disagreement->y == 6);
     CHECK(of_kernel(one_way_only, "reverse").decisions() > hits / 2);
-    CHECK(of_kernel(exchanged, "before").of(CheckResult::second_alone) > hits / 2);
-    CHECK(of_kernel(nowhere, "beyond").of(CheckResult::first_alone) == of_kernel(nowhere, "beyond").asked());
+    CHECK(of_kernel(exchanged, "before").count_of(CheckResult::second_alone) > hits / 2);
+    CHECK(of_kernel(nowhere, "beyond").count_of(CheckResult::first_alone) == of_kernel(nowhere, "beyond").asked());
     CHECK(of_kernel(nowhere, "beyond").asked() > 50);
 }
 

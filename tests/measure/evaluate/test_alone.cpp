@@ -43,7 +43,7 @@ std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const Ray
     std::vector<const Metric*> all;
     for (const Metric& m : metric::metrics())
         if (m.domain != metric::MetricDomain::pairs) all.push_back(&m);
-    return made.for_forms(all, evaluate::forms_of(rows), attribution::OwnedSetting(rays).get());
+    return made.adapt_to_forms(all, evaluate::forms_of(rows), attribution::OwnedSetting(rays).get());
 }
 
 bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }

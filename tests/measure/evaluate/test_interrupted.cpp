@@ -101,7 +101,9 @@ TEST_CASE("every computation stops where its own request says so") {
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map", [&] { m::evaluate::run_map({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"needed",
-         [&] { m::study::run_study(m::evaluate::NeededStudy{.scene = scene, .rows = {row.form}, .limit = limit}); }},
+         [&] {
+             m::study::run_study(m::evaluate::BitsNeededStudy{.scene = scene, .rows = {row.form}, .limit = limit});
+         }},
         {"render",
          [&] {
              m::study::run_study(m::picture::RenderStudy{

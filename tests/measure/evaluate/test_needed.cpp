@@ -44,18 +44,18 @@ std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::
 
 std::vector<std::string> every_width() {
     std::vector<std::string> names;
-    for (int p = least_width; p <= most_width; ++p) names.push_back("p" + std::to_string(p));
+    for (int p = least_precision; p <= most_precision; ++p) names.push_back("p" + std::to_string(p));
     return names;
 }
 
 std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, int bits,
-                              NeededSummary* summary = nullptr) {
+                              BitsNeededSummary* summary = nullptr) {
     std::vector<double> values;
-    const auto keep = [&values](std::size_t, const NeededBand& r) {
-        values.insert(values.end(), r.needed.begin(), r.needed.end());
+    const auto keep = [&values](std::size_t, const BitsNeededBand& r) {
+        values.insert(values.end(), r.bits_needed.begin(), r.bits_needed.end());
     };
     const auto summaries =
-        measure::study::run_study(NeededStudy{.scene = scene, .rows = {&form}, .bits = bits}, {keep});
+        measure::study::run_study(BitsNeededStudy{.scene = scene, .rows = {&form}, .bits = bits}, {keep});
     if (summary) *summary = summaries.front();
     return values;
 }
@@ -76,15 +76,15 @@ TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
                 REQUIRE(values.size() == 20 * 14);
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
-                    double expected = needed_beyond;
+                    double expected = beyond_most_precision;
                     const auto is_enough = [&](int p) {
-                        return maps[static_cast<std::size_t>(p - least_width)].suffices(i, bits);
+                        return maps[static_cast<std::size_t>(p - least_precision)].suffices(i, bits);
                     };
-                    for (int p = most_width; p >= least_width && is_enough(p); --p) expected = p;
+                    for (int p = most_precision; p >= least_precision && is_enough(p); --p) expected = p;
                     wrong += values[i] != expected;
-                    beyond += expected == needed_beyond;
+                    beyond += expected == beyond_most_precision;
                     narrow_misses += expected < bits;
-                    for (int p = least_width; p < expected && p <= most_width; ++p) lucky += is_enough(p);
+                    for (int p = least_precision; p < expected && p <= most_precision; ++p) lucky += is_enough(p);
                 }
                 CHECK(wrong == 0);
             }
@@ -100,7 +100,7 @@ TEST_CASE("more correct bits never need a narrower width, and a hit needs at lea
     const scene::file::Scene scene = load("rtg-fig-7-4.r1e4", 24, 18);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
         std::vector<double> before(24 * 18, 0);
-        NeededSummary summary;
+        BitsNeededSummary summary;
         for (int bits = 1; bits <= 52; ++bits) {
             INFO(which << ' ' << bits);
             const auto values = needed_of(scene, test::form_named(which), bits, &summary);
@@ -119,10 +119,11 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
                                                                   &test::form_named("sphere.unified")};
     std::vector<std::vector<double>> together(3);
     std::uint64_t done = 0;
-    NeededStudy request{.scene = scene, .rows = forms, .bits = 16};
+    BitsNeededStudy request{.scene = scene, .rows = forms, .bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
-    measure::study::run_study(request, {[&together](std::size_t form, const NeededBand& r) {
-                                  together[form].insert(together[form].end(), r.needed.begin(), r.needed.end());
+    measure::study::run_study(request, {[&together](std::size_t form, const BitsNeededBand& r) {
+                                  together[form].insert(together[form].end(), r.bits_needed.begin(),
+                                                        r.bits_needed.end());
                               }});
     CHECK(done == request.units());
     for (std::size_t f = 0; f < forms.size(); ++f) CHECK(together[f] == needed_of(scene, *forms[f], 16));
@@ -130,13 +131,13 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
 
 TEST_CASE("an answer keeps B bits up to an error of half an ulp of B bits", "[needed]") {
     const measure::truth::Certified one = as_certified(1);
-    CHECK(keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
-    CHECK_FALSE(keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
-    CHECK(keeps_bits(1 - 0x1p-12, one, 12));
-    CHECK_FALSE(keeps_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
-    CHECK(keeps_bits(1.5, one, 1));
-    CHECK(keeps_bits(0, as_certified(0), 52));
-    for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(keeps_bits(t, one, 1));
+    CHECK(has_correct_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
+    CHECK_FALSE(has_correct_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
+    CHECK(has_correct_bits(1 - 0x1p-12, one, 12));
+    CHECK_FALSE(has_correct_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
+    CHECK(has_correct_bits(1.5, one, 1));
+    CHECK(has_correct_bits(0, as_certified(0), 52));
+    for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(has_correct_bits(t, one, 1));
 }
 
 TEST_CASE("the width that one ray needs follows from its truth and its answers", "[needed]") {
@@ -149,18 +150,18 @@ TEST_CASE("the width that one ray needs follows from its truth and its answers",
     const intersect::Info& any = *test::form_named("sphere.schoolbook").info;
     const intersect::Info& unit = *test::form_named("sphere.unit_half_b").info;
     REQUIRE(unit.direction == intersect::Direction::unit);
-    CHECK(suffices(hit, any, 12, {true, 4}, 12));
-    CHECK_FALSE(suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are not 12
-    CHECK_FALSE(suffices(hit, any, 12, {true, 8}, 12));
-    CHECK(suffices(hit, unit, 12, {true, 8}, 12));
-    CHECK(suffices(hit, any, 12, {true, 4, hit.primitive}, 12));
-    CHECK_FALSE(suffices(hit, any, 12, {true, 4, hit.primitive + 1}, 12));  // t of another primitive
-    CHECK_FALSE(suffices(hit, any, 53, {false, 4}, 12));
-    CHECK_FALSE(suffices(hit, any, 53, {true, std::nan("")}, 12));
-    CHECK(suffices(miss, any, 2, {false, std::nan("")}, 12));
-    CHECK_FALSE(suffices(miss, any, 53, {true, 4}, 12));
-    CHECK_FALSE(suffices(open, any, 53, {true, 4}, 12));
-    CHECK_FALSE(suffices(open, any, 53, {false, 4}, 12));
+    CHECK(is_precision_enough(hit, any, 12, {true, 4}, 12));
+    CHECK_FALSE(is_precision_enough(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are not 12
+    CHECK_FALSE(is_precision_enough(hit, any, 12, {true, 8}, 12));
+    CHECK(is_precision_enough(hit, unit, 12, {true, 8}, 12));
+    CHECK(is_precision_enough(hit, any, 12, {true, 4, hit.primitive}, 12));
+    CHECK_FALSE(is_precision_enough(hit, any, 12, {true, 4, hit.primitive + 1}, 12));  // t of another primitive
+    CHECK_FALSE(is_precision_enough(hit, any, 53, {false, 4}, 12));
+    CHECK_FALSE(is_precision_enough(hit, any, 53, {true, std::nan("")}, 12));
+    CHECK(is_precision_enough(miss, any, 2, {false, std::nan("")}, 12));
+    CHECK_FALSE(is_precision_enough(miss, any, 53, {true, 4}, 12));
+    CHECK_FALSE(is_precision_enough(open, any, 53, {true, 4}, 12));
+    CHECK_FALSE(is_precision_enough(open, any, 53, {false, 4}, 12));
 }
 
 TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[needed]") {
@@ -180,17 +181,17 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =
-        NeededStudy{.scene = none, .rows = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
-    CHECK(std::isnan(results[0].needed[0]));
-    CHECK(results[0].needed[1] <= most_width);
-    NeededSummary summary;
-    for (std::size_t i = 0; i < 2; ++i) summary.add(results[0].truth(i), results[0].needed[i]);
+        BitsNeededStudy{.scene = none, .rows = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
+    CHECK(std::isnan(results[0].bits_needed[0]));
+    CHECK(results[0].bits_needed[1] <= most_precision);
+    BitsNeededSummary summary;
+    for (std::size_t i = 0; i < 2; ++i) summary.add(results[0].truth(i), results[0].bits_needed[i]);
     CHECK(summary.unresolved == 1);
     CHECK(summary.all().count() == 1);
 }
 
 TEST_CASE("statistics of whole widths are exact", "[needed]") {
-    WidthCounts counts{};
+    PrecisionCounts counts{};
     CHECK(std::isnan(counts.mean()));
     CHECK(std::isnan(counts.quantile(0.5)));
     counts[2] = 1, counts[14] = 97, counts[30] = 1, counts[53] = 1;

@@ -56,10 +56,10 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     CHECK(s.true_hits ==
           s.count(Outcome::agree_hit) + s.count(Outcome::wrong_primitive) + s.count(Outcome::false_miss));
     // The wrong primitive is the most frequent wrong decision here, so the first fault is such a ray.
-    CHECK(s.wrong() == Outcome::wrong_primitive);
-    REQUIRE(s.fault() != nullptr);
-    CHECK(s.fault()->outcome == Outcome::wrong_primitive);
-    CHECK(s.fault()->t != s.fault()->truth);
+    CHECK(s.most_frequent_wrong_decision() == Outcome::wrong_primitive);
+    REQUIRE(s.first_fault() != nullptr);
+    CHECK(s.first_fault()->outcome == Outcome::wrong_primitive);
+    CHECK(s.first_fault()->t != s.first_fault()->truth);
 
     const auto columns = measure::evaluate::summary_columns(request.metrics);
     CHECK(measure::evaluate::find_column(columns, "wrong_primitive")->value(s) == static_cast<double>(single.wrong));

@@ -97,7 +97,7 @@ TEST_CASE("no identity changes the unrounded answer of a form of the catalogue",
         Terms terms(before);
         for (const Rewrite& rewrite : rewrites_of(terms, terms.outputs(), unit_of(form, terms))) {
             INFO(form.info->name << ", " << rewrite.rule->name);
-            const Tape after = terms.tape(terms.with_replaced(terms.outputs(), rewrite.replaced));
+            const Tape after = terms.tape(terms.replace_nodes(terms.outputs(), rewrite.replacements));
             const int seed = ++applied[rewrite.rule->name];
             hits[rewrite.rule->name] += check_same(before, after, form, static_cast<std::uint64_t>(seed));
         }
@@ -154,13 +154,13 @@ TEST_CASE("products of sums are expanded, however the brackets are written", "[m
             if (terms[i].label == label) return i;
         return no_node;
     };
-    const Sum disc = multiplied_out(terms, named("disc")).value();
+    const Sum disc = multiply_out(terms, named("disc")).value();
     CHECK(disc.size() == 3);  // 4 (f·d)² − 4 a f·f + 4 a r²
-    const Sum a = multiplied_out(terms, named("a")).value(), b = multiplied_out(terms, named("b")).value(),
-              c = multiplied_out(terms, named("c")).value();
+    const Sum a = multiply_out(terms, named("a")).value(), b = multiply_out(terms, named("b")).value(),
+              c = multiply_out(terms, named("c")).value();
     const Sum minus_four_ac = times(times(a, c), Sum{{{}, Ratio(-4, 1)}});
     CHECK(plus(times(b, b), minus_four_ac) == disc);
-    CHECK(without_common(disc).first.second == Ratio(4, 1));
+    CHECK(factor_out_common(disc).first.second == Ratio(4, 1));
 }
 
 // For x < 0 the two differ: the root is not a number, as its condition says.
@@ -176,7 +176,7 @@ TEST_CASE("the square of a root is its radicand, where the radicand is not negat
     const auto found = std::ranges::find(rewrites, "square of a root", [](const Rewrite& r) { return r.rule->name; });
     REQUIRE(found != rewrites.end());
     CHECK(found->rule->condition == "x >= 0");
-    const Tape after = terms.tape(terms.with_replaced(terms.outputs(), found->replaced));
+    const Tape after = terms.tape(terms.replace_nodes(terms.outputs(), found->replacements));
     CHECK(std::ranges::count(after.nodes, TapeOp::sqrt, &TapeNode::op) == 0);
     for (int k = 0; k <= 200; ++k) {
         const double value = std::ldexp(k, -3);

@@ -44,11 +44,11 @@ inline void require_same(const measure::evaluate::FormSummary& a, const measure:
     }
     CHECK(a.worst.x == b.worst.x);
     CHECK(a.worst.y == b.worst.y);
-    CHECK(a.worst.object == b.worst.object);
+    CHECK(a.worst.primitive_index == b.worst.primitive_index);
     CHECK(a.worst.t == b.worst.t);
     CHECK(same(a.worst.ulps, b.worst.ulps));
-    REQUIRE((a.fault() == nullptr) == (b.fault() == nullptr));
-    if (a.fault()) CHECK(a.fault()->x == b.fault()->x);
+    REQUIRE((a.first_fault() == nullptr) == (b.first_fault() == nullptr));
+    if (a.first_fault()) CHECK(a.first_fault()->x == b.first_fault()->x);
 }
 
 }  // namespace lostbits::test

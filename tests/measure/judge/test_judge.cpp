@@ -234,8 +234,8 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     const evaluate::WorstRay &a = at_start.summaries[0].worst, &b = beyond.summaries[0].worst;
     REQUIRE(a.x >= 0);
     CHECK(b.x - a.x == std::int64_t{scene::test::LateDump::before});
-    CHECK(a.object == a.x);
-    CHECK(b.object == b.x);
+    CHECK(a.primitive_index == a.x);
+    CHECK(b.primitive_index == b.x);
     CHECK(b.ulps == a.ulps);
     const auto noted = first.all(), noted_later = later.all();
     REQUIRE(noted.size() >= 5);
@@ -287,7 +287,7 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
         CHECK(given.primitives[0].numbers == group.primitives[noted[k].ray_index].numbers);
     }
     CHECK(s.worst.x == static_cast<int>(noted[0].ray_index));
-    CHECK(s.worst.object == s.worst.x);
+    CHECK(s.worst.primitive_index == s.worst.x);
 }
 
 TEST_CASE("decisions without a t have outcomes and no errors") {

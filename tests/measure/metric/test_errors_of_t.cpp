@@ -59,7 +59,7 @@ void compare_derivatives() {
 double derivative_error(const Intersector& form, const char* format, const Setting& s) {
     const Format in = *find_format(format);
     measure::attribution::Attributor attributor(form, in, {}, false);
-    const auto blame = attributor.of(s.ray, s.target(form));
+    const auto blame = attributor.attribute_ray(s.ray, s.target(form));
     return measure::metric::find_metric("derivative_error")
         ->value({.format = &in,
                  .ray = &s.ray,

@@ -92,7 +92,7 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
     const auto see = [&](const auto& form, const Format&, const Setting&, const Tape& tape) {
         const auto found = attribute(tape);
         if (form.shape == Shape::sdf || found.subject == no_node || found.subject != tape.outputs.t ||
-            !std::isfinite(found.explained))
+            !std::isfinite(found.contribution_sum))
             return;
         int n = 0;
         for (NodeId k = 0; k < tape.size(); ++k) {
@@ -101,7 +101,7 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
             if (kind_of(tape[k].op) != OperationKind::rounded && tape[k].op != TapeOp::convert) return;
             ++n;
         }
-        CHECK(std::fabs(found.explained) <= std::sqrt(n) * statistical_bound(tape, found) * (1 + 0x1p-20));
+        CHECK(std::fabs(found.contribution_sum) <= std::sqrt(n) * statistical_bound(tape, found) * (1 + 0x1p-20));
         ++seen;
     };
     on_recorded_rays({{"f32", "f64", "p12"}, 6, 4, 2027, intersect::table::catalogue()}, see);

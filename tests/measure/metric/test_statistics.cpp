@@ -214,7 +214,7 @@ TEST_CASE("an exact total equals the rational sum", "[measure][metric]") {
             least_so_far = size;
             exact += Rational(size);
         }
-        const Rational off = boost::multiprecision::abs(Rational(total.over(1'000'003)) - exact / 1'000'003);
+        const Rational off = boost::multiprecision::abs(Rational(total.divided_by(1'000'003)) - exact / 1'000'003);
         CHECK(off <= exact / 1'000'003 * Rational(0x1p-52) + Rational(0x1p-1074));
     }
 }

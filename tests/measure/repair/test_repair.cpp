@@ -111,7 +111,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         std::vector<Tape> tapes{before};
         for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
             if (rewrite.rule->name == "edges from the origin")
-                tapes.push_back(terms.tape(terms.with_replaced(terms.outputs(), rewrite.replaced)));
+                tapes.push_back(terms.tape(terms.replace_nodes(terms.outputs(), rewrite.replacements)));
         REQUIRE(tapes.size() == 2);
         tapes.push_back(tape::tape_of(test::form_named("triangle.signed_volumes"), *find_format("f32")));
         Judge judge(request, scene);

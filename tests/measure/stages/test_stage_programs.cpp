@@ -84,7 +84,7 @@ public:
         for (std::size_t k = 0; k < most_stored; ++k)
             p.primitive[k] = column(input_of_primitive + k), p.primitive_low[k] = column(input_of_primitive_low + k);
         p.tmin = column(input_of_tmin), p.tmax = column(input_of_tmax);
-        p.two_words = terms.two_words, p.ranged = terms.ranged, p.open = terms.open, p.matrix = terms.matrix;
+        p.two_words = terms.two_words, p.has_ranges = terms.has_ranges, p.open = terms.open, p.matrix = terms.matrix;
         return p;
     }
     [[nodiscard]] double at(std::size_t input, std::size_t i) const { return static_cast<double>(columns_[input][i]); }
@@ -138,10 +138,10 @@ Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>&
 std::vector<StageTerms> terms_of(Shape shape, int words) {
     const StageTerms plain{shape, words, false, {}, false, {}, true, true};
     std::vector<StageTerms> all{plain, plain, plain, plain, plain, plain, plain};
-    all[1].ranged = true;
-    all[2].ranged = true, all[2].open = {true, true};
+    all[1].has_ranges = true;
+    all[2].has_ranges = true, all[2].open = {true, true};
     all[3].matrix = {true, false, 1};
-    all[4].matrix = {true, true, 1}, all[4].ranged = true;
+    all[4].matrix = {true, true, 1}, all[4].has_ranges = true;
     all[5].distance = false;
     all[6].two_words = words == 2, all[6].t = false;
     return all;
@@ -157,16 +157,17 @@ TEST_CASE("stage programs: every shape has the words and bounds of its formula a
             const Stages stages = stages_of(shape, isa);
             for (const bool one_primitive : {false, true}) {
                 for (const StageTerms& terms : terms_of(shape, 1)) {
-                    INFO(row_of(shape).name << ", one word, one solid " << one_primitive << ", ranged " << terms.ranged
-                                            << ", matrix " << terms.matrix.placed << terms.matrix.is_inverse);
+                    INFO(row_of(shape).name << ", one word, one solid " << one_primitive << ", ranged "
+                                            << terms.has_ranges << ", matrix " << terms.matrix.placed
+                                            << terms.matrix.is_inverse);
                     const Counts found = compare<Of, float, double>(terms, one_primitive, stages.binary64, problems);
                     CHECK(found.different == 0);
                     CHECK(found.settled > rays / 2);
                 }
                 for (const StageTerms& terms : terms_of(shape, 2)) {
-                    INFO(row_of(shape).name << ", two words, one solid " << one_primitive << ", ranged " << terms.ranged
-                                            << ", matrix " << terms.matrix.placed << terms.matrix.is_inverse
-                                            << ", two words each " << terms.two_words);
+                    INFO(row_of(shape).name << ", two words, one solid " << one_primitive << ", ranged "
+                                            << terms.has_ranges << ", matrix " << terms.matrix.placed
+                                            << terms.matrix.is_inverse << ", two words each " << terms.two_words);
                     const Counts found =
                         compare<Of, double, TwoWords<double>>(terms, one_primitive, stages.double_double, problems);
                     CHECK(found.different == 0);

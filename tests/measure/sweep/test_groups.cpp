@@ -30,7 +30,7 @@ void check_same(const WorstRay& a, const WorstRay& b) {
     CHECK(a.x == b.x);
     CHECK(a.y == b.y);
     CHECK(a.group == b.group);
-    CHECK(a.object == b.object);
+    CHECK(a.primitive_index == b.primitive_index);
     CHECK(same(a.ulps, b.ulps));
     CHECK(same(a.t, b.t));
     CHECK(same(a.truth, b.truth));
@@ -107,7 +107,7 @@ TEST_CASE("rays of many views measured together agree with one view at a time", 
                 check_same(together, one_at_a_time(groups, row));
                 CHECK(together.views == groups.size());
                 worst += together.worst.group > 0;
-                faults += together.fault() != nullptr;
+                faults += together.first_fault() != nullptr;
                 ++compared;
             }
         }

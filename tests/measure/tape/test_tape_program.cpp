@@ -84,7 +84,7 @@ Hit<double> node_by_node(const Tape& tape, const Setting& s) {
         if (n.op == TapeOp::input) at(i) = inputs.at(static_cast<std::size_t>(n.operands[0]));
         else if (n.op == TapeOp::constant) at(i) = n.value;
         else if (is_decision(n.op)) at(i) = attribution::holds(n.op, judge) ? 1 : 0;
-        else if (kind_of(n.op) == OperationKind::choice) at(i) = at(attribution::side_taken(n, judge));
+        else if (kind_of(n.op) == OperationKind::choice) at(i) = at(attribution::chosen_side(n, judge));
         else {
             std::array<double, 3> operands{};
             for (std::size_t k = 0; k < 3; ++k)

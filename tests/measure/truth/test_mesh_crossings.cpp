@@ -17,8 +17,8 @@ namespace lostbits::test::test_mesh_crossings {
 
 using measure::crossing::crossings_of;
 using measure::crossing::facing_of;
+using measure::crossing::locate_in_mesh;
 using measure::crossing::nearest_edges;
-using measure::crossing::place_in_mesh;
 using measure::crossing::Triangles;
 using measure::culling::BoxTree;
 using scene::rays::PrimitiveList;
@@ -128,8 +128,8 @@ void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh,
         const ExpectedCrossing& y = expected[i];
         const double t = static_cast<double>(y.n) / static_cast<double>(y.m);
         REQUIRE(x.triangle == y.triangle);
-        REQUIRE(x.front == y.front);
-        REQUIRE(x.at_rim == y.at_rim);
+        REQUIRE(x.hits_front == y.front);
+        REQUIRE(x.is_at_rim == y.at_rim);
         REQUIRE(x.t.is_zero() == (y.n == 0));
         REQUIRE(std::fabs(std::ldexp(x.t.hi, static_cast<int>(x.t.exponent)) - t) <= 0x1p-52 * t);
         const int step = i == 0 ? x.rank : x.rank - found.in_order[i - 1].rank;
@@ -251,9 +251,9 @@ TEST_CASE("winding numbers of points agree with the boxes of which a mesh consis
                 on |= in && at_wall;
                 if (in && !at_wall) winding += box.turn ? -1 : 1;
             }
-            const auto found = place_in_mesh(vec(p), {primitives, i % 4 == 0 ? nullptr : tree.get()});
+            const auto found = locate_in_mesh(vec(p), {primitives, i % 4 == 0 ? nullptr : tree.get()});
             REQUIRE(found.is_resolved);
-            REQUIRE(found.on_surface == on);
+            REQUIRE(found.is_on_surface == on);
             if (!on) REQUIRE(found.winding == winding);
             if (!on) REQUIRE((found.crossings - winding) % 2 == 0);
             on_surface += on, deep += !on && winding > 1;
@@ -261,7 +261,7 @@ TEST_CASE("winding numbers of points agree with the boxes of which a mesh consis
     }
     CHECK(on_surface > 1000);
     CHECK(deep > 100);
-    CHECK_FALSE(place_in_mesh({NAN, 0, 0}, {primitives_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})}).is_resolved);
+    CHECK_FALSE(locate_in_mesh({NAN, 0, 0}, {primitives_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})}).is_resolved);
 }
 
 }  // namespace lostbits::test::test_mesh_crossings

@@ -147,7 +147,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     const OneRay ray = asked.ray();
     const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
-    const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(x.primitive));
+    const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(x.primitive_index));
     Tape tape;
     asked.form->record(asked.format, in.ray(*asked.form->info), aim, x.range.tmax, tape);
     const auto found = measure::attribution::attribute(tape, {.full = true});
@@ -193,14 +193,15 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
         if (starred.empty()) CHECK_FALSE(has("The culprit is"));
         if (has("o operation is to blame") || has("No operation rounded")) CHECK(starred.empty());
         // The words about decisions agree with the two runs, and with the table.
-        const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"], cut = s.x.attribution.cut_short;
+        const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"],
+                   cut = s.x.attribution.loop_was_cut_short;
         if (has("is the same without rounding") || has("Rounding changed no decision")) CHECK((cut || hit == exact));
         if (has("The decision is the same")) CHECK_FALSE(s.x.result.is_right());
         if (hit != exact && !cut && !s.x.result.is_right() && s.x.result.outcome != Outcome::unresolved) {
             CHECK_FALSE(s.says("On the inputs as the format stores them, the form"));
             ++seen[starred.empty() ? "turned, nothing named" : "turned, named"];
         }
-        if (s.x.result.is_right()) CHECK((starred.empty() || s.x.result.lost >= 1));
+        if (s.x.result.is_right()) CHECK((starred.empty() || s.x.result.lost_bits >= 1));
         const NodeId subject = s.x.attribution.subject;
         if (subject != no_node && is_decision(s.x.tape[subject].op)) {
             const std::string name = s.json["attribution"]["subject"];
@@ -231,7 +232,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
         REQUIRE(s.json["inputs"].contains("ray.tmin") == !whole);
         REQUIRE(s.json["open_ends"] == std::string(name_of(s.x.range.open)));
         limits += !whole;
-        if (s.x.attribution.cut_short) return;
+        if (s.x.attribution.loop_was_cut_short) return;
         if (const auto exact = exact_decision(asked, s.x)) {
             REQUIRE(s.x.attribution.exact_hit == *exact);
             ++decided;
@@ -276,9 +277,9 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
                 measure::attribution::OperationError& e =
                     x.attribution.errors[static_cast<std::size_t>(x.attribution.culprit)];
                 if (what == 0) e.contribution = odd;
-                if (what == 1) e.contribution = odd, x.attribution.equals.push_back(x.attribution.culprit);
+                if (what == 1) e.contribution = odd, x.attribution.equal_culprits.push_back(x.attribution.culprit);
                 if (what == 2) e.rounding = e.error = odd;
-                if (what == 3) x.attribution.error = x.attribution.explained = odd;
+                if (what == 3) x.attribution.error = x.attribution.contribution_sum = odd;
                 if (x.culprit_alone) x.culprit_alone->only_exact.error = x.culprit_alone->only_rounded.error = odd;
                 const output::attribution::OperationView words(x);
                 for (const std::string& line : lines_of(output::attribution::culprit_sentence(x) + "\n" +

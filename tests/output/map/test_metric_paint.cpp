@@ -151,7 +151,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
     for (const char* name : {"tolerance:0.1", "enough_bits:12", "contribution:c", "cancellation:c", "step:origin"})
         all.push_back(made.find(name));
     for (const Metric& m : lostbits::measure::metric::metrics())
-        if (!m.by_run) all.push_back(&m);
+        if (!m.depends_on_forms) all.push_back(&m);
     for (const Metric* m : all) {
         REQUIRE(m != nullptr);
         CAPTURE(m->name);
