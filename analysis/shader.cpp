@@ -55,7 +55,7 @@ Exit serve_shader(const std::string& shader_name, const std::string& kind) {
     std::vector<intersect::external::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(shader_name);
-        const auto device = open_named_or_any(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
+        const auto device = open_named_or_any(kind.empty() && shader.is_hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
         const Arithmetic arithmetic = probe(*device);
         warn_about_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().has_doubles)

@@ -71,7 +71,7 @@ public:
     RayTable(ResultTable& table, const measure::evaluate::TestedForm& form_row,
              const std::vector<const measure::metric::Metric*>& metrics);
     static std::vector<output::file::Column> columns(const std::vector<const measure::metric::Metric*>& metrics);
-    void band(const measure::evaluate::BandResult& result);
+    void add_band(const measure::evaluate::BandResult& result);
 
 private:
     ResultTable& table_;

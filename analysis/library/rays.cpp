@@ -200,7 +200,7 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
     }
     const auto judgement = measure::judge::run_judge(
         *given_rays.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
-            if (!rows.empty()) rows[r].band(band);
+            if (!rows.empty()) rows[r].add_band(band);
         });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {

@@ -76,7 +76,7 @@ RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& form
     for (const Metric* m : metrics) append_names(table[measure::evaluate::column_name(*m)], m->categories);
 }
 
-void RayTable::band(const measure::evaluate::BandResult& result) {
+void RayTable::add_band(const measure::evaluate::BandResult& result) {
     const std::size_t n = result.outcomes.size();
     auto& columns = table_.columns;
     for (std::size_t i = 0; i < n; ++i) {

@@ -154,7 +154,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
         output::repair::best_proposal(output::repair::list_proposals(repair_summary), repair_summary) != nullptr;
     if (is_better)
         result.texts.push_back(output::repair::emitted_file_text(repair_summary, "mended.hpp", "lostbits_mend"));
-    return repair.set || is_better;
+    return repair.wider_set || is_better;
 }
 
 /// Fills the result. Returns true if any form meets the requirement.

@@ -126,7 +126,7 @@ TEST_CASE("patches: patch makes the new text from the old one", "[external]") {
     for (int round = 0; round < 60; ++round) {
         const Scratch made;
         std::string old;
-        for (unsigned lines = random() % 30; lines > 0; --lines)
+        for (auto lines = random() % 30; lines > 0; --lines)
             old +=
                 std::string(1, static_cast<char>('a' + random() % 3)) + (lines == 1 && random() % 2 == 0 ? "" : "\n");
         std::vector<TextChange> changes;

@@ -62,7 +62,7 @@ void fuzz_llvm(std::string_view bytes) {
 void fuzz_spirv(std::string_view bytes) {
     answer_or_error([&] {
         const std::string assembly = assembly_of(bytes);
-        static_cast<void>(intersect::spirv::source_name(assembly));
+        static_cast<void>(intersect::spirv::source_file_name(assembly));
         follow(intersect::spirv::llvm_text_of(assembly, "/x/own.spv", {}, true), "ball");
     });
 }

@@ -45,7 +45,6 @@ TEST_CASE("every form works over operation counters and balls, recorded or compi
         INFO(row.info->name);
         Primitive<double> primitive(row.shape);
         primitive.numbers.fill(0.5);
-        const Ray<double> ray{{3, 2, 1}, {-1, -0.5, -0.25}};
         const auto as_float = [](double x) { return static_cast<float>(x); };
         const Ray<float> narrow{{3, 2, 1}, {-1, -0.5F, -0.25F}};
         const OperationCounts counts = row.count(narrow, transformed(primitive, as_float), HUGE_VALF);

@@ -85,7 +85,7 @@ void require_valid_facing(Facing facing, Shape shape, const std::string& subject
     if (facing == Facing::both || is_flat(shape)) return;
     std::string flat_shapes;
     for (const ShapeRow& shape_row : shape_rows)
-        if (shape_row.flat) flat_shapes += (flat_shapes.empty() ? "" : ", ") + std::string(shape_row.plural);
+        if (shape_row.is_flat) flat_shapes += (flat_shapes.empty() ? "" : ", ") + std::string(shape_row.plural);
     throw InputError(subject + ": facing is only for shapes with a front and a back (" + flat_shapes +
                      "); leave it out for " + with_article(shape));
 }

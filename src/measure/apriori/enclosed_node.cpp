@@ -31,7 +31,7 @@ double nearest(mpfr_srcptr x, const FloatFormat& f) {
 
 /// ⌊log2⌋ of the largest magnitude in x.
 long exponent_of(const Interval& x) {
-    const double magnitude = largest_magnitude(x);
+    const double magnitude = upper_magnitude(x);
     return magnitude > 0 ? std::ilogb(magnitude) : -100000;
 }
 
@@ -45,8 +45,8 @@ Interval half_a_place(const Interval& x, const FloatFormat& f) {
 /// True if x is 1, 2, 4, 8, …, so that the product of x and a number of the format is exact.
 bool is_scale(const Interval& x) {
     int exponent = 0;
-    return x.is_exact() && std::frexp(least_magnitude(x), &exponent) == 0.5 && exponent > 0 &&
-           least_magnitude(x) == largest_magnitude(x);
+    return x.is_exact() && std::frexp(lower_magnitude(x), &exponent) == 0.5 && exponent > 0 &&
+           lower_magnitude(x) == upper_magnitude(x);
 }
 
 /// True if a + b is exact. The difference of two numbers of a format that are within a factor 2 of each other is a
@@ -159,7 +159,7 @@ EnclosedNode neighbour(const EnclosedNode& a, int sign, const FloatFormat& forma
     r.rounding = Interval(sign) * Interval::between(0, gap);
     r.computed = a.computed + r.rounding;
     r.quotients[0] = Interval(1);
-    r.is_known = largest_magnitude(r.computed) <= largest_of(format);
+    r.is_known = upper_magnitude(r.computed) <= largest_of(format);
     return r;
 }
 
@@ -255,11 +255,11 @@ EnclosedNode opposite(const EnclosedNode& a) {
 
 bool is_zero(const Interval& x) { return x.is_exact() && mpfr_zero_p(x.lower()) != 0; }
 
-double largest_magnitude(const Interval& x) {
+double upper_magnitude(const Interval& x) {
     return std::max(std::fabs(mpfr_get_d(x.lower(), MPFR_RNDD)), std::fabs(mpfr_get_d(x.upper(), MPFR_RNDU)));
 }
 
-double least_magnitude(const Interval& x) {
+double lower_magnitude(const Interval& x) {
     const int sign = sign_of(x);
     return sign > 0 ? mpfr_get_d(x.lower(), MPFR_RNDD) : sign < 0 ? -mpfr_get_d(x.upper(), MPFR_RNDU) : 0;
 }

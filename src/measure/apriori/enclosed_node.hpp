@@ -40,7 +40,7 @@ EnclosedNode enclose_input(double low, double high);
 bool is_zero(const Interval& x);
 
 /// Largest and least magnitude in an enclosure, rounded outward to double.
-double largest_magnitude(const Interval& x);
-double least_magnitude(const Interval& x);
+double upper_magnitude(const Interval& x);
+double lower_magnitude(const Interval& x);
 
 }  // namespace lostbits::measure::apriori

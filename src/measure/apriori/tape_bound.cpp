@@ -191,13 +191,13 @@ BoxBound TapeBound::bound_over(const InputBox& box) const {
     bound.decides = !hit.exact_decision.is_unknown() && hit.exact_decision == hit.computed_decision;
     const EnclosedNode& t = nodes[static_cast<std::size_t>(tape_.outputs.t)];
     if (bound.misses || !t.is_known) return bound;
-    bound.least_t = least_magnitude(t.exact);
+    bound.least_t = lower_magnitude(t.exact);
     const auto slope = slopes_of_t(tape_, nodes);
     if (!slope) return bound;
     Interval error(0);
     for (std::size_t i = 0; i < nodes.size(); ++i)
         if (!is_zero((*slope)[i])) error = error + (*slope)[i] * nodes[i].rounding;
-    if (error.is_bounded()) bound.error = std::fmin(largest_magnitude(error), largest_magnitude(t.computed - t.exact));
+    if (error.is_bounded()) bound.error = std::fmin(upper_magnitude(error), upper_magnitude(t.computed - t.exact));
     return bound;
 }
 
@@ -208,7 +208,7 @@ std::vector<double> TapeBound::node_contributions(const InputBox& box) const {
     std::vector<double> contributions(nodes.size());
     const auto slope = slopes_of_t(tape_, nodes);
     for (std::size_t i = 0; slope && i < nodes.size(); ++i)
-        contributions[i] = largest_magnitude((*slope)[i] * nodes[i].rounding);
+        contributions[i] = upper_magnitude((*slope)[i] * nodes[i].rounding);
     return contributions;
 }
 

@@ -10,7 +10,7 @@ namespace lostbits::measure::choice {
 using answer::Outcome;
 using evaluate::TestedForm;
 
-void MetPixels::band(const evaluate::BandResult& result) {
+void MetPixels::add_band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
     const std::vector<double>& lost_bits = result.metrics.front();
     // A form that answers no t has no lost bits; NaN counts as no bits kept.

@@ -18,7 +18,7 @@ public:
     MetPixels(std::size_t pixels, const Requirement& requirement, int precision)
         : requirement_(requirement), precision_(precision), meets_(pixels), unresolved_(pixels) {}
 
-    void band(const evaluate::BandResult& result);
+    void add_band(const evaluate::BandResult& result);
     [[nodiscard]] bool meets(std::size_t pixel) const { return meets_[pixel]; }
     /// True if the truth is not proved, so that it is unknown whether the row meets the requirement.
     [[nodiscard]] bool is_unresolved(std::size_t pixel) const { return unresolved_[pixel]; }

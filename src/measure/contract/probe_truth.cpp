@@ -120,7 +120,7 @@ std::string ignored_length_text(const Trial& trial, const std::vector<Question>&
 
 std::string wrong_count_text(const WrongCount& count, const Aim& aim) {
     return std::to_string(count.wrong) + " of " + std::to_string(count.tested) + " rays " + aim.text +
-           " are answered wrongly, none of them near an edge; the first: " + count.first;
+           " are answered wrongly, none of them near an edge; the first: " + count.first_text;
 }
 
 }  // namespace

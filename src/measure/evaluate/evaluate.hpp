@@ -117,10 +117,10 @@ struct BandResult {
 using Show = std::function<void(const BandResult&)>;
 /// Receives the results of all rows, each with the index of its row.
 using ShowRows = std::function<void(std::size_t row_index, const BandResult&)>;
-/// Passes the bands of row i to the function `band` of readers[i]. The readers must outlive the result.
+/// Passes the bands of row i to the function `add_band` of readers[i]. The readers must outlive the result.
 template <class Readers>
 ShowRows show_to_each(Readers& readers) {
-    return [&readers](std::size_t row_index, const BandResult& result) { readers.at(row_index).band(result); };
+    return [&readers](std::size_t row_index, const BandResult& result) { readers.at(row_index).add_band(result); };
 }
 
 /// Metrics and receiver of one row.

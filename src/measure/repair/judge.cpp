@@ -30,7 +30,7 @@ constexpr std::size_t tapes_per_call = 48;
 /// Hash of the bits of all answers of a row, in order.
 class AnswerHash {
 public:
-    void band(const evaluate::BandResult& result) {
+    void add_band(const evaluate::BandResult& result) {
         const answer::Answers& a = *result.answers;
         for (std::size_t i = 0; i < a.hit.size(); ++i) {
             add(a.hit[i]);

@@ -102,7 +102,7 @@ std::optional<PairVerdict> judge_distant_magnitudes(const CellValue& x, const Ce
     if (!has_zero && std::abs(magnitude(x) - magnitude(y)) <= max_gap) return {};
     const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
     PairVerdict verdict{
-        .differs = true, .has_distances = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
+        .differs = true, .has_distances = true, .absolute = std::fabs(larger.to_double()), .relative = 1};
     if (tolerance == nullptr) return verdict;
     const CellValue& absolute = tolerance->absolute;
     const double relative = tolerance->relative.to_double();

@@ -28,12 +28,12 @@ constexpr const char* safe_unit = "ulps of the largest coordinate";
 
 /// Category of pixels without a point from which rays leave: form and truth do not hit the same primitive, or the point
 /// is not finite.
-const pixel::Category no_point{"no point that counts", colour_of(Outcome::agree_miss)};
+const pixel::Category no_point_category{"no point that counts", colour_of(Outcome::agree_miss)};
 
 /// Result of a strategy at a point: the first in this list that applies to one of the rays.
 enum class StrategyResult : std::uint8_t { no_point, self_hit, jumps_past, form_fault, wrong_side, all_right };
 pixel::Look make_strategy_result_look() {
-    return {{no_point,
+    return {{no_point_category,
              {"self-hit by truth", colour_of(Outcome::false_miss)},
              {"jumps past a neighbour, or past its own far side", colour_of(Outcome::unresolved)},
              {"self-hit or lost by the form's arithmetic alone", colour_of(Outcome::false_hit)},
@@ -55,7 +55,7 @@ StrategyResult find_strategy_result(const OffsetBand& band, std::size_t pixel, S
 
 /// Colours of the map of smallest safe offsets: the scale, and the categories of pixels that are not on the scale.
 pixel::Look make_safe_offset_look() {
-    return {{no_point,
+    return {{no_point_category,
              // Differs from the colour of `every ray is right` in other cells of the sheet.
              {"needs no offset", colour_of(Outcome::out_of_order)},
              {"no offset is safe", colour_of(Outcome::not_a_number)},

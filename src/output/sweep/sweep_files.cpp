@@ -60,7 +60,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
     const auto first_bad = [](const R& r) { return when(r.found, r.first_bad); };
     const auto last_good_after = [](const R& r) { return when(r.recovers, r.last_good_after); };
     const auto bad_again = [=](const R& r) { return when(is_bad_again(r), r.bad_again); };
-    const auto exact = [](const auto& value) { return [value](const R& r) { return table::exactly(value(r)); }; };
+    const auto exact = [](const auto& value) { return [value](const R& r) { return table::hex_text(value(r)); }; };
     const auto of_draws = [](double measure::metric::Spread::*member) {
         return [member](const R& r) {
             const auto spread = r.spread();

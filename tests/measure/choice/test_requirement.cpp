@@ -29,7 +29,7 @@ std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::i
 struct Kept {
     std::vector<Outcome> outcomes;
     std::vector<double> lost;
-    void band(const measure::evaluate::BandResult& r) {
+    void add_band(const measure::evaluate::BandResult& r) {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         lost.insert(lost.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
@@ -45,7 +45,7 @@ std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<Tes
     for (std::size_t r = 0; r < rows.size(); ++r) {
         measure::evaluate::run_map(
             {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
-            [&one = kept[r]](std::size_t, const auto& band) { one.band(band); });
+            [&one = kept[r]](std::size_t, const auto& band) { one.add_band(band); });
     }
     return kept;
 }

@@ -31,7 +31,7 @@ std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& sce
 class Checker {
 public:
     explicit Checker(int max_steps) : max_steps_(max_steps) {}
-    void band(const measure::evaluate::BandResult& result) {
+    void add_band(const measure::evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const intersect::MarchRecord& m = result.answers->march[i];
             const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i],

@@ -62,7 +62,7 @@ public:
     Recount(const measure::evaluate::TestedForm& row, const MetPixelsByForm& meetings)
         : row_(row), meetings_(meetings) {}
 
-    void band(const measure::evaluate::BandResult& result) {
+    void add_band(const measure::evaluate::BandResult& result) {
         const auto& in = *result.inputs;
         const auto& mesh = in.primitives.mesh()->mesh();
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {

@@ -24,7 +24,7 @@ namespace {
 struct Collected {
     std::vector<Outcome> outcomes;
     std::vector<double> correct;
-    void band(const BandResult& r) {
+    void add_band(const BandResult& r) {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         correct.insert(correct.end(), r.metrics[0].begin(), r.metrics[0].end());
     }

@@ -18,7 +18,7 @@ namespace {
 /// Counts the outcomes of a band independently.
 class Recount {
 public:
-    void band(const measure::evaluate::BandResult& result) {
+    void add_band(const measure::evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const auto truth = result.truth(i);
             const bool both = truth.is_hit() && result.answers->hit[i] != 0 && !std::isnan(result.answers->t[i]);

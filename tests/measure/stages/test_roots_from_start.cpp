@@ -90,12 +90,12 @@ void check_quartic(Seeded& rng, Claims& claims) {
         ++claims.none;
         claims.wrong += quartic.first <= roots.reach();
     }
-    if (found.found) {
+    if (found.is_found) {
         ++claims.found;
         const auto end = [](const E& x) { return Rational(x.first()) + Rational(x.second()); };
         const Rational first(std::isfinite(quartic.first) ? quartic.first : -1.0);
         claims.wrong += !(end(found.low) <= first && first <= end(found.high));
-        claims.wrong += abs(end(found.x) - first) > Rational(found.x.radius());
+        claims.wrong += abs(end(found.root) - first) > Rational(found.root.radius());
     }
 }
 

@@ -225,8 +225,8 @@ TEST_CASE("the padding that suffices for every float is that of the slabs, also 
     CHECK(most(boxes, 0, form("box.pbrt_padded")) == 0);
     CHECK(most(boxes, 2, form("box.signs")) == 0);
     const auto& outward = intersect::bounding_box::default_box_method();
-    CHECK(most(triangles, 0, behind(outward, form("box.signs"), form("triangle.filtered"))) > 5.99);
-    CHECK(most(triangles, 0, behind(outward, form("box.embree_robust"), form("triangle.filtered"))) == 0);
+    CHECK(most(triangles, 0, boxed_form(outward, form("box.signs"), form("triangle.filtered"))) > 5.99);
+    CHECK(most(triangles, 0, boxed_form(outward, form("box.embree_robust"), form("triangle.filtered"))) == 0);
     CHECK(std::isnan(most(triangles, 0, form("triangle.filtered"))));
 }
 

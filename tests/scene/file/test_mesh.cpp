@@ -147,7 +147,7 @@ TEST_CASE("edges and borders agree with a comparison of all pairs of faces", "[m
                 borders += mesh.is_border(f, i);
             }
         duplicates += expected.duplicates, many += expected.non_manifold;
-        const Mesh twice = scene::triangle::joined({mesh, mesh});
+        const Mesh twice = scene::triangle::join_meshes({mesh, mesh});
         CHECK(twice.edges.border == 2 * expected.border);
         CHECK(twice.edges.duplicates == 2 * expected.duplicates);
         CHECK(twice.borders.size() == twice.faces.size());

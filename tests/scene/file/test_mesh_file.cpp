@@ -249,7 +249,7 @@ TEST_CASE("a vertex that the scene cannot hold is refused with its position in t
     vast.vertices[2].y = 0x1.ffffffp127;  // half an ulp above the largest: binary32 rounds it to infinity
     const auto error_with = [&](const FloatFormat& stored, const std::string& name, const std::string& bytes) {
         const auto path = folder.write(name, bytes);
-        return error_in(folder, [&] { read_mesh_file(path, {.stop = {}, .stored = stored}); });
+        return error_in(folder, [&] { read_mesh_file(path, {.stop = {}, .vertex_format = stored}); });
     };
     const std::string says =
         "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = "
