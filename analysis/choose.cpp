@@ -61,9 +61,11 @@ public:
     std::vector<output::choice::RepairedCandidate> candidates = {};
 
 private:
-    void repair_one(const TestedForm& form_row) {
-        requests_.push_back(
-            {.scene = request_.scene, .row = form_row, .requirement = request_.requirement, .limit = request_.limit});
+    void repair_one(const TestedForm& tested_form) {
+        requests_.push_back({.scene = request_.scene,
+                             .row = tested_form,
+                             .requirement = request_.requirement,
+                             .limit = request_.limit});
         try {
             // 0: do not prove that the sets are minimal, that is, try no smaller sets after the search.
             repairs_.push_back(measure::repair::repair_form(requests_.back(), 0));
@@ -75,25 +77,25 @@ private:
         proposals_.push_back(list_proposals(result));
         int count = 0;
         for (const Proposal& proposal : proposals_.back())
-            if (proposal.quality->meets(request_.requirement) && is_new(proposal, form_row))
+            if (proposal.quality->meets(request_.requirement) && is_new(proposal, tested_form))
                 add(result, proposal, ++count);
     }
 
-    bool is_new(const Proposal& proposal, const TestedForm& form_row) {
-        const auto lines = output::repair::statements(proposal.tape, *form_row.form);
+    bool is_new(const Proposal& proposal, const TestedForm& tested_form) {
+        const auto lines = output::repair::statements(proposal.tape, *tested_form.form);
         return proposed_codes_
-            .insert(fmt::format("{} {} {}", static_cast<int>(form_row.form->shape), form_row.format.name,
+            .insert(fmt::format("{} {} {}", static_cast<int>(tested_form.form->shape), tested_form.format.name,
                                 fmt::join(lines, "\n")))
             .second;
     }
 
     void add(const RepairSummary& result, const Proposal& proposal, int count) {
-        const TestedForm& form_row = result.request.row;
-        std::string name(form_row.form->info->name);
+        const TestedForm& tested_form = result.request.row;
+        std::string name(tested_form.form->info->name);
         std::ranges::replace(name, '.', '_');
-        name += fmt::format("_{}{}", form_row.format.name == "f32" ? "" : form_row.format.name + "_", count);
+        name += fmt::format("_{}{}", tested_form.format.name == "f32" ? "" : tested_form.format.name + "_", count);
         sources.push_back(output::repair::make_repaired_source(result, proposal, name, command_));
-        std::string description = fmt::format("{}, {}", form_row.form->info->name, method_text(result, proposal));
+        std::string description = fmt::format("{}, {}", tested_form.form->info->name, method_text(result, proposal));
         if (proposal.wider_operations) description += ": " + statement_names(result, *proposal.wider_operations);
         candidates.push_back({"mended." + name, std::move(description), *proposal.held_out_quality, name + ".hpp"});
     }
@@ -212,7 +214,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     request.rows = select_rows(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
-        [](const measure::evaluate::TestedForm& form_row) { return !selection::is_emulated(form_row.format); });
+        [](const measure::evaluate::TestedForm& tested_form) { return !selection::is_emulated(tested_form.format); });
     request.untimed_rows.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(options.out) / scene.id;
@@ -239,7 +241,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     ChoiceRequest request = make_request(options, common.stop);
     request.rows = select_rows(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
-        std::erase_if(request.rows, [](const auto& form_row) { return selection::is_emulated(form_row.format); });
+        std::erase_if(request.rows, [](const auto& tested_form) { return selection::is_emulated(tested_form.format); });
     if (emulated > 0 && !common.quiet)
         fmt::print(stderr,
                    "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "

@@ -128,10 +128,9 @@ private:
 /// prints which scenes and forms are left out. `command` is the name of the command. Throws InputError for a ray
 /// generator, that is a scene or a form that makes the rays in each format. Also throws whatever `require_scene` throws
 /// for a scene.
-[[nodiscard]] std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOptions& shared,
-                                                                    std::vector<measure::evaluate::TestedForm>& rows,
-                                                                    const char* command, const CommonOptions& common,
-                                                                    void (*require_scene)(const scene::file::Scene&));
+[[nodiscard]] std::vector<scene::file::Scene> load_primitive_scenes(
+    const selection::SharedOptions& shared, std::vector<measure::evaluate::TestedForm>& tested_forms,
+    const char* command, const CommonOptions& common, void (*require_scene)(const scene::file::Scene&));
 
 /// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& shard_value);
@@ -171,11 +170,11 @@ void require_writable(const std::filesystem::path& file);
 
 /// Prints a line on stderr for each row of an external intersector whose contract seems to be wrong. `suspicion`
 /// returns the text for a row, empty if nothing seems wrong.
-void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const CommonOptions& common,
+void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
 /// Prints a line on stdout for each row that is compared with another form: how often the two agree.
-void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
+void print_comparisons(const std::vector<measure::evaluate::TestedForm>& tested_forms,
                        const std::vector<const measure::metric::Metric*>& metrics,
                        const std::vector<measure::evaluate::FormSummary>& summaries);
 

@@ -127,9 +127,9 @@ StepRays rays_at_step(const scene::sweep::SweepFile& sweep, const std::string& p
 
 /// Prints the bound on the error over ranges. Throws InputError for options that name a ray, and for malformed ranges.
 Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_options,
-                    const measure::evaluate::TestedForm& form_row, bool json, const CommonOptions& common) {
+                    const measure::evaluate::TestedForm& tested_form, bool json, const CommonOptions& common) {
     refuse_ray(ray);
-    RangesRequest request{.format = form_row.format, .boxes = static_cast<std::size_t>(range_options.boxes)};
+    RangesRequest request{.format = tested_form.format, .boxes = static_cast<std::size_t>(range_options.boxes)};
     for (const std::string& text : range_options.ranges) {
         const GivenRange& given = request.given_ranges.emplace_back(parse_range(text));
         if (std::ranges::count(request.given_ranges, given.name, &GivenRange::name) > 1)
@@ -144,7 +144,7 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
         file = sweep;
     if (file) {
         const auto sweep = open_sweep(ray, *file, data, common.stop);
-        request.form = form_for_primitives(*form_row.form, sweep);
+        request.form = form_for_primitives(*tested_form.form, sweep);
         request.rays = rays_at_step(sweep, range_options.step);
     } else {
         auto scene = selection::load_one_scene(
@@ -153,7 +153,7 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
         if (!range_options.step.empty())
             throw InputError("--at-step " + range_options.step + ": the option names a step of a sweep, but " +
                              ray.subject + " is not a sweep; leave out --at-step");
-        request.form = form_for_primitives(*form_row.form, scene);
+        request.form = form_for_primitives(*tested_form.form, scene);
         request.rays = std::move(scene);
     }
     request.limit.stop = common.stop;

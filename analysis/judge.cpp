@@ -37,8 +37,9 @@ namespace {
 std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_metrics, const JudgeRequest& request,
                                         bool has_matrices, measure::metric::MetricSet& metric_set) {
     std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
-    std::erase_if(tested_rows,
-                  [&request](const measure::evaluate::TestedForm& form_row) { return request.is_file_row(form_row); });
+    std::erase_if(tested_rows, [&request](const measure::evaluate::TestedForm& tested_form) {
+        return request.is_file_row(tested_form);
+    });
     if (tested_rows.empty()) return selection::measured_metrics(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
@@ -123,8 +124,8 @@ std::vector<measure::evaluate::TestedForm> select_rows(const JudgeOptions& optio
                                                        const selection::ShapePredicate& meets,
                                                        const intersect::table::Intersector* answers,
                                                        const CommonOptions& common) {
-    std::vector<measure::evaluate::TestedForm> rows;
-    if (answers) rows.push_back({answers, dump.format()});
+    std::vector<measure::evaluate::TestedForm> tested_forms;
+    if (answers) tested_forms.push_back({answers, dump.format()});
     if (options.forms.empty()) {
         if (!options.formats.empty())
             throw InputError(fmt::format(
@@ -132,9 +133,9 @@ std::vector<measure::evaluate::TestedForm> select_rows(const JudgeOptions& optio
                 options.formats[0]));
         const bool has_external_forms = !common.external.plugins.empty() || !common.external.pipes.empty() ||
                                         !common.external.shaders.empty() || !common.external.functions.empty();
-        if (!rows.empty() && has_external_forms && !common.quiet)
+        if (!tested_forms.empty() && has_external_forms && !common.quiet)
             fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
-        if (!rows.empty()) return rows;
+        if (!tested_forms.empty()) return tested_forms;
         throw NothingSelected(fmt::format(
             "{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", options.file,
             selection::globs_of([&meets](Shapes s) { return selection::are_primitives(s) && meets(s); })));
@@ -147,8 +148,8 @@ std::vector<measure::evaluate::TestedForm> select_rows(const JudgeOptions& optio
     if (matching_rows.empty())
         throw NothingSelected(options.file + ": no selected form handles its primitives" +
                               selection::fitting_forms_advice(candidates, meets));
-    rows.insert(rows.end(), matching_rows.begin(), matching_rows.end());
-    return rows;
+    tested_forms.insert(tested_forms.end(), matching_rows.begin(), matching_rows.end());
+    return tested_forms;
 }
 
 /// Findings of a judgement of a file, with the worst rays of each row.

@@ -57,10 +57,10 @@ std::string canonical_command(const Scene& scene, const MapOptions& options) {
 }
 
 /// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are none.
-std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
+std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& tested_forms) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& form_row : rows)
-        if (form_row.form->rounded != nullptr) selection::add_once(forms, form_row.form);
+    for (const TestedForm& tested_form : tested_forms)
+        if (tested_form.form->rounded != nullptr) selection::add_once(forms, tested_form.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits: no selected form exists in formats of every width; `lostbits list forms` lists "
@@ -78,11 +78,11 @@ struct SceneWork {
     }
 };
 
-SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& rows,
+SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& tested_forms,
                      const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
-    auto scene_rows = selection::fitting_rows(rows, [&](Shapes forms) { return scene.meets(forms); });
+    auto scene_rows = selection::fitting_rows(tested_forms, [&](Shapes forms) { return scene.meets(forms); });
     SceneWork work{study::map_study(scene, std::move(scene_rows), metrics, metric_set, options.scenes.stop), {}};
-    if (options.bits_needed > 0) selection::refuse_generators(rows, "--bits");
+    if (options.bits_needed > 0) selection::refuse_generators(tested_forms, "--bits");
     if (options.bits_needed > 0)
         work.needed.emplace(BitsNeededStudy{.scene = scene,
                                             .rows = forms_of_any_width(work.map.rows),
@@ -95,11 +95,11 @@ SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::v
 void note_skipped(const std::vector<SceneWork>& scene_works) {
     std::set<std::string_view> named_forms;
     for (const SceneWork& work : scene_works) {
-        for (const TestedForm& form_row : work.map.rows) {
-            const intersect::Info& info = *form_row.form->info;
-            if (form_row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
+        for (const TestedForm& tested_form : work.map.rows) {
+            const intersect::Info& info = *tested_form.form->info;
+            if (tested_form.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
-                       selection::formats_of(*form_row.form));
+                       selection::formats_of(*tested_form.form));
         }
     }
 }
@@ -128,14 +128,14 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
     if (!range.open.tmin && !(range.tmin > 0)) return;
     std::string losing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const TestedForm& form_row = work.map.rows[r];
+        const TestedForm& tested_form = work.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
-        if (missed == 0 || form_row.form->is_set() ||
-            intersect::yields_next_crossing(*form_row.form->info, form_row.form->shape))
+        if (missed == 0 || tested_form.form->is_set() ||
+            intersect::yields_next_crossing(*tested_form.form->info, tested_form.form->shape))
             continue;
         losing_forms +=
-            fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", form_row.form->info->name,
-                        form_row.format.name, missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
+            fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", tested_form.form->info->name,
+                        tested_form.format.name, missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
     }
     if (losing_forms.empty()) return;
     fmt::print(
@@ -306,8 +306,8 @@ Exit run(MapOptions options, const CommonOptions& common) {
         });
     if (!finish_run(run_division, common)) return Exit::done;
     for (const SceneWork& work : scene_works)
-        note_suspicions(work.map.rows, common, [&work](const TestedForm& form_row) {
-            return measure::contract::suspicion_text(*work.map.scene, form_row);
+        note_suspicions(work.map.rows, common, [&work](const TestedForm& tested_form) {
+            return measure::contract::suspicion_text(*work.map.scene, tested_form);
         });
     return report_unproved(unresolved);
 }

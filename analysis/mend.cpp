@@ -70,10 +70,11 @@ void add_prices(RepairSummary& result, const MendOptions& options, const std::st
         std::vector<intersect::external::Formula> formulas;
         if (!sources.empty())
             formulas = compile_and_load(request, sources, {options.compiler, selection::form_flags_folder()});
-        std::vector<measure::evaluate::TestedForm> rows{request.row};
-        for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
-        rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
-        result.prices = measure_prices(request, rows, {.stop = request.limit.stop});
+        std::vector<measure::evaluate::TestedForm> tested_forms{request.row};
+        for (const auto& formula : formulas)
+            tested_forms.push_back({.form = &formula.row, .format = request.row.format});
+        tested_forms.insert(tested_forms.end(), result.catalogue.begin(), result.catalogue.end());
+        result.prices = measure_prices(request, tested_forms, {.stop = request.limit.stop});
     } catch (const EnvironmentError& error) {
         result.no_price_reason = error.what();
     }
@@ -141,13 +142,13 @@ public:
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
-            std::vector<measure::evaluate::TestedForm> rows;
+            std::vector<measure::evaluate::TestedForm> tested_forms;
             for (const Tape& tape : tapes) {
                 forms.emplace_back(*request.row.form, request.row.format, tape, "mended", "");
-                rows.push_back({.form = &forms.back().row(), .format = request.row.format});
+                tested_forms.push_back({.form = &forms.back().row(), .format = request.row.format});
             }
             opened_ = open();
-            return judge(request, rows).quality;
+            return judge(request, tested_forms).quality;
         };
     }
 
@@ -156,8 +157,8 @@ private:
         return selection::open_rays(options_.rays, options_.subjects, selection::data_folder(common_.data));
     }
     measure::choice::FileRays judge(const RepairRequest& request,
-                                    const std::vector<measure::evaluate::TestedForm>& rows) {
-        measure::choice::ChoiceRequest choice_request{.rows = rows, .requirement = request.requirement};
+                                    const std::vector<measure::evaluate::TestedForm>& tested_forms) {
+        measure::choice::ChoiceRequest choice_request{.rows = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }

@@ -118,29 +118,30 @@ bool is_about_sweep(const Claim& c, const std::string& id) {
     return c.subject_if<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
 }
 
-bool has_row(const std::vector<TestedForm>& rows, const Claim& c) {
+bool has_row(const std::vector<TestedForm>& tested_forms, const Claim& c) {
     const auto row = measure::claim::claim_row(c);
-    return std::ranges::any_of(rows,
+    return std::ranges::any_of(tested_forms,
                                [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
 }
 
 /// Returns the selected rows and, if `with_claims`, those of the claims about the subject. External forms come first,
 /// then the others in the order of the catalogue.
-std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> rows,
+std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> tested_forms,
                                  const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
-        if (!has_row(rows, c)) rows.push_back({measure::claim::claim_row(c).form, measure::claim::claim_row(c).format});
+        if (!has_row(tested_forms, c))
+            tested_forms.push_back({measure::claim::claim_row(c).form, measure::claim::claim_row(c).format});
     }
-    const auto sort_key = [](const TestedForm& form_row) {
-        if (form_row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
+    const auto sort_key = [](const TestedForm& tested_form) {
+        if (tested_form.form->is_set()) return std::pair{true, PTRDIFF_MAX};
         const auto catalogue_size = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
-        const auto index = form_row.form - lostbits::intersect::table::intersectors().data();
+        const auto index = tested_form.form - lostbits::intersect::table::intersectors().data();
         return std::pair{index < catalogue_size, index};
     };
     std::ranges::stable_sort(
-        rows, [&sort_key](const TestedForm& a, const TestedForm& b) { return sort_key(a) < sort_key(b); });
-    return rows;
+        tested_forms, [&sort_key](const TestedForm& a, const TestedForm& b) { return sort_key(a) < sort_key(b); });
+    return tested_forms;
 }
 
 /// The largest map, in rays, that has the culprit of each ray by default. Larger maps need `--metric culprit`.

@@ -78,16 +78,16 @@ std::uint64_t SceneFolders::for_each(std::size_t scene_count, output::file::Prog
 }
 
 std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOptions& shared,
-                                                      std::vector<measure::evaluate::TestedForm>& rows,
+                                                      std::vector<measure::evaluate::TestedForm>& tested_forms,
                                                       const char* command, const CommonOptions& common,
                                                       void (*require_scene)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
     selection::refuse_generated_rays(scenes, command);
-    selection::refuse_generators(rows, command);
+    selection::refuse_generators(tested_forms, command);
     for (const Scene& scene : scenes) require_scene(scene);
     const auto usable_rows = selection::drop_unfitting(
-        scenes, {rows, shared.forms, common.quiet},
+        scenes, {tested_forms, shared.forms, common.quiet},
         [](const Scene& s, Shapes forms) { return selection::are_primitives(forms) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     selection::note_unmeasured(shared.forms, usable_rows, common.quiet);
@@ -171,10 +171,10 @@ Exit report_unproved(std::uint64_t rays, int bits) {
     return Exit::internal;
 }
 
-void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const CommonOptions& common,
+void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     if (common.quiet) return;
-    for (const std::string& line : selection::suspicions_of(rows, suspicion))
+    for (const std::string& line : selection::suspicions_of(tested_forms, suspicion))
         fmt::print(stderr, "lostbits: {}\n", line);
 }
 
@@ -182,13 +182,13 @@ void print_figures(const std::filesystem::path& path) {
     for (const auto& file : output::image::figure_paths(path)) fmt::print("{}\n", file.string());
 }
 
-void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
+void print_comparisons(const std::vector<measure::evaluate::TestedForm>& tested_forms,
                        const std::vector<const measure::metric::Metric*>& metrics,
                        const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t against = measure::metric::index_of(metrics, "against");
     if (against == metrics.size()) return;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        if (rows[r].against == nullptr) continue;
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
+        if (tested_forms[r].against == nullptr) continue;
         std::string counts;
         for (std::size_t c = 0; c < measure::answer::against_names.size(); ++c) {
             const std::uint64_t n = summaries[r].categories[against][c];
@@ -196,8 +196,8 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
                 counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n,
                                       output::map::name_in_words(measure::answer::against_names[c]));
         }
-        fmt::print("  {} {} against {}: {}\n", rows[r].form->info->name, rows[r].format.name,
-                   rows[r].against->info->name, counts);
+        fmt::print("  {} {} against {}: {}\n", tested_forms[r].form->info->name, tested_forms[r].format.name,
+                   tested_forms[r].against->info->name, counts);
     }
 }
 

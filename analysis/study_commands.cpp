@@ -182,7 +182,7 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
     auto rows =
         selection::cross(selection::select_forms(selection::form_patterns_or(options.forms, Adapter::usual_forms())),
                          selection::select_formats(options.formats));
-    std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
+    std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
     auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);

@@ -32,11 +32,11 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
         if (!onset.found || (onset.from_last && onset.from_start)) continue;
-        const TestedForm& form_row = request.rows[onset.row];
+        const TestedForm& tested_form = request.rows[onset.row];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", form_row.form->info->name,
-                   form_row.format.name, onset.event, onset.statistic, onset.threshold,
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n",
+                   tested_form.form->info->name, tested_form.format.name, onset.event, onset.statistic, onset.threshold,
                    onset.from_last ? "last" : "first", onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good),
                    onset.first_bad,
                    !onset.recovers     ? "-"
@@ -56,10 +56,10 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::measured_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
-    for (TestedForm form_row : rows) {
+    for (TestedForm tested_form : rows) {
         for (const auto& convention : file.conventions) {
-            form_row.touching = convention;
-            request.rows.push_back(form_row);
+            tested_form.touching = convention;
+            request.rows.push_back(tested_form);
         }
     }
     if (!chosen.common.quiet) selection::note_lost_numbers(file, rows);
@@ -98,14 +98,14 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.options.pictures == "all");
     files->finish(steps, onsets);
     complete_folder(result_folder);
-    note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& form_row) {
+    note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& tested_form) {
         std::vector<double> first_values;
         std::string position;
         for (const scene::sweep::Axis& axis : sweep.axes) {
             first_values.push_back(axis.values.front());
             position += fmt::format("{}{} = {}", position.empty() ? " at " : ", ", axis.name, first_values.back());
         }
-        return measure::contract::suspicion_text(sweep.rays(first_values), form_row,
+        return measure::contract::suspicion_text(sweep.rays(first_values), tested_form,
                                                  sweep.id + position + ", the first step");
     });
     if (common.quiet) return;

@@ -48,11 +48,11 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
-    for (TestedForm form_row :
+    for (TestedForm tested_form :
          selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
-        if (form_row.format.engine != Format::Engine::native32) continue;
-        form_row.touching = sweep_.convention;
-        request_.rows.push_back(form_row);
+        if (tested_form.format.engine != Format::Engine::native32) continue;
+        tested_form.touching = sweep_.convention;
+        request_.rows.push_back(tested_form);
     }
 }
 
@@ -181,15 +181,15 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
 namespace {
 
 /// Adds, after each row, a row with the form as a compiler contracts it. Contraction makes some watertight tests leak.
-void add_contracted(std::vector<TestedForm>& rows) {
+void add_contracted(std::vector<TestedForm>& tested_forms) {
     std::vector<TestedForm> all;
-    for (const TestedForm& form_row : rows) {
-        all.push_back(form_row);
-        if (!measure::tape::has_tape(*form_row.form)) continue;
-        const auto& contracted = measure::tape::contracted_row(*form_row.form);
-        if (contracted.exists_in(form_row.format)) all.push_back({&contracted, form_row.format});
+    for (const TestedForm& tested_form : tested_forms) {
+        all.push_back(tested_form);
+        if (!measure::tape::has_tape(*tested_form.form)) continue;
+        const auto& contracted = measure::tape::contracted_row(*tested_form.form);
+        if (contracted.exists_in(tested_form.format)) all.push_back({&contracted, tested_form.format});
     }
-    rows = std::move(all);
+    tested_forms = std::move(all);
 }
 
 }  // namespace
@@ -203,9 +203,9 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
         .rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = chosen.common.stop}};
     if (chosen.takes_all_forms()) add_contracted(request.rows);
-    for (const TestedForm& form_row : request.rows)
-        if (scene::rays::generator_of(*form_row.form) != nullptr)
-            throw InputError(std::string(form_row.form->info->name) + ": the rays of " + search.id +
+    for (const TestedForm& tested_form : request.rows)
+        if (scene::rays::generator_of(*tested_form.form) != nullptr)
+            throw InputError(std::string(tested_form.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.take_sweep_folder(search.id, path);

@@ -68,7 +68,7 @@ public:
 /// Fills a table with one row per ray of one form and format, from the bands of a map or a judgement.
 class RayTable {
 public:
-    RayTable(ResultTable& table, const measure::evaluate::TestedForm& form_row,
+    RayTable(ResultTable& table, const measure::evaluate::TestedForm& tested_form,
              const std::vector<const measure::metric::Metric*>& metrics);
     static std::vector<output::file::Column> columns(const std::vector<const measure::metric::Metric*>& metrics);
     void add_band(const measure::evaluate::BandResult& result);

@@ -26,12 +26,12 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> ray_tables;
-    for (const TestedForm& form_row : request.rows) {
+    for (const TestedForm& tested_form : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
-            std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
+            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             RayTable::columns(request.metrics));
-        ray_tables.emplace_back(ray_table, form_row, request.metrics);
+        ray_tables.emplace_back(ray_table, tested_form, request.metrics);
     }
     const auto show = ray_tables.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(ray_tables);
     const auto summaries = measure::evaluate::run_map(request, show);
@@ -44,8 +44,8 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_worst_ray});
-    result->texts = selection::suspicions_of(request.rows, [&scene](const TestedForm& form_row) {
-        return measure::contract::suspicion_text(scene, form_row);
+    result->texts = selection::suspicions_of(request.rows, [&scene](const TestedForm& tested_form) {
+        return measure::contract::suspicion_text(scene, tested_form);
     });
     return result;
 }

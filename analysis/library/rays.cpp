@@ -191,12 +191,12 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
                                                     request.group_column ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
-    for (const TestedForm& form_row : request.rows) {
+    for (const TestedForm& tested_form : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
-            std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
+            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             RayTable::columns(request.metrics));
-        rows.emplace_back(ray_table, form_row, request.metrics);
+        rows.emplace_back(ray_table, tested_form, request.metrics);
     }
     const auto judgement = measure::judge::run_judge(
         *given_rays.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
@@ -260,9 +260,9 @@ std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, Selec
     GivenRays given_rays = read_rays(rays, settings);
     chosen.keep_rows_for(rays_name, shape_filter(given_rays));
     auto result = std::make_unique<lostbits_result>();
-    for (const TestedForm& form_row : chosen.rows) {
+    for (const TestedForm& tested_form : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
-            std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
+            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             std::vector<output::file::Column>{{"hit", "boolean", "", "1 if the form answers that the ray hits"},
                                               {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
@@ -270,9 +270,9 @@ std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, Selec
     for_each_piece(given_rays, settings, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
-            const TestedForm& form_row = chosen.rows[r];
-            const auto inputs = band.inputs_for(form_row.format, *form_row.form->info);
-            const auto answers = measure::answer::evaluate(*form_row.form, inputs);
+            const TestedForm& tested_form = chosen.rows[r];
+            const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
+            const auto answers = measure::answer::evaluate(*tested_form.form, inputs);
             ResultTable& table = result->tables[r];
             for (std::size_t i = 0; i < answers.t.size(); ++i) {
                 table.columns[0].numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;

@@ -68,9 +68,9 @@ std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics)
     return columns;
 }
 
-RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& form_row,
+RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& tested_form,
                    const std::vector<const Metric*>& metrics)
-    : table_(table), row_(form_row), metrics_(metrics) {
+    : table_(table), row_(tested_form), metrics_(metrics) {
     append_names(table["outcome"], measure::answer::outcome_names);
     table["outcome"].colours = &output::image::outcome_colours.front().r;
     for (const Metric* m : metrics) append_names(table[measure::evaluate::column_name(*m)], m->categories);

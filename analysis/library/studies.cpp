@@ -51,22 +51,22 @@ const TestedForm& only_row(const Selection& chosen, const std::string& context) 
     if (chosen.rows.size() != 1)
         throw InputError(context + ", and " + std::to_string(chosen.rows.size()) +
                          " pairs of form and format are chosen; name one form and one format");
-    const TestedForm& form_row = chosen.rows.front();
-    if (!form_row.form->is_template())
-        throw InputError("form " + std::string(form_row.form->info->name) +
+    const TestedForm& tested_form = chosen.rows.front();
+    if (!tested_form.form->is_template())
+        throw InputError("form " + std::string(tested_form.form->info->name) +
                          ": its operations are not known; give them with lostbits_form_write");
-    return form_row;
+    return tested_form;
 }
 
 std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    const TestedForm& form_row = only_row(chosen, "explain looks at one ray in one form and format");
-    const auto* const generator = scene::rays::generator_of(*form_row.form);
+    const TestedForm& tested_form = only_row(chosen, "explain looks at one ray in one form and format");
+    const auto* const generator = scene::rays::generator_of(*tested_form.form);
     const scene::file::Scene generated = generator ? with_ray_generator(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
-    const auto explanation = measure::attribution::explain(*form_row.form, form_row.format, ray, {},
+    const auto explanation = measure::attribution::explain(*tested_form.form, tested_form.format, ray, {},
                                                            measure::attribution::ScenePixel{&generated, x, y});
-    const auto march = output::attribution::end_of_march(*form_row.form, form_row.format, ray);
+    const auto march = output::attribution::end_of_march(*tested_form.form, tested_form.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::attribution::explain_text(explanation, false, march),
                      output::attribution::explain_json(explanation, march)};
@@ -84,7 +84,7 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
     Selection chosen(&given);
-    std::erase_if(chosen.rows, [](const TestedForm& form_row) { return !Adapter::can_measure(*form_row.form); });
+    std::erase_if(chosen.rows, [](const TestedForm& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     selection::refuse_generators(chosen.rows, Adapter::name);
     selection::refuse_generated_rays({scene}, Adapter::name);
     Adapter::require(scene);
@@ -136,12 +136,13 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
-    const TestedForm& form_row = only_row(chosen, "mend repairs one form in one format");
-    if (selection::is_emulated(form_row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
-    selection::refuse_generators({form_row.form}, "mend");
+    const TestedForm& tested_form = only_row(chosen, "mend repairs one form in one format");
+    if (selection::is_emulated(tested_form.format))
+        throw InputError("mend works in f32 and f64 only; name one of them");
+    selection::refuse_generators({tested_form.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
     measure::repair::RepairRequest request{
-        .scene = &scene, .row = form_row, .requirement = requirement, .two_words = two_words};
+        .scene = &scene, .row = tested_form, .requirement = requirement, .two_words = two_words};
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
@@ -166,7 +167,8 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     request.scene = &scene;
     request.rows = selection::select_timed_rows(scene.id, {chosen.rows, chosen.forms, true},
                                                 [&scene](Shapes forms) { return scene.meets(forms); });
-    std::erase_if(request.rows, [](const TestedForm& form_row) { return selection::is_emulated(form_row.format); });
+    std::erase_if(request.rows,
+                  [](const TestedForm& tested_form) { return selection::is_emulated(tested_form.format); });
     if (request.rows.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");

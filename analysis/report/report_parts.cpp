@@ -35,9 +35,9 @@ namespace {
 
 namespace page = output::page;
 
-std::vector<std::string> row_keys(const std::vector<TestedForm>& rows) {
+std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     std::vector<std::string> keys;
-    for (const TestedForm& form_row : rows) keys.push_back(output::map::row_name(form_row));
+    for (const TestedForm& tested_form : tested_forms) keys.push_back(output::map::row_name(tested_form));
     return keys;
 }
 
@@ -49,10 +49,10 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured_metrics(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm form_row : work.rows) {
+    for (TestedForm tested_form : work.rows) {
         for (const auto& touching : file.conventions) {
-            form_row.touching = touching;
-            request.rows.push_back(form_row);
+            tested_form.touching = touching;
+            request.rows.push_back(tested_form);
         }
     }
     const auto cases = measure::sweep::run_cases(request);
@@ -114,7 +114,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured_metrics(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
+    for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,
@@ -275,8 +275,8 @@ page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>
     return std::move(*part);
 }
 
-page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {
-    std::vector<TestedForm> timed = rows;
+page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
+    std::vector<TestedForm> timed = tested_forms;
     measure::speed::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();

@@ -89,6 +89,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop);
 
 /// Measures speed and accuracy of the rows of one shape, with short measurements.
-output::page::TradePart trade_part(Shape shape, const std::vector<measure::evaluate::TestedForm>& rows, StopToken stop);
+output::page::TradePart trade_part(Shape shape, const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                   StopToken stop);
 
 }  // namespace lostbits::analysis::report

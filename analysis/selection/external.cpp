@@ -322,8 +322,8 @@ std::vector<std::string> form_patterns_or(const std::vector<std::string>& given,
     return defaults;
 }
 
-void note_unmeasured(const std::vector<std::string>& patterns, const std::vector<measure::evaluate::TestedForm>& rows,
-                     bool quiet) {
+void note_unmeasured(const std::vector<std::string>& patterns,
+                     const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet) {
     if (quiet) return;
     const std::vector<std::string> external_form_names = external_names();
     const auto is_wanted = [&](const std::string& name) {
@@ -334,11 +334,11 @@ void note_unmeasured(const std::vector<std::string>& patterns, const std::vector
     std::map<std::string, std::vector<std::string_view>> left_out;  // by the shapes and formats that they take
     for (const auto& form : intersect::table::intersectors()) {
         if (!is_wanted(std::string(form.info->name))) continue;
-        const auto measures_form = [&form](const auto& form_row) {
-            return form_row.form == &form ||
-                   std::ranges::find(form_row.form->parts, &form) != form_row.form->parts.end();
+        const auto measures_form = [&form](const auto& tested_form) {
+            return tested_form.form == &form ||
+                   std::ranges::find(tested_form.form->parts, &form) != tested_form.form->parts.end();
         };
-        if (std::ranges::any_of(rows, measures_form)) continue;
+        if (std::ranges::any_of(tested_forms, measures_form)) continue;
         const std::string formats = formats_of(form);
         left_out[fmt::format("for {} in {}", primitives_text(form.shape), formats == "all" ? "every format" : formats)]
             .push_back(form.info->name);

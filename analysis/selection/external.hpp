@@ -82,8 +82,8 @@ void note_unselected(const shell::Command& command);
 /// Prints on stderr, unless `quiet`, which wanted forms are in none of the measured rows because nothing has their
 /// shape or format. A form is wanted if a pattern of -i is its name, or if it is external and either -i is not given or
 /// a pattern of -i matches its name.
-void note_unmeasured(const std::vector<std::string>& patterns, const std::vector<measure::evaluate::TestedForm>& rows,
-                     bool quiet);
+void note_unmeasured(const std::vector<std::string>& patterns,
+                     const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 
 /// The answers of a device about itself.
 struct DeviceReport {

@@ -17,10 +17,10 @@ using scene::rays::RayGroup;
 
 namespace {
 
-std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
+std::vector<Format> formats_of(const std::vector<TestedForm>& tested_forms) {
     std::vector<Format> formats;
-    for (const TestedForm& form_row : rows) {
-        if (std::ranges::find(formats, form_row.format) == formats.end()) formats.push_back(form_row.format);
+    for (const TestedForm& tested_form : tested_forms) {
+        if (std::ranges::find(formats, tested_form.format) == formats.end()) formats.push_back(tested_form.format);
     }
     return formats;
 }
@@ -38,9 +38,9 @@ std::string position_text(const scene::sweep::SweepFile& sweep, const std::vecto
     return text;
 }
 
-bool marches_in(const Format& format, const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(rows, [&](const TestedForm& form_row) {
-        return !is_primitive(form_row.form->shape) && form_row.format == format;
+bool marches_in(const Format& format, const std::vector<TestedForm>& tested_forms) {
+    return std::ranges::any_of(tested_forms, [&](const TestedForm& tested_form) {
+        return !is_primitive(tested_form.form->shape) && tested_form.format == format;
     });
 }
 
@@ -58,23 +58,23 @@ void add_lost_numbers(const RayGroup& group, bool marches, const LostLengths::De
 
 }  // namespace
 
-void note_lost_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
-    for (const Format& format : formats_of(rows)) {
+void note_lost_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
+    for (const Format& format : formats_of(tested_forms)) {
         print_lost(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
-        if (!marches_in(format, rows)) continue;
+        if (!marches_in(format, tested_forms)) continue;
         for (const std::string& lost : scene::file::lost_constants(scene, format.parameters))
             print_lost(scene.id, format, {"march." + lost});
     }
 }
 
-void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& rows,
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& tested_forms,
                        intersect::process::StopToken stop) {
-    const std::vector<Format> formats = formats_of(rows);
+    const std::vector<Format> formats = formats_of(tested_forms);
     std::vector<LostLengths> lost;
     std::vector<bool> marches;
     for (const Format& format : formats) {
         lost.emplace_back(format.parameters);
-        marches.push_back(marches_in(format, rows));
+        marches.push_back(marches_in(format, tested_forms));
     }
     const std::vector<double> no_second_axis{0};
     const bool has_two_axes = sweep.axes.size() > 1;
@@ -91,8 +91,8 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
     for (std::size_t i = 0; i < formats.size(); ++i) print_lost(sweep.id, formats[i], lost[i].lines());
 }
 
-void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& rows) {
-    for (const Format& format : formats_of(rows)) {
+void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& tested_forms) {
+    for (const Format& format : formats_of(tested_forms)) {
         LostLengths lost(format.parameters);
         for (std::size_t i = 0; i < file.size(); ++i) {
             const std::vector<RayGroup> before = file.unrounded_rays(i, format.parameters),
@@ -108,8 +108,9 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Tes
 }
 
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
-                        const std::vector<TestedForm>& rows) {
-    if (std::ranges::any_of(rows, [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); }))
+                        const std::vector<TestedForm>& tested_forms) {
+    if (std::ranges::any_of(tested_forms,
+                            [](const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); }))
         return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
@@ -120,10 +121,10 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
 }
 
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
-                  const std::vector<TestedForm>& rows, bool quiet) {
+                  const std::vector<TestedForm>& tested_forms, bool quiet) {
     if (quiet) return;
-    note_lost_numbers(scene, rows);
-    note_idle_settings(set, scene.id, rows);
+    note_lost_numbers(scene, tested_forms);
+    note_idle_settings(set, scene.id, tested_forms);
 }
 
 }  // namespace lostbits::analysis::selection

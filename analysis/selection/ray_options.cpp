@@ -63,31 +63,31 @@ Ray<Real> parse_ray(const RayOptions& options) {
 /// The row for these primitives; the form gets the usual transform if matrices place the primitives. Throws InputError
 /// if the form does not take the primitives.
 template <class ShapePredicate>
-TestedForm row_for_primitives(const TestedForm& form_row, const std::string& subject, const ShapePredicate& meets) {
-    const Shape shape = form_row.form->shape;
-    if (meets(form_row.form->shapes())) return form_row;
-    if (is_primitive(shape) && !form_row.form->is_set() && !scene::rays::generator_of(*form_row.form) &&
-        meets(form_row.form->shapes().placed())) {
-        TestedForm placed = form_row;
-        placed.form =
-            &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form_row.form);
+TestedForm row_for_primitives(const TestedForm& tested_form, const std::string& subject, const ShapePredicate& meets) {
+    const Shape shape = tested_form.form->shape;
+    if (meets(tested_form.form->shapes())) return tested_form;
+    if (is_primitive(shape) && !tested_form.form->is_set() && !scene::rays::generator_of(*tested_form.form) &&
+        meets(tested_form.form->shapes().placed())) {
+        TestedForm placed = tested_form;
+        placed.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
+                                                              *tested_form.form);
         return placed;
     }
-    if (form_row.form->shapes().are_placed() && meets(form_row.form->shapes().placed(false)))
+    if (tested_form.form->shapes().are_placed() && meets(tested_form.form->shapes().placed(false)))
         throw InputError(fmt::format(
             "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
             "the transform",
-            form_row.form->info->name, subject));
+            tested_form.form->info->name, subject));
     if (is_primitive(shape) && several_shapes(meets)) {
-        std::vector<TestedForm> parts{form_row};
-        for (const auto* const part : form_row.form->parts) parts.push_back({part, form_row.format});
+        std::vector<TestedForm> parts{tested_form};
+        for (const auto* const part : tested_form.form->parts) parts.push_back({part, tested_form.format});
         throw InputError(
-            fmt::format("-i {}: {}{}", form_row.form->info->name, subject, fitting_forms_advice(parts, meets)));
+            fmt::format("-i {}: {}{}", tested_form.form->info->name, subject, fitting_forms_advice(parts, meets)));
     }
-    const std::string missing_part =
-        is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}", plurals(form_row.form->shapes()))
-                            : "no [march] table, which the forms of sdf.* need";
-    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", form_row.form->info->name, subject, missing_part,
+    const std::string missing_part = is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}",
+                                                                       plurals(tested_form.form->shapes()))
+                                                         : "no [march] table, which the forms of sdf.* need";
+    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", tested_form.form->info->name, subject, missing_part,
                                  globs_of(meets)));
 }
 
@@ -121,7 +121,7 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
     Scene loaded = load_single_scene(options, data);
     const auto scene = std::make_shared<const Scene>(generator ? with_ray_generator(std::move(loaded), *generator)
                                                                : std::move(loaded));
-    const TestedForm form_row =
+    const TestedForm tested_form =
         row_for_primitives(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     std::vector<std::string> given_options;
     if (options.worst) given_options.emplace_back("--worst");
@@ -135,11 +135,11 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
             "NAME "
             "for a file of cases");
-    if (options.worst) return find_worst_in_scene(scene, form_row, options.stop);
+    if (options.worst) return find_worst_in_scene(scene, tested_form, options.stop);
     return {scene,
             options.ray.empty() ? select_pixel(options, *scene)
                                 : OneRay(*scene, parse_ray(options), {.stop = options.stop}),
-            form_row.form,
+            tested_form.form,
             {},
             options.ray.empty() ? std::optional(parse_pixel(options.pixel)) : std::nullopt};
 }
@@ -175,7 +175,7 @@ std::optional<intersect::Touching> judging_convention(const RayOptions& options,
 }
 
 /// The worst of all rays of a sweep. --size, --steps and --set change the sweep as in `lostbits sweep`.
-SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm form_row,
+SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm tested_form,
                                          const std::filesystem::path& path, const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
@@ -189,23 +189,24 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm f
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        form_row = row_for_primitives(form_row, "the file of cases " + file.id,
-                                      [&](Shapes forms) { return file.meets(forms); });
-        form_row.touching = judging_convention(options, file);
-        return find_worst_in_cases(file, form_row, options.stop);
+        tested_form = row_for_primitives(tested_form, "the file of cases " + file.id,
+                                         [&](Shapes forms) { return file.meets(forms); });
+        tested_form.touching = judging_convention(options, file);
+        return find_worst_in_cases(file, tested_form, options.stop);
     }
     if (kind != SweepKind::axes)
         throw InputError("--worst: " + options.subject +
                          " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
                          "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
-    form_row = row_for_primitives(form_row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
-    form_row.touching =
+    tested_form =
+        row_for_primitives(tested_form, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
+    tested_form.touching =
         options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
-    return find_worst_in_sweep(sweep, form_row, options.stop);
+    return find_worst_in_sweep(sweep, tested_form, options.stop);
 }
 
-SelectedRay find_ray_in_case(const RayOptions& options, TestedForm form_row, const std::filesystem::path& data) {
+SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(options.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
@@ -213,22 +214,22 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm form_row, con
             ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
             "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
-    form_row =
-        row_for_primitives(form_row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
+    tested_form = row_for_primitives(tested_form, "the file of cases " + file.id,
+                                     [&](Shapes forms) { return file.meets(forms); });
     const auto [case_index, ray_index] = parse_named_ray(file, options.named_case);
-    form_row.touching = judging_convention(options, file);
+    tested_form.touching = judging_convention(options, file);
     const int rays = file.rays_of(case_index);
-    auto groups = file.rays(case_index, form_row.format.parameters);
+    auto groups = file.rays(case_index, tested_form.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
                                      scene::toml::count_with_noun(count, "ray")));
-    const int k = ray_index ? *ray_index : worst_ray_index(groups, rays, form_row, options.stop);
-    SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), form_row.form,
+    const int k = ray_index ? *ray_index : worst_ray_index(groups, rays, tested_form, options.stop);
+    SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), tested_form.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
                                                           : " (counted from 0), the worst of them for this form")};
-    found.ray.set_touching(form_row.touching);
+    found.ray.set_touching(tested_form.touching);
     return found;
 }
 
@@ -271,7 +272,7 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
     const auto form_takes = [&given_row](const Primitive<double>& primitive) {
         return given_row.form->shapes().has(primitive.shape);
     };
-    const TestedForm form_row =
+    const TestedForm tested_form =
         std::ranges::all_of(primitives, form_takes) && placed == given_row.form->shapes().are_placed()
             ? given_row
             : row_for_primitives(given_row, "the ray", [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
@@ -292,7 +293,7 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
     group.rays.open = open_ends_named(options.open_ends);
     require_range(options, group.rays.range(0));
     group.march = parse_march(options.set);
-    return {nullptr, OneRay(std::move(group)), form_row.form};
+    return {nullptr, OneRay(std::move(group)), tested_form.form};
 }
 
 /// Throws InputError for options that cannot be combined.
@@ -348,24 +349,24 @@ std::optional<std::filesystem::path> find_sweep_file(const std::string& subject,
     }
 }
 
-SelectedRay find_ray(const RayOptions& options, const TestedForm& form_row, const std::filesystem::path& data) {
+SelectedRay find_ray(const RayOptions& options, const TestedForm& tested_form, const std::filesystem::path& data) {
     require_compatible(options);
     for (const std::string& assignment : options.set) {
-        if (assignment.starts_with("march.") && is_primitive(form_row.form->shape))
+        if (assignment.starts_with("march.") && is_primitive(tested_form.form->shape))
             throw InputError(
                 fmt::format("--set {}: {} does not march, so nothing would change; leave out --set, or name a "
                             "form of sdf.*",
-                            assignment, form_row.form->info->name));
+                            assignment, tested_form.form->info->name));
     }
-    if (!options.named_case.empty()) return find_ray_in_case(options, form_row, data);
+    if (!options.named_case.empty()) return find_ray_in_case(options, tested_form, data);
     if (const auto sweep = options.worst ? find_sweep_file(options.subject, data) : std::nullopt)
-        return find_worst_of_sweep_or_cases(options, form_row, *sweep, data);
-    TestedForm judged_row = form_row;
+        return find_worst_of_sweep_or_cases(options, tested_form, *sweep, data);
+    TestedForm judged_row = tested_form;
     judged_row.touching = scene::sweep::convention_named(options.convention);
     if (!options.steps.empty())
         throw InputError("--steps " + options.steps +
                          " is for the worst ray of a sweep; add --worst, or leave --steps out");
-    SelectedRay found = options.subject.empty() ? make_ray_from_options(options, form_row)
+    SelectedRay found = options.subject.empty() ? make_ray_from_options(options, tested_form)
                                                 : find_ray_in_scene(options, judged_row, data);
     found.ray.set_touching(judged_row.touching);
     return found;

@@ -43,7 +43,7 @@ struct SelectedRay {
 
 /// Finds the ray that the options name, with the numbers that the form of the row gets: a case has other numbers in
 /// each format. Throws InputError if they name no ray, and for primitives that the form does not take.
-SelectedRay find_ray(const RayOptions& options, const measure::evaluate::TestedForm& form_row,
+SelectedRay find_ray(const RayOptions& options, const measure::evaluate::TestedForm& tested_form,
                      const std::filesystem::path& data);
 
 /// The file of a sweep if the subject is one: its path, or its name, unless a scene has that name.
@@ -53,15 +53,15 @@ std::optional<std::filesystem::path> find_sweep_file(const std::string& subject,
 scene::rays::RayGroup pick_ray(std::vector<scene::rays::RayGroup> groups, int rays_per_group, int k);
 /// The index of the worst of these rays, which is the ray that cases.csv names.
 int worst_ray_index(std::vector<scene::rays::RayGroup> groups, int rays_per_group,
-                    const measure::evaluate::TestedForm& form_row, intersect::process::StopToken stop);
+                    const measure::evaluate::TestedForm& tested_form, intersect::process::StopToken stop);
 
 /// The worst ray of all pixels of a scene, of all steps of a sweep, or of all cases of a file, with a note that names
 /// it. Throws InputError if every decision is right and no hit has an error of t, as in a scene that no ray hits.
 SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene,
-                                const measure::evaluate::TestedForm& form_row, intersect::process::StopToken stop);
-SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& form_row,
+                                const measure::evaluate::TestedForm& tested_form, intersect::process::StopToken stop);
+SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& tested_form,
                                 intersect::process::StopToken stop);
-SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& form_row,
+SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& tested_form,
                                 intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::selection

@@ -141,19 +141,21 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
 
 namespace {
 
-bool compares_any(const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(rows, [](const TestedForm& form_row) { return form_row.against != nullptr; });
+bool compares_any(const std::vector<TestedForm>& tested_forms) {
+    return std::ranges::any_of(tested_forms,
+                               [](const TestedForm& tested_form) { return tested_form.against != nullptr; });
 }
 
-bool marches_any(const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(rows, [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); });
+bool marches_any(const std::vector<TestedForm>& tested_forms) {
+    return std::ranges::any_of(tested_forms,
+                               [](const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); });
 }
 
 }  // namespace
 
-std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics, const std::vector<TestedForm>& rows,
-                                              const std::string& subject) {
-    if (!compares_any(rows) && !metrics.empty()) {
+std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics,
+                                              const std::vector<TestedForm>& tested_forms, const std::string& subject) {
+    if (!compares_any(tested_forms) && !metrics.empty()) {
         std::erase_if(metrics, compares_forms);
         if (metrics.empty())
             throw InputError("--metric against, apart: need --against FORM, the form to compare the others with");
@@ -162,63 +164,64 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
     const std::string message_prefix = fmt::format("--metric {}: ", metrics.front()->name);
     // Drops the metrics for which `is_about` is true if no row `has` what they need. It is an error if none is left.
     const auto drop_unless = [&](const auto& has, const auto& is_about, const std::string& lack) {
-        if (std::ranges::any_of(rows, has)) return;
+        if (std::ranges::any_of(tested_forms, has)) return;
         std::erase_if(metrics, is_about);
         if (metrics.empty()) throw InputError(message_prefix + lack);
     };
     using namespace measure::metric;
     drop_unless(
-        [](const TestedForm& form_row) { return form_row.form->filter_arithmetic != nullptr; },
+        [](const TestedForm& tested_form) { return tested_form.form->filter_arithmetic != nullptr; },
         [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             subject));
-    drop_unless([](const TestedForm& form_row) { return form_row.form->shapes().are_placed(); },
+    drop_unless([](const TestedForm& tested_form) { return tested_form.form->shapes().are_placed(); },
                 [](const Metric* m) { return (m->needs & needs_steps) != 0; },
                 fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
-    drop_unless([](const TestedForm& form_row) { return intersect::bounding_box::has_box(*form_row.form); },
+    drop_unless([](const TestedForm& tested_form) { return intersect::bounding_box::has_box(*tested_form.form); },
                 [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                 fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));
-    drop_unless([](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); },
+    drop_unless([](const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); },
                 [](const Metric* m) { return m->domain == MetricDomain::marches; },
                 fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", subject));
     return metrics;
 }
 
-void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
+void compare_against(std::vector<TestedForm>& tested_forms, const std::string& name, bool quiet) {
     const auto matching_forms = select_forms({name}, "--against");
     if (matching_forms.size() != 1)
         throw InputError(fmt::format("--against {}: this pattern names several forms; name one form", name));
     const Intersector& against_form = *matching_forms.front();
-    const auto is_comparable = [&against_form](const TestedForm& form_row) {
+    const auto is_comparable = [&against_form](const TestedForm& tested_form) {
         // Keep single forms that may become parts of a set.
         const bool can_be_part =
-            against_form.is_set() && !form_row.form->is_set() && against_form.shapes().has(form_row.form->shape);
-        return (can_be_part || form_row.form->shapes() == against_form.shapes()) &&
-               against_form.exists_in(form_row.format);
+            against_form.is_set() && !tested_form.form->is_set() && against_form.shapes().has(tested_form.form->shape);
+        return (can_be_part || tested_form.form->shapes() == against_form.shapes()) &&
+               against_form.exists_in(tested_form.format);
     };
-    std::erase_if(rows, [&is_comparable](const TestedForm& form_row) { return !is_comparable(form_row); });
+    std::erase_if(tested_forms,
+                  [&is_comparable](const TestedForm& tested_form) { return !is_comparable(tested_form); });
     const std::string formats = formats_of(against_form);
-    if (rows.empty())
+    if (tested_forms.empty())
         throw InputError(
             fmt::format("--against {}: this form intersects {}, in {}; no selected form can be compared with it; "
                         "select forms for the same shapes and formats with -i and -f",
                         name, against_form.is_set() ? "a scene of several shapes" : with_article(against_form.shape),
                         formats == "all" ? "all formats" : formats));
-    for (TestedForm& form_row : rows) {
-        form_row.against = &against_form;
-        if (quiet || measure::answer::are_comparable(*form_row.form->info, *against_form.info)) continue;
-        const bool without_t = form_row.form->info->roots == intersect::Roots::none,
+    for (TestedForm& tested_form : tested_forms) {
+        tested_form.against = &against_form;
+        if (quiet || measure::answer::are_comparable(*tested_form.form->info, *against_form.info)) continue;
+        const bool without_t = tested_form.form->info->roots == intersect::Roots::none,
                    other_without_t = against_form.info->roots == intersect::Roots::none;
-        const bool has_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
+        const bool has_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
         const std::string reason =
             without_t || other_without_t
-                ? fmt::format("{} returns no t", without_t ? form_row.form->info->name : std::string_view(name))
+                ? fmt::format("{} returns no t", without_t ? tested_form.form->info->name : std::string_view(name))
                 : fmt::format("{} takes unit directions and {} any, so their t have different units",
-                              has_unit_directions ? form_row.form->info->name : std::string_view(name),
-                              has_unit_directions ? std::string_view(name) : form_row.form->info->name);
+                              has_unit_directions ? tested_form.form->info->name : std::string_view(name),
+                              has_unit_directions ? std::string_view(name) : tested_form.form->info->name);
         fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n",
-                   form_row.form->info->name, name, reason);
+                   tested_form.form->info->name, name, reason);
     }
 }
 
@@ -227,16 +230,17 @@ void add_comparison_metrics(std::vector<const Metric*>& metrics) {
         if (compares_forms(&m)) add_once(metrics, &m);
 }
 
-void note_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& rows, bool quiet) {
+void note_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& tested_forms,
+                          bool quiet) {
     std::string forms;
-    for (const TestedForm& form_row : rows) {
-        const std::string name(form_row.form->info->name);
-        if (!form_row.form->is_template() && forms.find(name) == std::string::npos)
+    for (const TestedForm& tested_form : tested_forms) {
+        const std::string name(tested_form.form->info->name);
+        if (!tested_form.form->is_template() && forms.find(name) == std::string::npos)
             forms += (forms.empty() ? "" : ", ") + name;
     }
     if (forms.empty()) return;
-    const bool all_lack_operations =
-        std::ranges::none_of(rows, [](const TestedForm& form_row) { return form_row.form->is_template(); });
+    const bool all_lack_operations = std::ranges::none_of(
+        tested_forms, [](const TestedForm& tested_form) { return tested_form.form->is_template(); });
     for (const Metric* m : metrics) {
         if (!(m->needs & (measure::metric::needs_unrounded | measure::metric::needs_attribution))) continue;
         const std::string why =
@@ -248,12 +252,12 @@ void note_without_formula(const std::vector<const Metric*>& metrics, const std::
 }
 
 std::vector<const Metric*> measured_metrics(const std::vector<const Metric*>& given,
-                                            const std::vector<TestedForm>& rows) {
-    const bool marches = marches_any(rows);
+                                            const std::vector<TestedForm>& tested_forms) {
+    const bool marches = marches_any(tested_forms);
     std::vector<const Metric*> all;
     for (const Metric& m : measure::metric::metrics()) {
         const bool is_given = std::ranges::find(given, &m) != given.end();
-        if (compares_forms(&m) && !compares_any(rows)) continue;
+        if (compares_forms(&m) && !compares_any(tested_forms)) continue;
         if ((m.by_default || is_given) && (marches || m.domain != measure::metric::MetricDomain::marches))
             all.push_back(&m);
     }
@@ -290,13 +294,13 @@ std::string formats_of(const Intersector& form) {
 }
 
 std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {
-    std::vector<TestedForm> rows;
+    std::vector<TestedForm> tested_forms;
     for (const Intersector* form : forms) {
         for (const Format& format : formats) {
-            if (form->exists_in(format)) rows.push_back({form, format});
+            if (form->exists_in(format)) tested_forms.push_back({form, format});
         }
     }
-    if (rows.empty()) {
+    if (tested_forms.empty()) {
         std::string format_names;
         for (const Format& format : formats) format_names += (format_names.empty() ? "" : ", ") + format.name;
         const Intersector& example = *forms.at(0);
@@ -305,23 +309,23 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
                         "(`lostbits list forms` lists the formats of each form)",
                         format_names, example.info->name, formats_of(example)));
     }
-    return rows;
+    return tested_forms;
 }
 
 std::vector<std::string> suspicions_of(
-    const std::vector<measure::evaluate::TestedForm>& rows,
+    const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     // A t that is off by 2^-8 counts as wrong. In a narrower format rounding alone explains it: 2^-8 is one ulp of
     // bf16.
     constexpr int least_precision = 16;
     const auto catalogue = intersect::table::catalogue();
     std::vector<std::string> lines;
-    for (const measure::evaluate::TestedForm& form_row : rows) {
-        if (form_row.form >= catalogue.data() && form_row.form < catalogue.data() + catalogue.size()) continue;
-        if (form_row.format.parameters.precision < least_precision) continue;
-        const std::string text = suspicion(form_row);
+    for (const measure::evaluate::TestedForm& tested_form : tested_forms) {
+        if (tested_form.form >= catalogue.data() && tested_form.form < catalogue.data() + catalogue.size()) continue;
+        if (tested_form.format.parameters.precision < least_precision) continue;
+        const std::string text = suspicion(tested_form);
         if (!text.empty())
-            lines.push_back(fmt::format("{} {}: {}", form_row.form->info->name, form_row.format.name, text));
+            lines.push_back(fmt::format("{} {}: {}", tested_form.form->info->name, tested_form.format.name, text));
     }
     return lines;
 }

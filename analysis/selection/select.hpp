@@ -75,14 +75,14 @@ std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std
 
 /// The metrics that apply to at least one of the rows: metrics of marches are dropped if no row marches. Throws
 /// InputError if none is left. `subject` names the scene or sweep.
-std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const measure::metric::Metric*> metrics,
-                                                               const std::vector<measure::evaluate::TestedForm>& rows,
-                                                               const std::string& subject);
+std::vector<const measure::metric::Metric*> applicable_metrics(
+    std::vector<const measure::metric::Metric*> metrics, const std::vector<measure::evaluate::TestedForm>& tested_forms,
+    const std::string& subject);
 
 /// Sets the form, by name, that each row is compared with. Drops rows of other shapes, and rows in formats in which the
 /// form does not exist. Throws InputError if no row is left. Prints on stderr, unless `quiet`, which rows can only be
 /// compared by their decisions.
-void compare_against(std::vector<measure::evaluate::TestedForm>& rows, const std::string& form, bool quiet);
+void compare_against(std::vector<measure::evaluate::TestedForm>& tested_forms, const std::string& form, bool quiet);
 
 /// Adds the metrics that compare a row with another form, if they are not in the list yet.
 void add_comparison_metrics(std::vector<const measure::metric::Metric*>& metrics);
@@ -90,11 +90,12 @@ void add_comparison_metrics(std::vector<const measure::metric::Metric*>& metrics
 /// Prints on stderr which metrics leave out which forms because the operations of the forms are not known. Throws
 /// InputError if a metric leaves out all rows.
 void note_without_formula(const std::vector<const measure::metric::Metric*>& metrics,
-                          const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
+                          const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 
 /// The default metrics and the given ones, as far as they apply, in the order of the table.
-std::vector<const measure::metric::Metric*> measured_metrics(const std::vector<const measure::metric::Metric*>& given,
-                                                             const std::vector<measure::evaluate::TestedForm>& rows);
+std::vector<const measure::metric::Metric*> measured_metrics(
+    const std::vector<const measure::metric::Metric*>& given,
+    const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// The formats in which a form exists, in words: `all`, `f32`, `f64`, `f32 and f64`.
 std::string formats_of(const intersect::table::Intersector& form);
@@ -105,11 +106,12 @@ std::vector<measure::evaluate::TestedForm> cross(const std::vector<const interse
 
 /// The rows whose forms are for shapes that `meets(Shapes)` accepts.
 template <class ShapePredicate>
-std::vector<measure::evaluate::TestedForm> fitting_rows(const std::vector<measure::evaluate::TestedForm>& rows,
+std::vector<measure::evaluate::TestedForm> fitting_rows(const std::vector<measure::evaluate::TestedForm>& tested_forms,
                                                         const ShapePredicate& meets) {
     std::vector<measure::evaluate::TestedForm> chosen;
-    std::ranges::copy_if(rows, std::back_inserter(chosen),
-                         [&](const measure::evaluate::TestedForm& form_row) { return meets(form_row.form->shapes()); });
+    std::ranges::copy_if(
+        tested_forms, std::back_inserter(chosen),
+        [&](const measure::evaluate::TestedForm& tested_form) { return meets(tested_form.form->shapes()); });
     return chosen;
 }
 
@@ -120,20 +122,20 @@ std::vector<measure::evaluate::TestedForm> fitting_rows(const std::vector<measur
 template <class Subjects, class MeetsSubject, class NameOf>
 std::vector<measure::evaluate::TestedForm> drop_unfitting(Subjects& subjects, const SelectedRows& chosen,
                                                           MeetsSubject meets, NameOf name_of) {
-    const std::vector<measure::evaluate::TestedForm>& rows = chosen.rows;
+    const std::vector<measure::evaluate::TestedForm>& tested_forms = chosen.rows;
     std::vector<std::string> messages;
     std::erase_if(subjects, [&](const auto& subject) {
         const ShapePredicate meets_subject = [&](Shapes forms) { return meets(subject, forms); };
         if (!rows_meeting(chosen, std::string(name_of(subject)), meets_subject).empty()) return false;
         messages.push_back("no selected form handles " + std::string(name_of(subject)) +
-                           fitting_forms_advice(rows, meets_subject));
+                           fitting_forms_advice(tested_forms, meets_subject));
         return true;
     });
     if (subjects.empty()) throw NothingSelected(messages.front());
     for (const std::string& message : messages) {
         if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", message.c_str());
     }
-    return fitting_rows(rows, [&](Shapes forms) {
+    return fitting_rows(tested_forms, [&](Shapes forms) {
         return std::ranges::any_of(subjects, [&](const auto& subject) { return meets(subject, forms); });
     });
 }
@@ -153,38 +155,40 @@ private:
 
 /// Throws InputError for a form with a ray generator, in a command that gives forms the rays of the camera.
 void refuse_generators(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
-void refuse_generators(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
+void refuse_generators(const std::vector<measure::evaluate::TestedForm>& tested_forms, const char* command);
 /// Throws InputError for FORM+fma, whose time cannot be measured.
-void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
+void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& tested_forms, const char* command);
 
 /// Throws InputError for a scene whose rays are made in each format, in a command that rounds exact rays.
 void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 
 /// Prints on stderr which lengths of the scene vanish or overflow in a format and, if a row marches, which constants of
 /// its march do.
-void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
+void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// Prints on stderr which lengths, and which constants of a march, vanish or overflow in a format at any step of a
 /// sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
-void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows,
+void note_lost_numbers(const scene::sweep::SweepFile& sweep,
+                       const std::vector<measure::evaluate::TestedForm>& tested_forms,
                        intersect::process::StopToken stop);
 
 /// Prints on stderr which lengths of any case vanish or overflow in a format. Words such as `tiny` stand for numbers of
 /// each format and are never lost.
-void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& rows);
+void note_lost_numbers(const scene::sweep::CaseFile& file,
+                       const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// Prints on stderr which assignments of `--set` change nothing: constants of a march if no row marches.
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
-                        const std::vector<measure::evaluate::TestedForm>& rows);
+                        const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// Calls `note_lost_numbers` and `note_idle_settings` for a scene that `set` has changed; does nothing if `quiet`.
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
-                  const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
+                  const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 
 /// A line `FORM FORMAT: text` for each row whose form is not in the catalogue and for which `suspicion` returns a text.
 /// It returns an empty text if nothing seems wrong (`measure::contract::suspicion`).
 std::vector<std::string> suspicions_of(
-    const std::vector<measure::evaluate::TestedForm>& rows,
+    const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
 }  // namespace lostbits::analysis::selection

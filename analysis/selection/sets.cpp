@@ -73,16 +73,16 @@ Forms combinations(const std::vector<Forms>& forms_by_shape, const std::string& 
 }
 
 /// The forms of the rows for which `is_wanted` is true, each once.
-Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& is_wanted) {
+Forms forms_in(const std::vector<TestedForm>& tested_forms, const std::function<bool(const Intersector&)>& is_wanted) {
     Forms forms;
-    for (const TestedForm& form_row : rows)
-        if (is_wanted(*form_row.form) && std::ranges::find(forms, form_row.form) == forms.end())
-            forms.push_back(form_row.form);
+    for (const TestedForm& tested_form : tested_forms)
+        if (is_wanted(*tested_form.form) && std::ranges::find(forms, tested_form.form) == forms.end())
+            forms.push_back(tested_form.form);
     return forms;
 }
 
-Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
-    return forms_in(rows, [shape](const Intersector& form) {
+Forms forms_for(const std::vector<TestedForm>& tested_forms, Shapes shape) {
+    return forms_in(tested_forms, [shape](const Intersector& form) {
         return !form.is_set() && form.shapes() == shape && !scene::rays::generator_of(form);
     });
 }
@@ -96,18 +96,18 @@ std::optional<Shapes> placed_shapes(const ShapePredicate& meets) {
 }
 
 /// Adds each form for these shapes that has no transform with the usual transform.
-void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
-    const std::vector<TestedForm> original_rows = rows;
-    for (TestedForm form_row : original_rows) {
-        if (form_row.form->is_set() || form_row.form->is_placed || !shapes.has(form_row.form->shape)) continue;
-        if (scene::rays::generator_of(*form_row.form)) continue;
-        form_row.form =
-            &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form_row.form);
-        if (form_row.against != nullptr && !form_row.against->is_set() && !form_row.against->is_placed &&
-            is_primitive(form_row.against->shape))
-            form_row.against = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
-                                                                       *form_row.against);
-        if (std::ranges::find(rows, form_row) == rows.end()) rows.push_back(form_row);
+void add_placed(std::vector<TestedForm>& tested_forms, Shapes shapes) {
+    const std::vector<TestedForm> original_rows = tested_forms;
+    for (TestedForm tested_form : original_rows) {
+        if (tested_form.form->is_set() || tested_form.form->is_placed || !shapes.has(tested_form.form->shape)) continue;
+        if (scene::rays::generator_of(*tested_form.form)) continue;
+        tested_form.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
+                                                                   *tested_form.form);
+        if (tested_form.against != nullptr && !tested_form.against->is_set() && !tested_form.against->is_placed &&
+            is_primitive(tested_form.against->shape))
+            tested_form.against = &intersect::transform::transformed_form(
+                intersect::transform::default_transform_method(), *tested_form.against);
+        if (std::ranges::find(tested_forms, tested_form) == tested_forms.end()) tested_forms.push_back(tested_form);
     }
 }
 
@@ -121,27 +121,27 @@ const Intersector& plain_form(Shape shape) {
 
 /// Adds the sets in each format of the rows. A set is compared with the same form as the row if that is for the same
 /// shapes.
-void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
-    const std::vector<TestedForm> original_rows = rows;
+void add_rows(std::vector<TestedForm>& tested_forms, const Forms& sets) {
+    const std::vector<TestedForm> original_rows = tested_forms;
     for (const Intersector* const set : sets) {
-        for (TestedForm form_row : original_rows) {
-            form_row.form = set;
-            const auto same = [&form_row](const TestedForm& other) {
-                return other.form == form_row.form && other.format == form_row.format;
+        for (TestedForm tested_form : original_rows) {
+            tested_form.form = set;
+            const auto same = [&tested_form](const TestedForm& other) {
+                return other.form == tested_form.form && other.format == tested_form.format;
             };
-            if (!set->exists_in(form_row.format) || std::ranges::any_of(rows, same)) continue;
-            if (form_row.against != nullptr && !(form_row.against->shapes() == set->shapes())) continue;
-            rows.push_back(form_row);
+            if (!set->exists_in(tested_form.format) || std::ranges::any_of(tested_forms, same)) continue;
+            if (tested_form.against != nullptr && !(tested_form.against->shapes() == set->shapes())) continue;
+            tested_forms.push_back(tested_form);
         }
     }
 }
 
 /// The shapes that no row is for, and advice.
-std::string missing_shapes_text(const std::vector<TestedForm>& rows, Shapes shapes) {
+std::string missing_shapes_text(const std::vector<TestedForm>& tested_forms, Shapes shapes) {
     std::vector<Shape> missing;
     std::string example;
     for (const Shape shape : list_shapes(shapes)) {
-        const Forms forms = forms_for(rows, Shapes(shape).placed(shapes.are_placed()));
+        const Forms forms = forms_for(tested_forms, Shapes(shape).placed(shapes.are_placed()));
         if (forms.empty()) missing.push_back(shape);
         example +=
             (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
@@ -168,7 +168,7 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
     const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
     if (!chose_all) return add_rows(chosen.rows, combinations(forms_by_shape, fmt::format("-i: on {}", name)));
     if (std::ranges::any_of(chosen.rows,
-                            [&meets](const TestedForm& form_row) { return meets(form_row.form->shapes()); }))
+                            [&meets](const TestedForm& tested_form) { return meets(tested_form.form->shapes()); }))
         return;
     const Intersector& plain = plain_set(shapes);
     add_rows(chosen.rows, {&plain});
@@ -286,22 +286,22 @@ void refuse_generators(const Forms& forms, const char* command) {
                 "the @ and the ray generator",
                 form->info->name, command));
 }
-void refuse_generators(const std::vector<TestedForm>& rows, const char* command) {
-    refuse_generators(forms_in(rows, [](const Intersector&) { return true; }), command);
+void refuse_generators(const std::vector<TestedForm>& tested_forms, const char* command) {
+    refuse_generators(forms_in(tested_forms, [](const Intersector&) { return true; }), command);
 }
 
-void refuse_contracted(const std::vector<TestedForm>& rows, const char* command) {
+void refuse_contracted(const std::vector<TestedForm>& tested_forms, const char* command) {
     const auto contracted = [](const Intersector& form) {
         return measure::tape::is_contracted(intersect::bounding_box::innermost_form(form));
     };
-    for (const TestedForm& form_row : rows) {
-        const auto& parts = form_row.form->parts;
-        if (contracted(*form_row.form) ||
+    for (const TestedForm& tested_form : tested_forms) {
+        const auto& parts = tested_form.form->parts;
+        if (contracted(*tested_form.form) ||
             std::ranges::any_of(parts, [&](const auto* part) { return contracted(*part); }))
             throw InputError(
                 fmt::format("-i {}: {} measures time, but a contracted form runs operation by operation, which takes "
                             "longer than compiled code; use `lostbits map`, `sweep` or `judge`, or leave out +fma",
-                            form_row.form->info->name, command));
+                            tested_form.form->info->name, command));
     }
 }
 
@@ -329,8 +329,8 @@ std::string globs_of(const ShapePredicate& meets) {
     return globs;
 }
 
-std::string fitting_forms_advice(const std::vector<TestedForm>& rows, const ShapePredicate& meets) {
-    if (const auto several = several_shapes(meets)) return ": " + missing_shapes_text(rows, *several);
+std::string fitting_forms_advice(const std::vector<TestedForm>& tested_forms, const ShapePredicate& meets) {
+    if (const auto several = several_shapes(meets)) return ": " + missing_shapes_text(tested_forms, *several);
     std::vector<Shape> primitives;
     for (const Shape shape : all_shapes)
         if (is_primitive(shape) && (meets(shape) || meets(Shapes(shape).placed()))) primitives.push_back(shape);

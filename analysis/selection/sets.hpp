@@ -76,6 +76,7 @@ std::string globs_of(const ShapePredicate& meets);
 
 /// Reason and advice for the end of a message that no selected form can test something: ": it has spheres; try -i
 /// 'sphere.*'", or ": it has spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
-std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& rows, const ShapePredicate& meets);
+std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                 const ShapePredicate& meets);
 
 }  // namespace lostbits::analysis::selection

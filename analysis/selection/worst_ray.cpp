@@ -55,12 +55,12 @@ struct OverallWorst {
     }
 };
 
-[[noreturn]] void refuse_without_worst(const TestedForm& form_row, const std::string& where,
+[[noreturn]] void refuse_without_worst(const TestedForm& tested_form, const std::string& where,
                                        const OverallWorst& worst) {
     throw InputError(fmt::format(
         "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
         "X,Y",
-        form_row.form->info->name, form_row.format.name, where,
+        tested_form.form->info->name, tested_form.format.name, where,
         worst.has_hit ? "it returns no t that could have an error" : "none of the rays hits anything"));
 }
 
@@ -82,32 +82,32 @@ RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_inde
     return single_ray;
 }
 
-int worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& form_row, StopToken stop) {
+int worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& tested_form, StopToken stop) {
     const auto summaries =
-        measure::evaluate::measure_groups(std::move(groups), {form_row}, lost_bits(), {.stop = stop});
+        measure::evaluate::measure_groups(std::move(groups), {tested_form}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();
     return worst ? worst->group * rays_per_group + static_cast<int>(worst->x) : 0;
 }
 
-SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& form_row,
+SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& tested_form,
                                 StopToken stop) {
     const measure::evaluate::MapStudy request{
-        .scene = scene.get(), .rows = {form_row}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .scene = scene.get(), .rows = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::evaluate::run_map(request);
     const OverallWorst worst(summaries);
-    if (worst.ray == nullptr) refuse_without_worst(form_row, "scene " + scene->id, worst);
+    if (worst.ray == nullptr) refuse_without_worst(tested_form, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
     SelectedRay found{
-        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), form_row.form,
+        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), tested_form.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.reason),
         std::pair{x, worst.ray->y}};
-    found.ray.set_touching(form_row.touching);
+    found.ray.set_touching(tested_form.touching);
     return found;
 }
 
-SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const TestedForm& form_row, StopToken stop) {
+SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const TestedForm& tested_form, StopToken stop) {
     const measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = {form_row}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .sweep = sweep, .rows = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
     std::vector<FormSummary> summaries;
     std::vector<std::vector<double>> values;
     for (auto& step : measure::sweep::run_sweep(request)) {
@@ -116,7 +116,7 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
     }
     const OverallWorst worst(summaries);
     const WorstRay* const ray = worst.ray;
-    if (ray == nullptr) refuse_without_worst(form_row, "sweep " + sweep.id, worst);
+    if (ray == nullptr) refuse_without_worst(tested_form, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
             fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
@@ -127,32 +127,32 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
         step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,
                             output::file::decimal(values[worst.summary_index][a]));
     SelectedRay found{
-        nullptr, OneRay(RayGroup(*ray->given)), form_row.form,
+        nullptr, OneRay(RayGroup(*ray->given)), tested_form.form,
         fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                     "form: {}.\n",
                     index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
                     step, worst.rays, summaries.size(), worst.reason)};
-    found.ray.set_touching(form_row.touching);
+    found.ray.set_touching(tested_form.touching);
     return found;
 }
 
-SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const TestedForm& form_row, StopToken stop) {
+SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const TestedForm& tested_form, StopToken stop) {
     std::vector<FormSummary> summaries;
     for (std::size_t i = 0; i < file.size(); ++i)
-        summaries.push_back(std::move(measure::evaluate::measure_groups(file.rays(i, form_row.format.parameters),
-                                                                        {form_row}, lost_bits(), {.stop = stop})
+        summaries.push_back(std::move(measure::evaluate::measure_groups(file.rays(i, tested_form.format.parameters),
+                                                                        {tested_form}, lost_bits(), {.stop = stop})
                                           .front()));
     const OverallWorst worst(summaries);
-    if (worst.ray == nullptr) refuse_without_worst(form_row, "the file of cases " + file.id, worst);
+    if (worst.ray == nullptr) refuse_without_worst(tested_form, "the file of cases " + file.id, worst);
     const int rays_per_group = file.rays_of(worst.summary_index),
               ray_index = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{
         nullptr,
-        OneRay(pick_ray(file.rays(worst.summary_index, form_row.format.parameters), rays_per_group, ray_index)),
-        form_row.form,
+        OneRay(pick_ray(file.rays(worst.summary_index, tested_form.format.parameters), rays_per_group, ray_index)),
+        tested_form.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                     file.name(worst.summary_index), ray_index, worst.rays, summaries.size(), worst.reason)};
-    found.ray.set_touching(form_row.touching);
+    found.ray.set_touching(tested_form.touching);
     return found;
 }
 

@@ -50,17 +50,17 @@ struct ConsistencyAdapter {
 
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
-    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
                             const StudyValues& values, intersect::process::StopToken stop) {
         auto checks = measure::consistency::checks_for(
-            scene, rows,
+            scene, tested_forms,
             selection::select_rows(measure::consistency::checks(), values.at("check"), "check", "--check"));
         if (checks.empty())
             throw InputError(fmt::format(
                 "--check: none of these checks applies to the selected forms on scene {}; light needs a [light], and "
                 "segment, short and light need a form that takes directions of any length; try --check reverse",
                 scene.id));
-        return {.scene = scene, .rows = std::move(rows), .checks = std::move(checks), .limit = {.stop = stop}};
+        return {.scene = scene, .rows = std::move(tested_forms), .checks = std::move(checks), .limit = {.stop = stop}};
     }
 
     static void print_results(const Study& study, const Summaries& rows, bool) {
@@ -126,9 +126,9 @@ private:
         return text;
     }
 
-    static void print_row(const Study& study, const measure::evaluate::TestedForm& form_row,
+    static void print_row(const Study& study, const measure::evaluate::TestedForm& tested_form,
                           const measure::consistency::RowChecks& checks) {
-        const std::string prefix = fmt::format("{} {}", form_row.form->info->name, form_row.format.name);
+        const std::string prefix = fmt::format("{} {}", tested_form.form->info->name, tested_form.format.name);
         std::string same_checks;
         for (std::size_t c = 0; c < checks.size(); ++c) {
             if (checks[c].asked() == 0) continue;

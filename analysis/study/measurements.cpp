@@ -18,10 +18,11 @@ using measure::attribution::OwnedSetting;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
-measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vector<TestedForm> rows,
+measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vector<TestedForm> tested_forms,
                                       const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
                                       intersect::process::StopToken stop) {
-    measure::evaluate::MapStudy map{.scene = &scene, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
+    measure::evaluate::MapStudy map{
+        .scene = &scene, .rows = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
     map.metrics =
         metric_set.adapt_to_forms(selection::measured_metrics(metrics, map.rows), measure::evaluate::forms_of(map.rows),
                                   [&scene] { return OwnedSetting(scene); });
@@ -29,21 +30,21 @@ measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vect
     return map;
 }
 
-measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep, std::vector<TestedForm> rows,
+measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep, std::vector<TestedForm> tested_forms,
                                            std::vector<const Metric*> metrics, measure::metric::MetricSet& metric_set,
                                            intersect::process::StopToken stop) {
     measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
+        .sweep = sweep, .rows = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
     // Forms that march stop short on purpose, so the error alone says little: it is split in two.
     if (std::ranges::any_of(request.rows,
-                            [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); })) {
+                            [](const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"})
             metrics.push_back(measure::metric::find_metric(name));
     }
     request.metrics = metric_set.adapt_to_forms(selection::measured_metrics(metrics, request.rows),
                                                 measure::evaluate::forms_of(request.rows),
                                                 [&sweep] { return OwnedSetting(sweep.first_rays()); });
-    for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
+    for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
     return request;
@@ -83,14 +84,14 @@ std::vector<TestedForm> select_rows_of_shape(const std::string& given_name,
     return rows;
 }
 
-void require_timeable(const std::vector<TestedForm>& rows) {
-    const auto emulated =
-        std::ranges::find_if(rows, [](const TestedForm& form_row) { return selection::is_emulated(form_row.format); });
-    if (emulated != rows.end())
+void require_timeable(const std::vector<TestedForm>& tested_forms) {
+    const auto emulated = std::ranges::find_if(
+        tested_forms, [](const TestedForm& tested_form) { return selection::is_emulated(tested_form.format); });
+    if (emulated != tested_forms.end())
         throw InputError(fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64",
                                      emulated->format.name));
-    selection::refuse_generators(rows, "trade");
-    selection::refuse_contracted(rows, "trade");
+    selection::refuse_generators(tested_forms, "trade");
+    selection::refuse_contracted(tested_forms, "trade");
 }
 
 }  // namespace

@@ -16,14 +16,15 @@ namespace lostbits::analysis::study {
 
 /// The map of a scene with the given metrics and the default metrics of a map, as far as these apply to the rows.
 /// `metric_set` owns the metrics that are made for the map. The scene must outlive the result.
-measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+measure::evaluate::MapStudy map_study(const scene::file::Scene& scene,
+                                      std::vector<measure::evaluate::TestedForm> tested_forms,
                                       const std::vector<const measure::metric::Metric*>& metrics,
                                       measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
 /// The request of a sweep along axes, with the metrics as in `map_study`. It is judged by the convention of the sweep's
 /// file, and has three draws of random rays for the spread of onsets. The sweep must outlive the result.
 measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
-                                           std::vector<measure::evaluate::TestedForm> rows,
+                                           std::vector<measure::evaluate::TestedForm> tested_forms,
                                            std::vector<const measure::metric::Metric*> metrics,
                                            measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 

@@ -131,9 +131,9 @@ struct NumberAdapter {
     static std::vector<std::string> usual_forms() { return {"*"}; }
     static bool can_measure(const intersect::table::Intersector& form) { return is_primitive(form.shape); }
     static void require(const scene::file::Scene&) {}
-    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
                             const StudyValues& values, intersect::process::StopToken stop) {
-        return {.scene = scene, .rows = std::move(rows), .number = Quantity(values), .limit = {.stop = stop}};
+        return {.scene = scene, .rows = std::move(tested_forms), .number = Quantity(values), .limit = {.stop = stop}};
     }
     static void print_results(const Study& study, const Summaries& rows, bool) {
         for (std::size_t r = 0; r < rows.size(); ++r)
@@ -200,11 +200,11 @@ struct NumberAdapter {
                                 Quantity::unit});
         std::vector<output::pixel::PixelColumn<NumberBand>> all;
         for (std::size_t r = 0; r < study.rows.size(); ++r) {
-            const measure::evaluate::TestedForm& form_row = study.rows[r];
+            const measure::evaluate::TestedForm& tested_form = study.rows[r];
             all.push_back(
                 {{.file = row_name(study, r) + ".png",
                   .title = Quantity::meaning,
-                  .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
+                  .subtitle = {fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name)},
                   .look = look,
                   .sheet_positions = {place_of(study, r)}},
                  r,
@@ -241,15 +241,15 @@ private:
     }
     static std::vector<const intersect::table::Intersector*> forms_of(const Study& study) {
         std::vector<const intersect::table::Intersector*> forms;
-        for (const auto& form_row : study.rows)
-            if (std::ranges::find(forms, form_row.form) == forms.end()) forms.push_back(form_row.form);
+        for (const auto& tested_form : study.rows)
+            if (std::ranges::find(forms, tested_form.form) == forms.end()) forms.push_back(tested_form.form);
         return forms;
     }
     static std::vector<std::string> formats_of(const Study& study) {
         std::vector<std::string> formats;
-        for (const auto& form_row : study.rows)
-            if (std::ranges::find(formats, form_row.format.name) == formats.end())
-                formats.emplace_back(form_row.format.name);
+        for (const auto& tested_form : study.rows)
+            if (std::ranges::find(formats, tested_form.format.name) == formats.end())
+                formats.emplace_back(tested_form.format.name);
         return formats;
     }
     static output::pixel::SheetPosition place_of(const Study& study, std::size_t row_index) {

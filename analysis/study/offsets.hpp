@@ -57,8 +57,9 @@ struct OffsetsAdapter {
 
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
-    static Study make_study(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows,
-                            const StudyValues& values, intersect::process::StopToken stop) {
+    static Study make_study(const scene::file::Scene& scene,
+                            const std::vector<measure::evaluate::TestedForm>& tested_forms, const StudyValues& values,
+                            intersect::process::StopToken stop) {
         using measure::offset::HitPoint;
         Study study{.scene = scene,
                     .rows = {},
@@ -69,9 +70,9 @@ struct OffsetsAdapter {
             return std::ranges::any_of(
                 points, [&](const std::string& value) { return value == "both" || value == name_of(point); });
         };
-        for (const measure::evaluate::TestedForm& form_row : rows)
+        for (const measure::evaluate::TestedForm& tested_form : tested_forms)
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected})
-                if (is_selected(point)) study.rows.push_back({form_row, point});
+                if (is_selected(point)) study.rows.push_back({tested_form, point});
         return study;
     }
 

@@ -65,14 +65,16 @@ struct RenderAdapter {
     }
 
     /// Draws a stage that the scene does not have as the last one before it that the scene has.
-    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
                             const StudyValues& values, intersect::process::StopToken stop) {
         std::set<scene::file::Stage> stages;
         for (const std::string& stage_name : values.at("stage"))
             stages.insert(scene.appearance.last_stage_up_to(parse_stage(stage_name)));
         if (stages.empty()) stages.insert(scene.appearance.last_stage());
-        return {
-            .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = std::move(rows), .limit = {.stop = stop}};
+        return {.scene = scene,
+                .stages = {stages.begin(), stages.end()},
+                .rows = std::move(tested_forms),
+                .limit = {.stop = stop}};
     }
 
     /// Prints which stages a scene does not have.
@@ -110,10 +112,10 @@ private:
         fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt",
                    "wrong colour", "wrong sphere", "acne", "flips", "p99 steps", "unproved");
         for (std::size_t r = 0; r < summaries.size(); ++r) {
-            const measure::evaluate::TestedForm& form_row = study.rows[r];
+            const measure::evaluate::TestedForm& tested_form = study.rows[r];
             for (const measure::picture::RenderSummary& s : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
-                           form_row.form->info->name, form_row.format.name, s.changed_pixels, s.wrong_pixels(),
+                           tested_form.form->info->name, tested_form.format.name, s.changed_pixels, s.wrong_pixels(),
                            s.count(false, measure::picture::Shadow::own_shadow), s.flipped_shadows(),
                            s.colour_error.quantile(0.99), s.unresolved());
         }

@@ -21,9 +21,9 @@ namespace {
 /// The study that a claim asks. Work that no column of the question needs is left out.
 template <class Adapter>
 typename Adapter::View::Study make_study(const StudyQuestion& question) {
-    for (const measure::evaluate::TestedForm& form_row : question.rows)
-        if (!Adapter::can_measure(*form_row.form))
-            throw InputError(fmt::format("{}: is not a form for {}; {}", form_row.form->info->name, Adapter::name,
+    for (const measure::evaluate::TestedForm& tested_form : question.rows)
+        if (!Adapter::can_measure(*tested_form.form))
+            throw InputError(fmt::format("{}: is not a form for {}; {}", tested_form.form->info->name, Adapter::name,
                                          Adapter::no_form_message));
     Adapter::require(question.scene);
     std::vector<std::string> option_texts;
@@ -70,7 +70,7 @@ std::optional<output::page::StudyPart> measure_part(const scene::file::Scene& sc
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
-    std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
+    std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     StudyQuestion question{
         .scene = scene,
         .rows = selection::fitting_rows(

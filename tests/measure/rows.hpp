@@ -45,14 +45,14 @@ inline measure::evaluate::TestedForm row(std::string_view form, std::string_view
 /// Every form of the shape in each of these formats in which it exists.
 inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
                                                            std::initializer_list<std::string_view> formats) {
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     for (const std::string_view name : formats) {
         const Format format = find_format(name).value();
         for (const intersect::table::Intersector& form : intersect::table::intersectors(shape)) {
-            if (form.exists_in(format)) rows.push_back({&form, format});
+            if (form.exists_in(format)) tested_forms.push_back({&form, format});
         }
     }
-    return rows;
+    return tested_forms;
 }
 
 /// The t that a form returns for one ray and one primitive alone; empty for a miss.

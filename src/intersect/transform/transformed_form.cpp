@@ -181,8 +181,8 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
 }
 
 void fill_row(Rows::ComposedRow& composed) {
-    const auto& [method, form_row] = composed.parts;
-    const Info& form = *form_row->info;
+    const auto& [method, tested_form] = composed.parts;
+    const Info& form = *tested_form->info;
     const TransformMethodInfo& method_info = *method->info;
     const auto text = [](auto&... parts) {
         std::string result;
@@ -197,15 +197,15 @@ void fill_row(Rows::ComposedRow& composed) {
     // applies. With any other method, the form's requirement applies too.
     if (method_info.normalises) composed.info.direction = method_info.direction;
     else if (method_info.direction == Direction::unit) composed.info.direction = Direction::unit;
-    composed.row = {.info = &composed.info, .shape = form_row->shape, .native32 = nullptr, .native64 = nullptr};
-    if (form_row->native32) composed.row.native32 = {evaluate_32, &composed};
-    if (form_row->native64) composed.row.native64 = {evaluate_64, &composed};
-    if (form_row->rounded) composed.row.rounded = {evaluate_rounded, &composed};
-    if (form_row->ball) composed.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
-    if (form_row->interval)
+    composed.row = {.info = &composed.info, .shape = tested_form->shape, .native32 = nullptr, .native64 = nullptr};
+    if (tested_form->native32) composed.row.native32 = {evaluate_32, &composed};
+    if (tested_form->native64) composed.row.native64 = {evaluate_64, &composed};
+    if (tested_form->rounded) composed.row.rounded = {evaluate_rounded, &composed};
+    if (tested_form->ball) composed.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
+    if (tested_form->interval)
         composed.row.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>, &composed};
-    if (form_row->record) composed.row.record = {record, &composed};
-    if (form_row->record_all) composed.row.record_all = {record_all, &composed};
+    if (tested_form->record) composed.row.record = {record, &composed};
+    if (tested_form->record_all) composed.row.record_all = {record_all, &composed};
     composed.row.is_placed = true;
 }
 

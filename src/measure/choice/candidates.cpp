@@ -46,29 +46,29 @@ std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-RowQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& form_row,
+RowQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& tested_form,
                       const Requirement& requirement) {
     return {.rays = summary.rays - summary.count(answer::Outcome::unresolved),
             .wrong = summary.wrong_count(),
             .main_fault = summary.most_frequent_wrong_decision(),
             .main_fault_count =
                 summary.most_frequent_wrong_decision() ? summary.count(*summary.most_frequent_wrong_decision()) : 0,
-            .kept_bits = form_row.format.parameters.precision - summary.metrics[0].quantile(requirement.quantile),
+            .kept_bits = tested_form.format.parameters.precision - summary.metrics[0].quantile(requirement.quantile),
             .hits = summary.true_hits,
             .distance_error =
                 requirement.has_tolerance() ? summary.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
-RowQuality quality_on(const truth::Band& band, const TestedForm& form_row, const Requirement& requirement) {
-    return quality_on(band, band.inputs_for(form_row.format, *form_row.form->info), form_row, requirement);
+RowQuality quality_on(const truth::Band& band, const TestedForm& tested_form, const Requirement& requirement) {
+    return quality_on(band, band.inputs_for(tested_form.format, *tested_form.form->info), tested_form, requirement);
 }
 
-RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& form_row,
+RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& tested_form,
                       const Requirement& requirement) {
     const std::vector<const metric::Metric*> metrics = requirement.metrics();
     evaluate::FormSummary summary(metrics);
-    evaluate::measure_row({form_row, metrics}, band, inputs, summary);
-    return quality_of(summary, form_row, requirement);
+    evaluate::measure_row({tested_form, metrics}, band, inputs, summary);
+    return quality_of(summary, tested_form, requirement);
 }
 
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed) {
@@ -79,27 +79,27 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     timed = {scene_work.rays(), scene_work.primitives()};
     std::vector<speed::TimedWork> work;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const TestedForm& form_row = request.rows[r];
+        const TestedForm& tested_form = request.rows[r];
         const intersect::simd::Isa isa =
-            request.times_single_rays || !is_packed(*form_row.form, intersect::simd::current_isa())
+            request.times_single_rays || !is_packed(*tested_form.form, intersect::simd::current_isa())
                 ? intersect::simd::Isa::scalar
                 : intersect::simd::current_isa();
-        candidates.push_back({form_row, name_of(isa), {}, quality[r]});
-        work.push_back(scene_work.work_for(form_row, packed_kernels(*form_row.form, isa)));
+        candidates.push_back({tested_form, name_of(isa), {}, quality[r]});
+        work.push_back(scene_work.work_for(tested_form, packed_kernels(*tested_form.form, isa)));
     }
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].time = timings[c];
     return candidates;
 }
 
-Format computing_format(const TestedForm& form_row) {
-    if (form_row.format.engine != Format::Engine::native32 || form_row.form->count == nullptr ||
-        !is_primitive(form_row.form->shape))
-        return form_row.format;
-    const Primitive<float> primitive = primitive_around<float>(form_row.form->shape, {0, 0, 0}, 1);
-    const OperationCounts counts = form_row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(primitive),
-                                                        std::numeric_limits<float>::infinity());
-    return counts[Operation::convert] > 0 ? *find_format("f64") : form_row.format;
+Format computing_format(const TestedForm& tested_form) {
+    if (tested_form.format.engine != Format::Engine::native32 || tested_form.form->count == nullptr ||
+        !is_primitive(tested_form.form->shape))
+        return tested_form.format;
+    const Primitive<float> primitive = primitive_around<float>(tested_form.form->shape, {0, 0, 0}, 1);
+    const OperationCounts counts = tested_form.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(primitive),
+                                                           std::numeric_limits<float>::infinity());
+    return counts[Operation::convert] > 0 ? *find_format("f64") : tested_form.format;
 }
 
 std::vector<std::size_t> order_by_price(const std::vector<Candidate>& candidates) {

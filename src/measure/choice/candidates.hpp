@@ -83,20 +83,20 @@ struct ChoiceRequest {
 };
 
 /// Converts a summary whose metrics are those of the requirement.
-RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& form_row,
+RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
                       const Requirement& requirement);
 /// Measures a row on a band.
-RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& form_row, const Requirement& requirement);
+RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form, const Requirement& requirement);
 /// Measures a row that receives these inputs instead of those of the band.
-RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& form_row,
-                      const Requirement& requirement);
+RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
+                      const evaluate::TestedForm& tested_form, const Requirement& requirement);
 
 /// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
 std::vector<RowQuality> quality_of(const ChoiceRequest& request);
 
 /// Returns the format in which a row computes: the format of its inputs and answers, or f64 if they are f32 and the
 /// formula converts them to f64 and back.
-Format computing_format(const evaluate::TestedForm& form_row);
+Format computing_format(const evaluate::TestedForm& tested_form);
 
 /// Numbers of rays and primitives that were timed, see `speed::SceneWork`.
 struct TimedRays {

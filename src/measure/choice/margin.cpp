@@ -144,14 +144,14 @@ private:
     GrowthMargin margin_{};
 };
 
-std::optional<Measurement> measure_scene(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
+std::optional<Measurement> measure_scene(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
                                          const Scene& small_scene, Growth growth, double factor) {
     const auto larger_scene = stretch(small_scene, growth, factor);
     if (!larger_scene) return std::nullopt;
     const Scene& scene = larger_scene->scene;
     culling::Culler culler(scene);
     const truth::Band band(scene, 0, scene.height, request.limit, &culler);
-    const RowQuality quality = quality_on(band, form_row, request.requirement);
+    const RowQuality quality = quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
     if (scene.inputs == scene::file::Inputs::own) return Measurement{larger_scene->value, quality, true};
     Scene ideal = scene;
@@ -161,12 +161,12 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
     return Measurement{larger_scene->value, quality, matches_ideal_scene(band, ideal_band)};
 }
 
-std::optional<Measurement> measure_rays(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
+std::optional<Measurement> measure_rays(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
                                         const IdealRays& rays, Growth growth, double factor) {
     const auto stretched_rays = stretch(rays, growth, factor);
     if (!stretched_rays) return std::nullopt;
     const truth::Band band(store_in_format(stretched_rays->rays, request.rays->format.parameters), request.limit);
-    const RowQuality quality = quality_on(band, form_row, request.requirement);
+    const RowQuality quality = quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
     return Measurement{stretched_rays->value, quality,
                        matches_ideal_scene(band, stretched_rays->rays.band(request.limit))};
@@ -174,7 +174,8 @@ std::optional<Measurement> measure_rays(const ChoiceRequest& request, const eval
 
 }  // namespace
 
-std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& form_row, int pixels) {
+std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
+                                     int pixels) {
     MeasureAt measure_at;
     if (request.scene) {
         // Far away, rounding makes every triangle of a mesh a possible hit, so each ray is tested against each
@@ -184,11 +185,11 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
         const int most_pixels = std::min(pixels, static_cast<int>(std::max<std::size_t>(most_pairs / faces, 64)));
         measure_at = [&, small_scene = with_smaller_picture(*request.scene, most_pixels)](Growth growth,
                                                                                           double factor) {
-            return measure_scene(request, form_row, small_scene, growth, factor);
+            return measure_scene(request, tested_form, small_scene, growth, factor);
         };
     } else {
         measure_at = [&, rays = ideal_of(request.rays->sample)](Growth growth, double factor) {
-            return measure_rays(request, form_row, rays, growth, factor);
+            return measure_rays(request, tested_form, rays, growth, factor);
         };
     }
     std::vector<GrowthMargin> margins;
@@ -198,20 +199,20 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
     return margins;
 }
 
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& form_row,
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
                                         truth::ProofLimit limit, int pixels) {
     constexpr std::size_t most_tests = 1 << 16;
     constexpr std::size_t most_near_triangles = 64;  // each point is tested against at most this many
     const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0,
                       other_primitives = scene.primitive_count() - faces;
     if (other_primitives + faces == 0 || other_primitives > offset::most_primitives ||
-        !offset::can_measure_offsets(*form_row.form))
+        !offset::can_measure_offsets(*tested_form.form))
         return std::nullopt;
     const std::size_t tests_per_point = other_primitives + std::min(faces, most_near_triangles);
     const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_tests / tests_per_point, 64, 65536));
     const scene::file::Scene small_scene = with_smaller_picture(scene, std::min(pixels, affordable_pixels));
     const offset::OffsetStudy offset_study{.scene = small_scene,
-                                           .rows = {{form_row}},
+                                           .rows = {{tested_form}},
                                            .strategies = offset::all_strategies(),
                                            .limit = limit,
                                            .finds_quiet_offset = false};
@@ -219,9 +220,9 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     SafeOffsets safe;
     safe.points = summary.points;
     for (const offset::Side side : offset::both_sides) safe.rays += summary.side_summary(side).rays;
-    safe.outside = offset::safe_strategies(summary, offset_study.strategies, form_row.form->shape,
+    safe.outside = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape,
                                            std::array{offset::Side::outside});
-    safe.both_sides = offset::safe_strategies(summary, offset_study.strategies, form_row.form->shape);
+    safe.both_sides = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape);
     return safe;
 }
 

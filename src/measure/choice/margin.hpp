@@ -53,7 +53,7 @@ struct GrowthMargin {
 /// growth ends, at most to 2^64, and narrows the last step down to 2 %. A failure between two steps is not found if the
 /// requirement holds at both. Works on a picture of at most `pixels`, or on the sample of the files' rays
 /// (`StretchedRays` says how those grow).
-std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
+std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
                                      int pixels = 4096);
 
 /// Offset strategies that are right for every ray that leaves a hit of a form on a scene.
@@ -65,7 +65,7 @@ struct SafeOffsets {
 
 /// Finds the strategies on a picture of at most `pixels`, fewer if there are many primitives. Returns nothing if the
 /// scene has too many primitives, or if the form marches or computes no t.
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& form_row,
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
                                         truth::ProofLimit limit = {}, int pixels = 1024);
 
 }  // namespace lostbits::measure::choice

@@ -22,20 +22,21 @@ namespace {
 constexpr std::size_t most_trial_pairs = 1 << 17, most_primitives = 1024;
 
 /// Measures the truth of the stored inputs against the truth of the ideal ones, as an answer without rounding.
-RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& form_row,
+RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& tested_form,
                          const Requirement& requirement) {
     RowQuality quality;
     metric::Distribution lost_bits, distances;
-    const bool is_unit = form_row.form->info->direction == intersect::Direction::unit;
+    const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < ideal.pixels(); ++i) {
-        const Truth stored_truth = stored.truth(i, form_row.convention()),
-                    ideal_truth = ideal.truth(i, form_row.convention());
+        const Truth stored_truth = stored.truth(i, tested_form.convention()),
+                    ideal_truth = ideal.truth(i, tested_form.convention());
         const auto unresolved = Truth::Decision::unresolved;
         if (stored_truth.decision == unresolved || ideal_truth.decision == unresolved) continue;
         ++quality.rays;
         quality.hits += ideal_truth.is_hit() ? 1 : 0;
         if (stored_truth.decision != ideal_truth.decision ||
-            (stored_truth.is_hit() && !answer::meets_first(ideal, i, stored_truth.primitive, form_row.convention()))) {
+            (stored_truth.is_hit() &&
+             !answer::meets_first(ideal, i, stored_truth.primitive, tested_form.convention()))) {
             ++quality.wrong;
         } else if (stored_truth.is_hit()) {
             const auto& [x, y] = is_unit ? std::pair(stored_truth.distance, ideal_truth.distance)
@@ -55,14 +56,14 @@ RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm
 struct InherentLimit {
     double kept_bits, distance_error;
 };
-InherentLimit inherent(const Band& band, const TestedForm& form_row, const Format& format,
+InherentLimit inherent(const Band& band, const TestedForm& tested_form, const Format& format,
                        const Requirement& requirement) {
-    const intersect::Direction direction = form_row.form->info->direction;
+    const intersect::Direction direction = tested_form.form->info->direction;
     metric::Distribution lost_bits, distances;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
-        const Truth ray_truth = band.truth(i, form_row.convention());
+        const Truth ray_truth = band.truth(i, tested_form.convention());
         if (!ray_truth.is_hit()) continue;
-        const double reach = band.reach(i, form_row.convention(), direction, {.format = format});
+        const double reach = band.reach(i, tested_form.convention(), direction, {.format = format});
         const truth::Certified& t = direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
         lost_bits.add(truth::inherent_bits(reach, t, format.parameters));
         // `reach` is in units of the power of two of t*. Its ratio to t* is the same for the distance.
@@ -84,9 +85,9 @@ unsigned inputs_of(const IdealRays& ideal) {
 /// Measures trials in which some inputs are in a wider format, and records them in an obstacle.
 class Trials {
 public:
-    Trials(const ChoiceRequest& request, const TestedForm& form_row, const IdealRays& ideal, Obstacle& obstacle)
+    Trials(const ChoiceRequest& request, const TestedForm& tested_form, const IdealRays& ideal, Obstacle& obstacle)
         : request_(request),
-          row_(form_row),
+          row_(tested_form),
           ideal_(ideal),
           ideal_band_(ideal.band(request.limit)),
           obstacle_(obstacle) {}
@@ -161,11 +162,11 @@ private:
     Obstacle& obstacle_;
 };
 
-Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& form_row, const Requirement& requirement,
+Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form, const Requirement& requirement,
                          const RowQuality& reached) {
     using Cause = Obstacle::Cause;
     if (reached.hits == 0) return Cause::no_hit;
-    if (requirement.bits > form_row.format.parameters.precision) return Cause::width;
+    if (requirement.bits > tested_form.format.parameters.precision) return Cause::width;
     if (!obstacle.exact.meets(requirement)) return Cause::inputs;
     // Within what half an ulp in each input can cost, the problem is hard; beyond it, the formula is bad.
     const bool is_hard =
@@ -176,7 +177,7 @@ Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& form_row, c
 
 }  // namespace
 
-Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& form_row, int pixels) {
+Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_form, int pixels) {
     Obstacle obstacle;
     std::optional<Scene> small_scene;
     IdealRays ideal;
@@ -199,20 +200,20 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& form_row,
         band.emplace(rays, request.limit);
         ideal = ideal_of(rays);
     }
-    const InherentLimit row_limit = inherent(*band, form_row, form_row.format, request.requirement);
+    const InherentLimit row_limit = inherent(*band, tested_form, tested_form.format, request.requirement);
     obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_distance = row_limit.distance_error;
-    obstacle.inherent_kept_f64 = inherent(*band, form_row, *find_format("f64"), request.requirement).kept_bits;
-    const RowQuality reached = quality_on(*band, form_row, request.requirement);
-    obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : form_row.format.parameters;
+    obstacle.inherent_kept_f64 = inherent(*band, tested_form, *find_format("f64"), request.requirement).kept_bits;
+    const RowQuality reached = quality_on(*band, tested_form, request.requirement);
+    obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
-    if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, form_row, ideal, obstacle).run();
+    if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, ideal, obstacle).run();
     // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first
     // trial, in which no input is wide, has the inputs that the row gets.
     if (obstacle.rounds_to_binary32_first || obstacle.trials.empty())
-        obstacle.exact = exact_quality(*band, *band, form_row, request.requirement);
+        obstacle.exact = exact_quality(*band, *band, tested_form, request.requirement);
     else obstacle.exact = obstacle.trials.front().exact;
-    obstacle.cause = cause_of(obstacle, form_row, request.requirement, reached);
+    obstacle.cause = cause_of(obstacle, tested_form, request.requirement, reached);
     return obstacle;
 }
 

@@ -28,8 +28,8 @@ void MetPixels::add_band(const evaluate::BandResult& result) {
 std::uint64_t MetPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
 MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& forms) {
-    for (const TestedForm& form_row : forms)
-        rows.emplace_back(request.scene->pixels(), request.requirement, form_row.format.parameters.precision);
+    for (const TestedForm& tested_form : forms)
+        rows.emplace_back(request.scene->pixels(), request.requirement, tested_form.format.parameters.precision);
 }
 
 namespace {
@@ -51,10 +51,10 @@ int first_at(const std::vector<RankedForm>& ranked, std::size_t pixel) {
 }
 
 /// Formats of the rows, each once, ordered by precision and then by name.
-std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
+std::vector<Format> formats_of(const std::vector<TestedForm>& tested_forms) {
     std::vector<Format> formats;
-    for (const TestedForm& form_row : rows) {
-        const Format format = computing_format(form_row);
+    for (const TestedForm& tested_form : tested_forms) {
+        const Format format = computing_format(tested_form);
         if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
     }
     std::ranges::sort(formats, [](const Format& a, const Format& b) {
@@ -74,12 +74,12 @@ std::vector<std::uint64_t> counts_of(const std::vector<int>& indices, std::size_
 }
 
 /// Fills in the members about formats; `meets` belongs to `rows`.
-void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& rows,
+void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_forms,
                     const std::vector<const MetPixels*>& met_pixels) {
-    map.formats = formats_of(rows);
+    map.formats = formats_of(tested_forms);
     std::vector<std::vector<RankedForm>> forms_by_format(map.formats.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        const auto index = std::ranges::find(map.formats, computing_format(rows[k])) - map.formats.begin();
+    for (std::size_t k = 0; k < tested_forms.size(); ++k) {
+        const auto index = std::ranges::find(map.formats, computing_format(tested_forms[k])) - map.formats.begin();
         forms_by_format[static_cast<std::size_t>(index)].push_back({met_pixels[k], static_cast<int>(index)});
     }
     map.pixels_any_form_meets.assign(map.formats.size(), 0);
@@ -124,12 +124,12 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
         study.progress = request.progress;
         (void)evaluate::run_map(study, emulated.show());
     }
-    std::vector<TestedForm> rows = request.rows;
-    rows.insert(rows.end(), request.untimed_rows.begin(), request.untimed_rows.end());
+    std::vector<TestedForm> tested_forms = request.rows;
+    tested_forms.insert(tested_forms.end(), request.untimed_rows.begin(), request.untimed_rows.end());
     std::vector<const MetPixels*> all_met_pixels;
     for (const MetPixels& row : met_pixels.rows) all_met_pixels.push_back(&row);
     for (const MetPixels& row : emulated.rows) all_met_pixels.push_back(&row);
-    find_narrowest(map, rows, all_met_pixels);
+    find_narrowest(map, tested_forms, all_met_pixels);
     map.pixels_none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
     map.pixels_unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
     return map;

@@ -66,8 +66,8 @@ bool asks_for_attribution(const Claim& claim) {
                                [&](const char* prefix) { return claim.metric.starts_with(prefix); });
 }
 
-ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
-                           const attribution::Setting& setting)
+ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims,
+                           const std::vector<evaluate::TestedForm>& tested_forms, const attribution::Setting& setting)
     : setting_(setting) {
     for (const Metric& m : lostbits::measure::metric::metrics()) {
         const bool is_named = std::ranges::any_of(
@@ -78,7 +78,7 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         for (const std::string& text : claim->operations) find_operations(text, *claim, setting_);  // throws early
         add_metric_of_label(*claim);
     }
-    metrics_ = metric_set_.adapt_to_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
+    metrics_ = metric_set_.adapt_to_forms(std::move(metrics_), evaluate::forms_of(tested_forms), setting_);
 }
 
 /// Adds the metric of `contribution_c_p50` or `cancellation_disc_max`, for a label of the claim's form.

@@ -17,8 +17,8 @@ class ClaimColumns {
 public:
     /// Throws InputError, with the position of the claim, if a claim names an operation or label that its form does not
     /// have. The setting must outlive this object.
-    ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
-                 const attribution::Setting& setting);
+    ClaimColumns(const std::vector<const scene::claim::Claim*>& claims,
+                 const std::vector<evaluate::TestedForm>& tested_forms, const attribution::Setting& setting);
 
     /// Metrics to measure: the default metrics, and those whose columns a claim names. Other metrics are left out,
     /// since some need an exact evaluation of every form.

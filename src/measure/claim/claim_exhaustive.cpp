@@ -49,11 +49,11 @@ struct TallyNumber {
     std::string name;
     double value;
 };
-std::vector<TallyNumber> tally_numbers(const TestedForm& form_row, const FloatTally& tally) {
+std::vector<TallyNumber> tally_numbers(const TestedForm& tested_form, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong())},
-        {"padding_max", sweep::padding_max(form_row, tally)},
+        {"padding_max", sweep::padding_max(tested_form, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
@@ -64,8 +64,8 @@ std::vector<TallyNumber> tally_numbers(const TestedForm& form_row, const FloatTa
     return numbers;
 }
 
-double metric_value(const Claim& claim, const TestedForm& form_row, const FloatTally& tally) {
-    const auto numbers = tally_numbers(form_row, tally);
+double metric_value(const Claim& claim, const TestedForm& tested_form, const FloatTally& tally) {
+    const auto numbers = tally_numbers(tested_form, tally);
     const auto found = std::ranges::find(numbers, claim.metric, &TallyNumber::name);
     if (found != numbers.end()) return found->value;
     std::vector<std::string> names;
@@ -120,12 +120,12 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_
 }
 
 TestedForm row_in_binary32(const Claim& claim, const ExhaustiveFile& file) {
-    TestedForm form_row = row_for(claim, file);
-    if (form_row.format.engine != Format::Engine::native32)
+    TestedForm tested_form = row_for(claim, file);
+    if (tested_form.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
                           claim.subject_name() + " tries every number of f32 only; write format = \"f32\"");
-    if (!form_row.touching) form_row.touching = file.convention;
-    return form_row;
+    if (!tested_form.touching) tested_form.touching = file.convention;
+    return tested_form;
 }
 
 /// Compares the findings of a row in all ranges with the expectation of a claim.

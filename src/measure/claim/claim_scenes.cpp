@@ -24,10 +24,11 @@ namespace {
 
 /// Number of a march along the ray of the first pixel of a scene, or of one step of this march.
 double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::ProofLimit limit) {
-    const TestedForm form_row = row_for(claim, scene);
-    if (!form_row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
+    const TestedForm tested_form = row_for(claim, scene);
+    if (!tested_form.form->log)
+        scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
     const intersect::table::MarchLog log =
-        answer::march_log(*form_row.form, form_row.format, answer::OneRay(scene, 0, 0, limit));
+        answer::march_log(*tested_form.form, tested_form.format, answer::OneRay(scene, 0, 0, limit));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;
@@ -45,22 +46,24 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
 }
 
 /// Summary of the pixel of a claim, as if the map had no other pixel.
-evaluate::FormSummary summarise_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& form_row,
-                                      const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit) {
+evaluate::FormSummary summarise_pixel(const Claim& claim, const scene::file::Scene& scene,
+                                      const TestedForm& tested_form, const std::vector<const metric::Metric*>& metrics,
+                                      truth::ProofLimit limit) {
     const auto [x, y] = *claim.subject_if<SceneSubject>()->pixel;
     if (x >= scene.width || y >= scene.height)
         scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "
                                                    "to {} and rows 0 to {}",
                                                    x, y, scene.id, scene.width - 1, scene.height - 1));
-    const auto* const generator = scene::rays::generator_of(*form_row.form);
+    const auto* const generator = scene::rays::generator_of(*tested_form.form);
     const scene::file::Scene generated_scene = generator ? with_ray_generator(scene, *generator) : scene;
     culling::Culler culler(generated_scene);
     truth::Band row_band(generated_scene, y, y + 1, limit, &culler);
-    const evaluate::SharedBandTruth shared(row_band, {form_row}, metrics);
+    const evaluate::SharedBandTruth shared(row_band, {tested_form}, metrics);
     evaluate::FormSummary row_summary(metrics), pixel_summary(metrics);
     const auto column = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
-    evaluate::measure_row({form_row, metrics}, shared.inputs_of(form_row), row_summary, std::span(&pixel_subset, 1));
+    evaluate::measure_row({tested_form, metrics}, shared.inputs_of(tested_form), row_summary,
+                          std::span(&pixel_subset, 1));
     return pixel_summary;
 }
 
@@ -97,9 +100,9 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
                                                                            : std::vector<evaluate::FormSummary>();
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, subject, result] = pictures[k];
-        const TestedForm& form_row = request.rows[rows[k]];
+        const TestedForm& tested_form = request.rows[rows[k]];
         const evaluate::FormSummary pixel_summary =
-            subject.pixel ? summarise_pixel(claim, scene, form_row, request.metrics, request.limit)
+            subject.pixel ? summarise_pixel(claim, scene, tested_form, request.metrics, request.limit)
                           : evaluate::FormSummary();
         const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[rows[k]];
         result = judge(claim, columns.value(claim, summary), &summary);

@@ -121,20 +121,20 @@ struct StudyRun {
 /// Puts claims whose rows need the same options into one run. `claims` have the same study and the same `run_options`.
 std::map<std::map<std::string, std::set<std::string>>, StudyRun> group_into_runs(
     const SubjectClaims<StudySubject>& claims, const StudyNames& names) {
-    std::vector<evaluate::TestedForm> rows;
+    std::vector<evaluate::TestedForm> tested_forms;
     std::vector<std::map<std::string, std::set<std::string>>> options;
     for (const StudyClaim& subject_claim : claims) {
-        const std::size_t row_index = find_or_add_row(rows, claim_row(subject_claim.claim));
-        options.resize(rows.size());
+        const std::size_t row_index = find_or_add_row(tested_forms, claim_row(subject_claim.claim));
+        options.resize(tested_forms.size());
         for (const auto& [name, value] : split_options(subject_claim, names).row_options)
             options[row_index][name].insert(value);
     }
     std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs;
     for (const StudyClaim& subject_claim : claims) {
-        const evaluate::TestedForm form_row = claim_row(subject_claim.claim);
-        StudyRun& run = runs[options[find_or_add_row(rows, form_row)]];
+        const evaluate::TestedForm tested_form = claim_row(subject_claim.claim);
+        StudyRun& run = runs[options[find_or_add_row(tested_forms, tested_form)]];
         run.claims.push_back(subject_claim);
-        find_or_add_row(run.rows, form_row);
+        find_or_add_row(run.rows, tested_form);
     }
     return runs;
 }

@@ -54,7 +54,7 @@ void measure_exhaustive(const SubjectClaims<scene::claim::SweepSubject>& claims,
 /// of the ray. The rays are seeded rays of `scene::box::BoxDistribution`, aimed at the shared edges of eight adjoining
 /// boxes from `distance` sizes away. Returns the share of the rays on which the nearest t over all boxes, or the
 /// decision, then differs.
-double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
+double differs_with_closest(const evaluate::TestedForm& tested_form, double distance, std::uint64_t seed,
                             truth::ProofLimit limit);
 
 /// Adds the result of a further draw: a claim holds only if it holds for every draw.
@@ -96,11 +96,12 @@ void require_proof(ClaimResult& result, std::uint64_t unproved, const char* sing
 Format claim_format(const scene::claim::Claim& claim);
 
 /// Index of a row in `rows`, to which the row is added if it is new.
-inline std::size_t find_or_add_row(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& form_row) {
-    const auto found = std::ranges::find(rows, form_row);
-    if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
-    rows.push_back(form_row);
-    return rows.size() - 1;
+inline std::size_t find_or_add_row(std::vector<evaluate::TestedForm>& tested_forms,
+                                   const evaluate::TestedForm& tested_form) {
+    const auto found = std::ranges::find(tested_forms, tested_form);
+    if (found != tested_forms.end()) return static_cast<std::size_t>(found - tested_forms.begin());
+    tested_forms.push_back(tested_form);
+    return tested_forms.size() - 1;
 }
 
 template <class Kind>
@@ -113,11 +114,12 @@ std::vector<const scene::claim::Claim*> claim_pointers(const SubjectClaims<Kind>
 /// Form and format of a claim about a scene or sweep. Throws InputError if the form cannot handle it.
 template <class Rays>
 evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays) {
-    const evaluate::TestedForm form_row = claim_row(claim);
-    if (rays.meets(form_row.form->shapes())) return form_row;
-    scene::toml::fail(claim.where, claim.form + " cannot handle " + claim.subject_name() + ": it has " +
-                                       (!is_primitive(form_row.form->shape) ? "no [march] table" : "other primitives") +
-                                       "; name another form, or another scene or sweep");
+    const evaluate::TestedForm tested_form = claim_row(claim);
+    if (rays.meets(tested_form.form->shapes())) return tested_form;
+    scene::toml::fail(claim.where,
+                      claim.form + " cannot handle " + claim.subject_name() + ": it has " +
+                          (!is_primitive(tested_form.form->shape) ? "no [march] table" : "other primitives") +
+                          "; name another form, or another scene or sweep");
 }
 
 /// Result of `find`. If `find` throws InputError, the claim's position is put in front of the message.

@@ -127,14 +127,14 @@ constexpr ArithmeticRow measured_rows[] = {
 
 /// Finds the nearest t of each ray over the primitives; infinite for a miss. If `passes_on`, the nearest t so far ends
 /// the ray.
-std::vector<double> find_nearest(const evaluate::TestedForm& form_row, const FormatInputs& in, bool passes_on) {
+std::vector<double> find_nearest(const evaluate::TestedForm& tested_form, const FormatInputs& in, bool passes_on) {
     const std::size_t ray_count = in.rays.size();
     std::vector<double> best(ray_count, HUGE_VAL);
     for (const Primitive<double>& primitive : in.primitives.listed()) {
         FormatInputs single_inputs{
             .format = in.format, .rays = in.rays, .primitives = std::vector{primitive}, .stop = in.stop};
         if (passes_on) single_inputs.rays.tmax = best;
-        const answer::Answers answers = answer::evaluate(*form_row.form, single_inputs);
+        const answer::Answers answers = answer::evaluate(*tested_form.form, single_inputs);
         for (std::size_t i = 0; i < ray_count; ++i) {
             if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
         }
@@ -144,10 +144,10 @@ std::vector<double> find_nearest(const evaluate::TestedForm& form_row, const For
 
 }  // namespace
 
-double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
+double differs_with_closest(const evaluate::TestedForm& tested_form, double distance, std::uint64_t seed,
                             truth::ProofLimit limit) {
-    if (!takes_tmax(form_row.form->shape))
-        throw InputError(std::string(form_row.form->info->name) +
+    if (!takes_tmax(tested_form.form->shape))
+        throw InputError(std::string(tested_form.form->info->name) +
                          " does not take the end of a ray; name a form that does");
     scene::box::BoxDistribution distribution;
     distribution.adjoining = true;
@@ -156,8 +156,8 @@ double differs_with_closest(const evaluate::TestedForm& form_row, double distanc
     std::size_t rays = 0, different = 0;
     for (scene::rays::RayGroup& group : distribution.draw()) {
         const truth::Band band(std::move(group), limit);
-        const FormatInputs in = band.inputs(form_row.format, {});
-        const auto separate = find_nearest(form_row, in, false), passed_on = find_nearest(form_row, in, true);
+        const FormatInputs in = band.inputs(tested_form.format, {});
+        const auto separate = find_nearest(tested_form, in, false), passed_on = find_nearest(tested_form, in, true);
         rays += separate.size();
         for (std::size_t i = 0; i < separate.size(); ++i) different += separate[i] != passed_on[i];
     }

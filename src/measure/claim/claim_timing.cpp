@@ -97,30 +97,31 @@ namespace {
 
 /// Form and format of a claim, which must be possible to time on the scene.
 TestedForm timed_row(const Claim& claim, const Scene& scene) {
-    const TestedForm form_row = row_for(claim, scene);
-    if (!is_primitive(form_row.form->shape))
+    const TestedForm tested_form = row_for(claim, scene);
+    if (!is_primitive(tested_form.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
                                            "form of a primitive, such as sphere.half_b");
-    if (form_row.format.engine == Format::Engine::rounded)
+    if (tested_form.format.engine == Format::Engine::rounded)
         scene::toml::fail(claim.where, claim.format + " is emulated, so its time means nothing; write f32 or f64");
-    return form_row;
+    return tested_form;
 }
 
 /// The claim's row, followed by every other form that fits the scene, in the formats that the requirement names.
 std::vector<TestedForm> list_candidates(const Claim& claim, const Others& others, const Scene& scene) {
-    std::vector<TestedForm> rows{timed_row(claim, scene)};
+    std::vector<TestedForm> tested_forms{timed_row(claim, scene)};
     for (const std::string& name : others.formats) {
         Claim candidate = claim;
         candidate.format = name;
         const Format format = claim_format(candidate);
-        for (const intersect::table::Intersector& form : intersect::table::intersectors(rows.front().form->shape)) {
+        for (const intersect::table::Intersector& form :
+             intersect::table::intersectors(tested_forms.front().form->shape)) {
             if (!form.exists_in(format)) continue;
             candidate.form = form.info->name;
-            find_or_add_row(rows, timed_row(candidate, scene));
+            find_or_add_row(tested_forms, timed_row(candidate, scene));
         }
     }
-    return rows;
+    return tested_forms;
 }
 
 ChoiceRequest make_request(const Claim& claim, const Others& others, const Scene& scene,
@@ -141,8 +142,8 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, c
     over_claim.format = over.format;
     speed::SceneWork scene_work(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
-    for (const TestedForm& form_row : {timed_row(claim, scene), timed_row(over_claim, scene)})
-        work.push_back(scene_work.work_for(form_row, intersect::simd::packed_kernels(*form_row.form)));
+    for (const TestedForm& tested_form : {timed_row(claim, scene), timed_row(over_claim, scene)})
+        work.push_back(scene_work.work_for(tested_form, intersect::simd::packed_kernels(*tested_form.form)));
     const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
@@ -160,7 +161,7 @@ double count_others_that_meet(const Claim& claim, const Others& others, const Sc
     ChoiceRequest request = make_request(claim, others, scene, stop);
     request.rows = list_candidates(claim, others, scene);
     std::erase_if(request.rows,
-                  [&claim](const TestedForm& form_row) { return form_row.form->info->name == claim.form; });
+                  [&claim](const TestedForm& tested_form) { return tested_form.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
     const auto qualities = quality_of(request);
     return static_cast<double>(std::ranges::count_if(

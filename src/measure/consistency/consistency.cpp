@@ -73,11 +73,13 @@ std::uint64_t CheckSummary::asked() const {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - count_of(CheckResult::not_asked);
 }
 
-std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
+std::vector<const Check*> checks_for(const scene::file::Scene& scene,
+                                     const std::vector<evaluate::TestedForm>& tested_forms,
                                      std::vector<const Check*> candidates) {
     std::erase_if(candidates, [&](const Check* check) {
-        return std::ranges::none_of(
-            rows, [&](const evaluate::TestedForm& form_row) { return check->applies(scene, *form_row.form); });
+        return std::ranges::none_of(tested_forms, [&](const evaluate::TestedForm& tested_form) {
+            return check->applies(scene, *tested_form.form);
+        });
     });
     return candidates;
 }

@@ -70,7 +70,8 @@ struct ConsistencyStudy {
 };
 
 /// Returns those of the candidates that apply to at least one of the rows on a scene.
-std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
+std::vector<const Check*> checks_for(const scene::file::Scene& scene,
+                                     const std::vector<evaluate::TestedForm>& tested_forms,
                                      std::vector<const Check*> candidates = all_checks());
 
 /// True if the form intersects a primitive. Forms that march a distance field are not compared.

@@ -25,7 +25,7 @@ struct AnswerSample {
 
 /// Makes an AnswerSample with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
 AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-                           const evaluate::TestedForm& form_row, bool hit, double t);
+                           const evaluate::TestedForm& tested_form, bool hit, double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };
@@ -56,8 +56,8 @@ std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource s
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
 /// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
-std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& form_row);
-std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
+std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form);
+std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& tested_form,
                            const std::string& where);
 /// Puts the text about the counted rays in front of a suspicion, unless the suspicion is empty. `sampled` of `total`
 /// rays were counted; `counted_rays_text` follows their number, such as `of its rays`.

@@ -16,26 +16,27 @@ namespace {
 constexpr std::size_t max_rays = 4096;
 
 /// Appends the answers of a row on the rays of a band to `rays`.
-void collect_samples(const truth::Band& band, const evaluate::TestedForm& form_row, std::vector<AnswerSample>& rays) {
-    const truth::FormatInputs in = band.inputs_for(form_row.format, *form_row.form->info);
-    const answer::Answers answers = answer::evaluate(*form_row.form, in);
+void collect_samples(const truth::Band& band, const evaluate::TestedForm& tested_form,
+                     std::vector<AnswerSample>& rays) {
+    const truth::FormatInputs in = band.inputs_for(tested_form.format, *tested_form.form->info);
+    const answer::Answers answers = answer::evaluate(*tested_form.form, in);
     for (std::size_t i = 0; i < band.pixels() && rays.size() < max_rays; ++i) {
-        const truth::Truth& truth = band.truth(i, form_row.convention());
+        const truth::Truth& truth = band.truth(i, tested_form.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
             answer::measured_primitive(in, i, truth.is_hit() ? truth.primitive : answers.object[i]);
-        rays.push_back(answer_sample(in.rays_for(*form_row.form->info)[i], in.primitives[primitive], truth, form_row,
-                                     answers.hit[i] != 0, answers.t[i]));
+        rays.push_back(answer_sample(in.rays_for(*tested_form.form->info)[i], in.primitives[primitive], truth,
+                                     tested_form, answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
 
 AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-                           const evaluate::TestedForm& form_row, bool hit, double t) {
-    const bool is_unit = form_row.form->info->direction == intersect::Direction::unit;
-    const FloatFormat& format = form_row.format.parameters;
-    if (form_row.form->info->roots == intersect::Roots::none) t = std::nan("");
+                           const evaluate::TestedForm& tested_form, bool hit, double t) {
+    const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
+    const FloatFormat& format = tested_form.format.parameters;
+    if (tested_form.form->info->roots == intersect::Roots::none) t = std::nan("");
     AnswerSample sample{
         .ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .is_unit = is_unit, .hit = hit, .t = t};
     const auto to_double = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
@@ -58,11 +59,11 @@ std::string name_counted_rays(const std::string& where, std::uint64_t sampled, s
     return rays + suspicion;
 }
 
-std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& form_row) {
+std::string suspicion_text(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form) {
     const scene::file::Scene small_scene = evaluate::small_picture_of(scene, 64);
     culling::Culler culler(small_scene);
     std::vector<AnswerSample> rays;
-    collect_samples(truth::Band(small_scene, 0, small_scene.height, {}, &culler), form_row, rays);
+    collect_samples(truth::Band(small_scene, 0, small_scene.height, {}, &culler), tested_form, rays);
     const std::string text = suspicion_text(rays);
     if (text.empty() || small_scene.pixels() == scene.pixels())
         return name_counted_rays(scene.id, small_scene.pixels(), small_scene.pixels(), "", text);
@@ -70,7 +71,7 @@ std::string suspicion_text(const scene::file::Scene& scene, const evaluate::Test
                        small_scene.height, small_scene.pixels(), text);
 }
 
-std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
+std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& tested_form,
                            const std::string& where) {
     std::vector<AnswerSample> rays;
     std::uint64_t total = 0, sampled = 0;
@@ -78,7 +79,7 @@ std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const eval
         total += group.rays.size();
         if (rays.size() >= max_rays) continue;
         sampled += std::min(group.rays.size(), max_rays - rays.size());
-        collect_samples(truth::Band(std::move(group)), form_row, rays);
+        collect_samples(truth::Band(std::move(group)), tested_form, rays);
     }
     return name_counted_rays(where, sampled, total, "of its rays", suspicion_text(rays));
 }

@@ -16,34 +16,35 @@ using metric::Metric;
 using truth::Band;
 using truth::BandNeeds;
 
-SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows,
+SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& tested_forms,
                                  const std::vector<const Metric*>& metrics)
     : band_(band), columns_(band) {
     const unsigned metric_needs = needs_of(metrics);
     if (metric_needs & metric::needs_condition) band.find_condition();
     std::map<std::string, BandNeeds> needs_by_format;
-    for (const TestedForm& form_row : rows) {
+    for (const TestedForm& tested_form : tested_forms) {
         BandNeeds& needs =
-            needs_by_format.try_emplace(form_row.format.name, BandNeeds{.without_forms = true}).first->second;
-        for (const intersect::table::Intersector* form : {form_row.form, form_row.against}) {
+            needs_by_format.try_emplace(tested_form.format.name, BandNeeds{.without_forms = true}).first->second;
+        for (const intersect::table::Intersector* form : {tested_form.form, tested_form.against}) {
             if (form == nullptr) continue;
             needs.unit_rays |= form->info->direction == intersect::Direction::unit;
-            needs.without_forms &= !form->exists_in(form_row.format);  // a row of a file's answers exists in no format
+            needs.without_forms &=
+                !form->exists_in(tested_form.format);  // a row of a file's answers exists in no format
         }
         needs.stored_truth = (metric_needs & metric::needs_stored_truth) != 0;
-        const truth::Length length = truth::length_of(form_row.form->info->direction);
+        const truth::Length length = truth::length_of(tested_form.form->info->direction);
         if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
         if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
     }
     for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
-    for (const TestedForm& form_row : rows)
-        columns_.compute_lengths(form_row.convention(), form_row.form->info->direction);
+    for (const TestedForm& tested_form : tested_forms)
+        columns_.compute_lengths(tested_form.convention(), tested_form.form->info->direction);
 }
 
-std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows) {
+std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& tested_forms) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& form_row : rows) {
-        if (std::ranges::find(forms, form_row.form) == forms.end()) forms.push_back(form_row.form);
+    for (const TestedForm& tested_form : tested_forms) {
+        if (std::ranges::find(forms, tested_form.form) == forms.end()) forms.push_back(tested_form.form);
     }
     return forms;
 }
@@ -162,21 +163,22 @@ std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups)
 }
 
 /// Measures rows on one band, into the summaries with the same indices.
-void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics,
-                  const std::vector<FormSummary*>& summaries) {
-    const SharedBandTruth shared(band, rows, metrics);
-    for (std::size_t r = 0; r < rows.size(); ++r)
-        measure_row({rows[r], metrics, {}, group}, shared.inputs_of(rows[r]), *summaries[r]);
+void measure_band(Band& band, int group, const std::vector<TestedForm>& tested_forms,
+                  const std::vector<const Metric*>& metrics, const std::vector<FormSummary*>& summaries) {
+    const SharedBandTruth shared(band, tested_forms, metrics);
+    for (std::size_t r = 0; r < tested_forms.size(); ++r)
+        measure_row({tested_forms[r], metrics, {}, group}, shared.inputs_of(tested_forms[r]), *summaries[r]);
 }
 
 /// Measures rows on the rays of one group, into the summaries with the same indices.
-void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
+void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& tested_forms,
                    const std::vector<const Metric*>& metrics, truth::ProofLimit limit,
                    const std::vector<FormSummary*>& summaries) {
-    for (const FormsOfGenerator& forms : group_by_generator(rows)) {
+    for (const FormsOfGenerator& forms : group_by_generator(tested_forms)) {
         std::vector<TestedForm> generator_rows;
         std::vector<FormSummary*> row_summaries;
-        for (const std::size_t r : forms.rows) generator_rows.push_back(rows[r]), row_summaries.push_back(summaries[r]);
+        for (const std::size_t r : forms.rows)
+            generator_rows.push_back(tested_forms[r]), row_summaries.push_back(summaries[r]);
         if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;
             if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
@@ -197,17 +199,18 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
 
 }  // namespace
 
-std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
+std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups,
+                                        const std::vector<TestedForm>& tested_forms,
                                         const std::vector<const Metric*>& metrics, truth::ProofLimit limit) {
     std::vector<FormSummary> summaries;
-    for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
     // Forms that march are not joined: a distance field contains all primitives of a group, for every ray.
     std::optional<JoinedRays> joined = join(groups);
     std::vector<TestedForm> joined_rows, separate_rows;
     std::vector<FormSummary*> joined_summaries, separate_summaries;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        const bool is_joined = joined && is_primitive(rows[r].form->shape);
-        (is_joined ? joined_rows : separate_rows).push_back(rows[r]);
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
+        const bool is_joined = joined && is_primitive(tested_forms[r].form->shape);
+        (is_joined ? joined_rows : separate_rows).push_back(tested_forms[r]);
         (is_joined ? joined_summaries : separate_summaries).push_back(&summaries[r]);
     }
     if (!joined_rows.empty()) {

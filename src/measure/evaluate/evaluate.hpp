@@ -33,7 +33,7 @@ struct TestedForm {
 };
 
 /// Forms of the rows, each once, in their order.
-std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows);
+std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& tested_forms);
 
 /// A ray that a summary names, with all inputs for evaluating the form again.
 struct WorstRay {
@@ -140,7 +140,8 @@ void measure_row(const RowRequest& request, const truth::Band& band, const truth
                  FormSummary& summary);
 
 /// Measures every row over all groups of rays; one summary for each row, with sealed distributions.
-std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
+std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups,
+                                        const std::vector<TestedForm>& tested_forms,
                                         const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit);
 
 /// Inputs that must be computed for the metrics: their `Needs`, combined with or.

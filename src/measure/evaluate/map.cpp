@@ -8,10 +8,10 @@
 
 namespace lostbits::measure::evaluate {
 
-std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& rows) {
+std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& tested_forms) {
     std::vector<FormsOfGenerator> groups;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        const auto* const generator = scene::rays::generator_of(*rows[r].form);
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
+        const auto* const generator = scene::rays::generator_of(*tested_forms[r].form);
         auto group = std::ranges::find(groups, generator, &FormsOfGenerator::generator);
         if (group == groups.end()) group = groups.insert(group, {generator, {}});
         group->rows.push_back(r);

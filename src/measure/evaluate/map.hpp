@@ -15,7 +15,7 @@ struct FormsOfGenerator {
     const scene::camera::RayGenerator* generator;
     std::vector<std::size_t> rows;  ///< indices in the list of all rows
 };
-std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& rows);
+std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& tested_forms);
 
 /// The map of a scene, as a study (measure/study/study.hpp).
 struct MapStudy {

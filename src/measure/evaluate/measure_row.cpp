@@ -293,9 +293,9 @@ private:
 
 void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
                  std::span<const RaySubset> parts) {
-    const TestedForm& form_row = request.row;
+    const TestedForm& tested_form = request.row;
     const answer::Answers evaluated =
-        request.answers ? answer::Answers{} : answer::evaluate(*form_row.form, row_inputs.inputs);
+        request.answers ? answer::Answers{} : answer::evaluate(*tested_form.form, row_inputs.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : evaluated;
     // The columns are taken out of `idle_columns`: a thread that waits in here may start another row.
     thread_local std::optional<RowColumns> idle_columns;
@@ -307,10 +307,10 @@ void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSum
                       .band = &row_inputs.band,
                       .inputs = &row_inputs.inputs,
                       .answers = &answers,
-                      .convention = form_row.convention(),
+                      .convention = tested_form.convention(),
                       .outcomes = std::move(columns_of_thread.outcomes),
                       .metrics = std::move(columns_of_thread.metrics)};
-    const TrueLengths& truth = row_inputs.columns.lengths(form_row.convention(), form_row.form->info->direction);
+    const TrueLengths& truth = row_inputs.columns.lengths(tested_form.convention(), tested_form.form->info->direction);
     Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
     columns_of_thread.outcomes = std::move(result.outcomes);

@@ -27,11 +27,11 @@ struct RowInputs {
 class SharedBandTruth {
 public:
     /// Also computes κ of the band's hits if a metric needs it.
-    SharedBandTruth(truth::Band& band, const std::vector<TestedForm>& rows,
+    SharedBandTruth(truth::Band& band, const std::vector<TestedForm>& tested_forms,
                     const std::vector<const metric::Metric*>& metrics);
 
-    [[nodiscard]] RowInputs inputs_of(const TestedForm& form_row) const {
-        return {band_, inputs_.at(form_row.format.name), columns_};
+    [[nodiscard]] RowInputs inputs_of(const TestedForm& tested_form) const {
+        return {band_, inputs_.at(tested_form.format.name), columns_};
     }
 
 private:

@@ -42,31 +42,31 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
     summary.rays += n;
 }
 
-FormStatements::FormStatements(const TestedForm& form_row, unsigned needs, const truth::FormatInputs& inputs,
+FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, const truth::FormatInputs& inputs,
                                const Ray<double>& ray, std::size_t i, std::size_t primitive,
                                std::int32_t true_primitive) {
-    const intersect::table::Intersector& form = *form_row.form;
+    const intersect::table::Intersector& form = *tested_form.form;
     const auto& rays = inputs.rays_for(*form.info);
     const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
     if ((needs & metric::needs_bound) && form.bounded)
-        bounded_ = form.bounded(form_row.format, ray, inputs.target_for(form, primitive), tmax);
+        bounded_ = form.bounded(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_filter_arithmetic) && form.filter_arithmetic)
-        filter_arithmetic_ = form.filter_arithmetic(form_row.format, ray, inputs.target_for(form, primitive), tmax);
+        filter_arithmetic_ = form.filter_arithmetic(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_levels) && true_primitive >= 0) {
         const Primitive<double> hit_primitive = inputs.primitives[static_cast<std::size_t>(true_primitive)];
         const intersect::table::Intersector& part_form = form.of(hit_primitive.shape);
         if (intersect::bounding_box::has_box(part_form))
-            levels_ = answer::levels_of(part_form, form_row.format, ray, hit_primitive, rays.range(i));
+            levels_ = answer::levels_of(part_form, tested_form.format, ray, hit_primitive, rays.range(i));
     }
     if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
     const Primitive<double> tested_primitive = inputs.primitives[primitive];
     const intersect::table::Intersector& part_form = form.of(tested_primitive.shape);
     if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part_form))
-        end_margin_ = answer::end_margin(part_form, form_row.format, ray, tested_primitive, rays.range(i));
+        end_margin_ = answer::end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
     if (!tested_primitive.placed || !part_form.is_placed) return;
     // A box in the world is not a transform step.
-    steps_ = answer::steps_of(intersect::bounding_box::without_world_boxes(part_form), form_row.format, ray,
+    steps_ = answer::steps_of(intersect::bounding_box::without_world_boxes(part_form), tested_form.format, ray,
                               tested_primitive, rays.range(i));
 }
 

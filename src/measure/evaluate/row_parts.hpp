@@ -50,7 +50,7 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
 /// empty.
 class FormStatements {
 public:
-    FormStatements(const TestedForm& form_row, unsigned needs, const truth::FormatInputs& inputs,
+    FormStatements(const TestedForm& tested_form, unsigned needs, const truth::FormatInputs& inputs,
                    const Ray<double>& ray, std::size_t i, std::size_t primitive, std::int32_t true_primitive);
     /// Sets pointers in the sample to this object, which must outlive the sample.
     void fill(metric::Sample& sample) const;

@@ -226,18 +226,18 @@ private:
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         const auto rays_by_value = group_rays(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
-            const TestedForm& form_row = request_.rows[r];
+            const TestedForm& tested_form = request_.rows[r];
             evaluate::Show show;
             if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
             std::vector<evaluate::RaySubset> parts;
             for (const auto& [value, rays] : rays_by_value)
                 parts.push_back({rays, &result_.groups.at(value).summaries[r]});
-            evaluate::measure_row({.row = form_row,
+            evaluate::measure_row({.row = tested_form,
                                    .metrics = request_.metrics,
                                    .show = show,
                                    .first = first,
-                                   .answers = request_.is_file_row(form_row) ? &piece.answers : nullptr},
-                                  piece.shared->inputs_of(form_row), result_.summaries[r], parts);
+                                   .answers = request_.is_file_row(tested_form) ? &piece.answers : nullptr},
+                                  piece.shared->inputs_of(tested_form), result_.summaries[r], parts);
         });
         if (file_row_index_) add_first_samples(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
@@ -258,16 +258,16 @@ private:
     }
 
     void add_first_samples(const Piece& piece) {
-        const TestedForm& form_row = file_row();
-        const FormatInputs& inputs = piece.shared->inputs_of(form_row).inputs;
+        const TestedForm& tested_form = file_row();
+        const FormatInputs& inputs = piece.shared->inputs_of(tested_form).inputs;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < most_first_rays; ++i) {
-            const truth::Truth truth = piece.band->truth(i, form_row.convention());
+            const truth::Truth truth = piece.band->truth(i, tested_form.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int primitive = truth.is_hit() ? truth.primitive : piece.answers.object[i];
             result_.first_samples.push_back(contract::answer_sample(
-                inputs.rays_for(*form_row.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)], truth,
-                form_row, hit, piece.answers.t[i]));
+                inputs.rays_for(*tested_form.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)],
+                truth, tested_form, hit, piece.answers.t[i]));
         }
     }
 
@@ -301,7 +301,8 @@ void JudgeResult::append(JudgeResult&& next) {
 }
 
 std::optional<std::size_t> JudgeRequest::file_row_index() const {
-    const auto found = std::ranges::find_if(rows, [this](const TestedForm& form_row) { return is_file_row(form_row); });
+    const auto found =
+        std::ranges::find_if(rows, [this](const TestedForm& tested_form) { return is_file_row(tested_form); });
     return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
 }
 

@@ -55,8 +55,8 @@ struct JudgeRequest {
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
-    [[nodiscard]] bool is_file_row(const evaluate::TestedForm& form_row) const {
-        return form_row.form == file_answers_form;
+    [[nodiscard]] bool is_file_row(const evaluate::TestedForm& tested_form) const {
+        return tested_form.form == file_answers_form;
     }
     /// Index of the row of the file's answers, if there is one.
     [[nodiscard]] std::optional<std::size_t> file_row_index() const;

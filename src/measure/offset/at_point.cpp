@@ -147,7 +147,7 @@ public:
     }
 
     [[nodiscard]] double smallest_offset(Side side, bool by_form) const {
-        const FloatFormat& format = work_.form_row_.format.parameters;
+        const FloatFormat& format = work_.tested_form_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
@@ -168,7 +168,8 @@ private:
     void compute_object_point(StrategyInput<T>& strategy_input) const {
         const auto& steps = intersect::transform::step_functions<T>(
             *intersect::transform::transformed_parts_of(
-                 intersect::bounding_box::without_world_boxes(work_.form_row_.form->of(strategy_input.primitive.shape)))
+                 intersect::bounding_box::without_world_boxes(
+                     work_.tested_form_.form->of(strategy_input.primitive.shape)))
                  .method);
         const Placement<T> placed = *std::exchange(strategy_input.primitive.placed, std::nullopt);
         const auto maps = steps.maps(placed);
@@ -273,13 +274,13 @@ private:
     /// Finds the faults by the form's own arithmetic. A hit at a larger t than the start of the far side is not a
     /// self-hit.
     void find_faults_by_form(std::vector<NewRay>& new_rays, Side side) const {
-        const intersect::Info &info = *work_.form_row_.form->info,
-                              &part_info = *work_.form_row_.form->of(departed_primitive().shape).info;
+        const intersect::Info &info = *work_.tested_form_.form->info,
+                              &part_info = *work_.tested_form_.form->of(departed_primitive().shape).info;
         scene::rays::RayBlock rays;
         for (const NewRay& r : new_rays) {
             const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(r.ray.direction);
             rays.push({r.ray.origin, is_made_unit
-                                         ? truth::unit_direction(r.ray.direction, work_.form_row_.format.parameters)
+                                         ? truth::unit_direction(r.ray.direction, work_.tested_form_.format.parameters)
                                          : r.ray.direction});
         }
         answer::KernelBuffers<S> buffers(rays);
@@ -299,10 +300,10 @@ private:
 
     void run_kernel(const intersect::table::RayBatch<S>& batch, const Primitive<S>& primitive,
                     const intersect::table::HitBatch<S>& answers) const {
-        const intersect::table::Intersector& form = *work_.form_row_.form;
+        const intersect::table::Intersector& form = *work_.tested_form_.form;
         if constexpr (std::is_same_v<T, float>) form.native32(batch, primitive, answers);
         else if constexpr (std::is_same_v<T, double>) form.native64(batch, primitive, answers);
-        else form.rounded(work_.form_row_.format.parameters, batch, primitive, answers);
+        else form.rounded(work_.tested_form_.format.parameters, batch, primitive, answers);
     }
 
     /// Returns the first root that the form reports in (tmin, tmax); NaN if there is none.
@@ -327,7 +328,7 @@ private:
 
 bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides,
                         std::span<StrategyAtPoint> by_strategy, bool finds_quiet_offset) const {
-    return with_number(form_row_.format, [&]<class T>() {
+    return with_number(tested_form_.format, [&]<class T>() {
         const TypedPoint<T> point(*this, form_hit);
         if (!point.has_point()) return false;
         for (const Side side : both_sides) {
@@ -354,18 +355,18 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
 }
 
 std::vector<NewRay> PointWork::rays(const FormHit& form_hit, const Strategy& strategy, Side side) const {
-    return with_number(form_row_.format,
+    return with_number(tested_form_.format,
                        [&]<class T>() { return TypedPoint<T>(*this, form_hit).rays(strategy, side); });
 }
 
 bool PointWork::is_safe(const FormHit& form_hit, Side side, double e, bool by_form) const {
-    return with_number(form_row_.format, [&]<class T>() {
+    return with_number(tested_form_.format, [&]<class T>() {
         return TypedPoint<T>(*this, form_hit).verdict_on_offset(side, e, by_form) == OffsetVerdict::enough;
     });
 }
 
 std::optional<PointWork::Start> PointWork::start(const FormHit& form_hit) const {
-    return with_number(form_row_.format, [&]<class T>() -> std::optional<Start> {
+    return with_number(tested_form_.format, [&]<class T>() -> std::optional<Start> {
         const TypedPoint<T> point(*this, form_hit);
         if (!point.has_point()) return std::nullopt;
         return Start{point.p(), point.n()};

@@ -97,10 +97,10 @@ struct FormHit {
 class PointWork {
 public:
     /// `tree` finds the primitives near a point. If it is null, every primitive is tested.
-    PointWork(const evaluate::TestedForm& form_row, HitPoint point_kind,
+    PointWork(const evaluate::TestedForm& tested_form, HitPoint point_kind,
               const scene::rays::PrimitiveList<double>& primitives, const culling::BoxTree* tree,
               std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
-        : form_row_(form_row),
+        : tested_form_(tested_form),
           point_kind_(point_kind),
           primitives_(primitives),
           tree_(tree),
@@ -127,7 +127,7 @@ public:
     [[nodiscard]] std::optional<Start> start(const FormHit& form_hit) const;
 
 private:
-    const evaluate::TestedForm& form_row_;
+    const evaluate::TestedForm& tested_form_;
     HitPoint point_kind_;
     const scene::rays::PrimitiveList<double>& primitives_;
     const culling::BoxTree* tree_;

@@ -25,10 +25,10 @@ public:
     OffsetMeasurement(const OffsetStudy& study, const OffsetRow& offset_row, const Band& band)
         : study_(study),
           row_(offset_row),
-          inputs_(band.inputs_for(offset_row.form_row.format, *offset_row.form_row.form->info)),
-          answers_(answer::evaluate(*offset_row.form_row.form, inputs_)),
-          tree_(tree_of(band, offset_row.form_row.format.parameters, inputs_.primitives)),
-          work_(row_.form_row, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
+          inputs_(band.inputs_for(offset_row.tested_form.format, *offset_row.tested_form.form->info)),
+          answers_(answer::evaluate(*offset_row.tested_form.form, inputs_)),
+          tree_(tree_of(band, offset_row.tested_form.format.parameters, inputs_.primitives)),
+          work_(row_.tested_form, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
         const std::size_t pixel_count = band.pixels(), strategy_count = study.strategies.size();
         result_.y0 = band.y0();
@@ -61,7 +61,7 @@ public:
     void add_to(OffsetSummary& summary) const {
         summary.pixels += result_.is_point.size();
         for (std::size_t i = 0; i < result_.is_point.size(); ++i) {
-            if (band_.truth(i, row_.form_row.convention()).decision == Truth::Decision::unresolved)
+            if (band_.truth(i, row_.tested_form.convention()).decision == Truth::Decision::unresolved)
                 ++summary.unresolved;
             if (result_.is_point[i] == 0) continue;
             ++summary.points;
@@ -80,20 +80,20 @@ private:
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!study_.scene.appearance.light) return std::nullopt;
-        return picture::input_appearance(study_.scene, row_.form_row.format.parameters).light;
+        return picture::input_appearance(study_.scene, row_.tested_form.format.parameters).light;
     }
     [[nodiscard]] bool hits_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
-        return answer::meets_first(band_, i, answers_.object[i], row_.form_row.convention());
+        return answer::meets_first(band_, i, answers_.object[i], row_.tested_form.convention());
     }
     [[nodiscard]] FormHit form_hit(std::size_t i) const {
-        return {inputs_.rays_for(*row_.form_row.form->info)[i], answers_.t[i],
+        return {inputs_.rays_for(*row_.tested_form.form->info)[i], answers_.t[i],
                 static_cast<std::size_t>(answers_.object[i])};
     }
     [[nodiscard]] double ulp_of(const Vec<double>& p) const {
         const double size = largest_of(p);
         const long binade = size > 0 ? std::ilogb(size) : std::numeric_limits<int>::min();
-        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.form_row.format.parameters, binade)));
+        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.tested_form.format.parameters, binade)));
     }
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {

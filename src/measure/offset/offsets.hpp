@@ -66,7 +66,7 @@ LOSTBITS_FIELDS(SideSummary, rays, already_safe_points, never_safe_points, never
 
 /// A form in a format, and the kind of its hit points.
 struct OffsetRow {
-    evaluate::TestedForm form_row;
+    evaluate::TestedForm tested_form;
     HitPoint point_kind = HitPoint::computed;
     friend bool operator==(const OffsetRow&, const OffsetRow&) = default;
 };

@@ -74,19 +74,19 @@ Shadow compare_shadows(TrueShadow truth, std::uint8_t blocked) {
 /// Renders one form in one format on one band.
 class RowRenderer {
 public:
-    RowRenderer(const RenderStudy& study, const TestedForm& form_row, const SharedRenderInputs& shared)
+    RowRenderer(const RenderStudy& study, const TestedForm& tested_form, const SharedRenderInputs& shared)
         : study_(study),
-          row_(form_row),
+          row_(tested_form),
           band_(shared.band),
-          inputs_(shared.inputs.at(form_row.format.name)),
+          inputs_(shared.inputs.at(tested_form.format.name)),
           truth_(shared.truth),
           appearance_(study.scene.appearance),
           pixel_count_(shared.band.pixels()),
-          rays_(inputs_.geometry.rays_for(*form_row.form->info)),
+          rays_(inputs_.geometry.rays_for(*tested_form.form->info)),
           result_{shared.band.y0(),
                   shared.band.rows(),
                   inputs_.geometry.rays.width,
-                  answer::evaluate(*form_row.form, inputs_.geometry),
+                  answer::evaluate(*tested_form.form, inputs_.geometry),
                   shared.truth,
                   std::vector<SeenContent>(pixel_count_),
                   {},
@@ -278,8 +278,8 @@ RenderStudy::Summary RenderStudy::begin(std::size_t) const {
 
 SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     std::map<std::string, truth::BandNeeds> needs;
-    for (const TestedForm& form_row : rows)
-        needs[form_row.format.name].unit_rays |= form_row.form->info->direction == intersect::Direction::unit;
+    for (const TestedForm& tested_form : rows)
+        needs[tested_form.format.name].unit_rays |= tested_form.form->info->direction == intersect::Direction::unit;
     SharedRenderInputs shared{
         band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
     for (const auto& [name, format_needs] : needs) {

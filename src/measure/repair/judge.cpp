@@ -46,8 +46,8 @@ private:
 };
 
 /// Row that runs a tape, with the format and convention of another row.
-TestedForm make_row(const TestedForm& form_row, const TapeForm& form) {
-    return {.form = &form.row(), .format = form_row.format, .touching = form_row.touching};
+TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
+    return {.form = &form.row(), .format = tested_form.format, .touching = tested_form.touching};
 }
 
 /// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one
@@ -143,29 +143,29 @@ void Judge::for_each_part(const std::function<void(const Part&)>& action) {
     for (std::size_t k = 0; k < bands.size(); ++k) action(Part(request_, bands, k, *culler_));
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, const evaluate::ShowRows& show) {
-    return quality_of(rows, show, {});
+std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowRows& show) {
+    return quality_of(tested_forms, show, {});
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, const evaluate::ShowRows& show,
+std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowRows& show,
                                           const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.requirement.metrics();
     std::vector<evaluate::FormSummary> summaries;
-    for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
     for_each_part([&](const Part& part) {
-        intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
+        intersect::process::in_parallel(std::size_t{0}, tested_forms.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto candidate_answers =
                 tapes.empty() ? std::nullopt : evaluate_candidate_pairs(*tapes[r], part.rows().inputs);
-            evaluate::RowRequest row_request{rows[r], metrics};
+            evaluate::RowRequest row_request{tested_forms[r], metrics};
             if (show) row_request.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
             if (candidate_answers) row_request.answers = &*candidate_answers;
             measure_row(row_request, part.rows(), summaries[r]);
         });
     });
     std::vector<RowQuality> qualities;
-    for (std::size_t r = 0; r < rows.size(); ++r)
-        qualities.push_back(choice::quality_of(summaries[r], rows[r], request_.requirement));
+    for (std::size_t r = 0; r < tested_forms.size(); ++r)
+        qualities.push_back(choice::quality_of(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
@@ -174,13 +174,13 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
     for (std::size_t begin = 0; begin < tapes.size(); begin += tapes_per_call) {
         const std::size_t end = std::min(begin + tapes_per_call, tapes.size());
         std::vector<std::unique_ptr<TapeForm>> forms;
-        std::vector<TestedForm> rows;
+        std::vector<TestedForm> tested_forms;
         for (std::size_t k = begin; k < end; ++k) {
             forms.push_back(
                 std::make_unique<TapeForm>(*request_.row.form, request_.row.format, tapes[k], "candidate", ""));
-            rows.push_back(make_row(request_.row, *forms.back()));
+            tested_forms.push_back(make_row(request_.row, *forms.back()));
         }
-        const auto quality = quality_of(rows, {}, forms);
+        const auto quality = quality_of(tested_forms, {}, forms);
         qualities.insert(qualities.end(), quality.begin(), quality.end());
         tried_ += end - begin;
         request_.progress(end - begin);
@@ -209,18 +209,18 @@ RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& ju
         "form that does the same operations for every ray");
 }
 
-std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& form_row) {
-    std::vector<evaluate::TestedForm> rows;
-    const auto parts = intersect::transform::transformed_parts_of(*form_row.form);
+std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& tested_form) {
+    std::vector<evaluate::TestedForm> tested_forms;
+    const auto parts = intersect::transform::transformed_parts_of(*tested_form.form);
     for (const auto& form : intersect::table::catalogue()) {
-        if (form.shape != form_row.form->shape || !form.exists_in(form_row.format)) continue;
-        rows.push_back(
-            {parts.form ? &intersect::transform::transformed_form(*parts.method, form) : &form, form_row.format});
+        if (form.shape != tested_form.form->shape || !form.exists_in(tested_form.format)) continue;
+        tested_forms.push_back(
+            {parts.form ? &intersect::transform::transformed_form(*parts.method, form) : &form, tested_form.format});
     }
     for (const auto& method : intersect::transform::transform_methods())
         if (parts.form && &method != parts.method)
-            rows.push_back({&intersect::transform::transformed_form(method, *parts.form), form_row.format});
-    return rows;
+            tested_forms.push_back({&intersect::transform::transformed_form(method, *parts.form), tested_form.format});
+    return tested_forms;
 }
 
 std::vector<Ranked> rank_catalogue(const RepairRequest& request) {

@@ -55,7 +55,7 @@ public:
     std::vector<RowQuality> quality_of(const std::vector<Tape>& tapes);
     /// Quality of rows that have the contract and format of the request's row. `show` receives their answers; it may be
     /// empty.
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
+    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
                                        const evaluate::ShowRows& show = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
@@ -65,7 +65,8 @@ public:
 private:
     class Part;
     Judge(const RepairRequest& request, const scene::file::Scene* scene);
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows, const evaluate::ShowRows& show,
+    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
+                                       const evaluate::ShowRows& show,
                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void for_each_part(const std::function<void(const Part&)>& action);
 
@@ -89,7 +90,7 @@ bool has_answers_of_tape(const evaluate::TestedForm& form, const Tape& tape, con
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is combined with
 /// the transform method of the row, and the form itself with all methods.
-std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& form_row);
+std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& tested_form);
 
 /// Form of the catalogue with its quality.
 struct Ranked {

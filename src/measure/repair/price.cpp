@@ -218,22 +218,23 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
     return formulas;
 }
 
-std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
+std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& tested_forms,
                                   const speed::TimingPlan& plan) {
     auto work_on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
                                       : speed::SceneWork(request.rays->sample, request.limit);
     const simd::Isa isa = simd::current_isa();
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
-    for (const evaluate::TestedForm& form_row : rows) {
-        const bool uses_packs = form_row.form->is_placed || is_packed(*form_row.form, isa);
+    for (const evaluate::TestedForm& tested_form : tested_forms) {
+        const bool uses_packs = tested_form.form->is_placed || is_packed(*tested_form.form, isa);
         prices.push_back({.isa = name_of(uses_packs ? isa : simd::Isa::scalar)});
-        work.push_back(work_on_rays.work_for(form_row, packed_kernels(*form_row.form, isa)));
-        work.push_back(work_on_rays.work_for(form_row, packed_kernels(*form_row.form, simd::Isa::scalar)));
-        if (form_row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
+        work.push_back(work_on_rays.work_for(tested_form, packed_kernels(*tested_form.form, isa)));
+        work.push_back(work_on_rays.work_for(tested_form, packed_kernels(*tested_form.form, simd::Isa::scalar)));
+        if (tested_form.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
     }
     const auto times = time_interleaved(work, plan);
-    for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];
+    for (std::size_t k = 0; k < tested_forms.size(); ++k)
+        prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];
     return prices;
 }
 

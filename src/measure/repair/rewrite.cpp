@@ -189,23 +189,23 @@ Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) 
 
 RaySample::RaySample(const RepairRequest& request, int rays)
     : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
-    const evaluate::TestedForm& form_row = request.row;
+    const evaluate::TestedForm& tested_form = request.row;
     std::optional<scene::file::Scene> smaller_scene;
     if (request.scene) smaller_scene = choice::with_smaller_picture(*request.scene, rays);
     const truth::Band band =
         smaller_scene ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
                       : truth::Band(sample_rays(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
-    const auto inputs = band.inputs_for(form_row.format, *form_row.form->info);
-    const auto& form_rays = inputs.rays_for(*form_row.form->info);
-    const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
+    const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
+    const auto& form_rays = inputs.rays_for(*tested_form.form->info);
+    const bool takes_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
-        const auto truth = band.truth(i, form_row.convention());
+        const auto truth = band.truth(i, tested_form.convention());
         const std::size_t primitive = answer::measured_primitive(inputs, i, truth.primitive);
         inputs_.push_back(tape::inputs_of(form_rays[i], inputs.primitives[primitive], band.range(i).tmax));
         exact_inputs_.push_back(takes_unit_directions ? turn_to_axis(inputs_.back()) : inputs_.back());
-        const double t = truth.is_hit()
-                             ? band.rounded_truth(i, binary64, form_row.form->info->direction, form_row.convention())
-                             : truth::missing;
+        const double t = truth.is_hit() ? band.rounded_truth(i, binary64, tested_form.form->info->direction,
+                                                             tested_form.convention())
+                                        : truth::missing;
         correct_answers_.push_back({truth.decision, t, band.range(i)});
     }
 }

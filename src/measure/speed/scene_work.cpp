@@ -110,29 +110,29 @@ std::size_t SceneWork::bytes(const Format& format) const {
 }
 
 template <class S>
-std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm& form_row) {
+std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm& tested_form) {
     auto& stores = [this]() -> auto& {
         if constexpr (std::same_as<S, float>) return f32_;
         else return f64_;
     }
     ();
-    const bool is_unit = form_row.form->info->direction == intersect::Direction::unit;
+    const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
     auto& row_store = stores[is_unit ? 1 : 0];
     if (!row_store) {
-        const truth::FormatInputs inputs = band_.inputs_for(form_row.format, *form_row.form->info);
+        const truth::FormatInputs inputs = band_.inputs_for(tested_form.format, *tested_form.form->info);
         row_store =
-            std::make_shared<Store<S>>(Store<S>{answer::KernelBuffers<S>(inputs.rays_for(*form_row.form->info))});
+            std::make_shared<Store<S>>(Store<S>{answer::KernelBuffers<S>(inputs.rays_for(*tested_form.form->info))});
         for (const std::size_t s : primitives_)
             row_store->primitives.push_back(lift_primitive<S>(inputs.primitives[s]));
     }
     return row_store;
 }
 
-TimedWork SceneWork::work_for(const evaluate::TestedForm& form_row, const intersect::simd::PackedRow& kernels) {
+TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form, const intersect::simd::PackedRow& kernels) {
     const std::size_t items = rays() * primitives();
-    if (form_row.format.engine == Format::Engine::native32)
-        return {[row_store = store<float>(form_row), kernel = kernels.f32] { row_store->run(kernel); }, items, true};
-    return {[row_store = store<double>(form_row), kernel = kernels.f64] { row_store->run(kernel); }, items, true};
+    if (tested_form.format.engine == Format::Engine::native32)
+        return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, items, true};
+    return {[row_store = store<double>(tested_form), kernel = kernels.f64] { row_store->run(kernel); }, items, true};
 }
 
 }  // namespace lostbits::measure::speed

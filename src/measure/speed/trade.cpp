@@ -77,21 +77,22 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
 
 /// Measures accuracy, once for all kernels of a row.
 void measure_all(const TradeRequest& request, TradeResult& result) {
-    std::vector<TestedForm> rows;
+    std::vector<TestedForm> tested_forms;
     for (const TradeKernel& k : request.kernels) {
-        const auto found = std::ranges::find_if(
-            rows, [&k](const TestedForm& r) { return r.form == k.measured.form && r.format == k.measured.format; });
-        result.row_indices.push_back(static_cast<std::size_t>(found - rows.begin()));
-        if (found == rows.end()) rows.push_back(k.measured);
+        const auto found = std::ranges::find_if(tested_forms, [&k](const TestedForm& r) {
+            return r.form == k.measured.form && r.format == k.measured.format;
+        });
+        result.row_indices.push_back(static_cast<std::size_t>(found - tested_forms.begin()));
+        if (found == tested_forms.end()) tested_forms.push_back(k.measured);
     }
     if (request.scene) {
         const evaluate::MapStudy study{
-            .scene = request.scene, .rows = rows, .metrics = request.metrics, .limit = request.limit};
+            .scene = request.scene, .rows = tested_forms, .metrics = request.metrics, .limit = request.limit};
         result.rows.push_back(evaluate::run_map(study));
         return;
     }
     for (const RaySet& set : ray_sets(request.shape))
-        result.rows.push_back(evaluate::measure_groups(set.groups(), rows, request.metrics, request.limit));
+        result.rows.push_back(evaluate::measure_groups(set.groups(), tested_forms, request.metrics, request.limit));
 }
 
 void count_all(const TradeRequest& request, TradeResult& result) {
@@ -117,7 +118,7 @@ bool is_at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
 
 }  // namespace
 
-std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& rows) {
+std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& tested_forms) {
     std::vector<TradeKernel> kernels;
     const auto add = [&kernels](TradeKernel kernel, decltype(Intersector::native32) f32,
                                 decltype(Intersector::native64) f64) {
@@ -126,14 +127,14 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& rows) {
         if (engine == Format::Engine::native64) kernel.f64 = f64;
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
-    for (const TestedForm& form_row : rows) {
+    for (const TestedForm& tested_form : tested_forms) {
         // A row under a matrix uses the current register width.
-        const auto isas = form_row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
-                                                               : intersect::simd::available_isas();
+        const auto isas = tested_form.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
+                                                                  : intersect::simd::available_isas();
         for (const intersect::simd::Isa isa : isas) {
-            if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*form_row.form, isa)) continue;
-            const intersect::simd::PackedRow packed = packed_kernels(*form_row.form, isa);
-            add({.measured = form_row, .isa = name_of(isa)}, packed.f32, packed.f64);
+            if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*tested_form.form, isa)) continue;
+            const intersect::simd::PackedRow packed = packed_kernels(*tested_form.form, isa);
+            add({.measured = tested_form, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
     }
     return kernels;
@@ -180,13 +181,13 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-ParetoPoint pareto_point(const Timing& timing, const TestedForm& form_row, const evaluate::FormSummary& accuracy,
+ParetoPoint pareto_point(const Timing& timing, const TestedForm& tested_form, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
-            form_row.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
+            tested_form.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }
 
 std::vector<bool> find_dominated(const std::vector<ParetoPoint>& points) {

@@ -21,7 +21,7 @@ struct TradeKernel {
 
 /// All kernels of the selected rows in f32 and f64 on every available instruction set, in the order of rows, then
 /// widths.
-std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& rows);
+std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& tested_forms);
 
 /// Rays that a kernel is timed on: the size of the rays with their answers, and the share that hits.
 struct TradeLoad {
@@ -88,7 +88,7 @@ struct ParetoPoint {
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& form_row,
+ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& tested_form,
                          const evaluate::FormSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
 
 /// Marks each point for which another one is at least as fast and as accurate, and better in one of the two.

@@ -151,8 +151,8 @@ private:
 /// no box.
 class TestedBox {
 public:
-    explicit TestedBox(const evaluate::TestedForm& form_row)
-        : row_(form_row), boxed_parts_(intersect::bounding_box::boxed_parts_of(*form_row.form)) {}
+    explicit TestedBox(const evaluate::TestedForm& tested_form)
+        : row_(tested_form), boxed_parts_(intersect::bounding_box::boxed_parts_of(*tested_form.form)) {}
 
     [[nodiscard]] bool has_box() const {
         return row_.form->shape == bounding_box_shape || boxed_parts_.form != nullptr;
@@ -189,9 +189,9 @@ struct RowsWithTruth {
 std::vector<RowsWithTruth> group_rows_by_truth(const ExhaustiveRequest& request) {
     std::vector<RowsWithTruth> groups;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const evaluate::TestedForm& form_row = request.rows[r];
-        const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
-        const truth::ColumnTerms terms{form_row.convention(),
+        const evaluate::TestedForm& tested_form = request.rows[r];
+        const bool takes_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
+        const truth::ColumnTerms terms{tested_form.convention(),
                                        takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
                                        truth::Tightness::ulps_of_binary32, request.limit};
         auto group = std::ranges::find_if(groups, [&](const RowsWithTruth& g) {
@@ -241,8 +241,8 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
     return tallies;
 }
 
-double padding_max(const evaluate::TestedForm& form_row, const FloatTally& tally) {
-    if (!TestedBox(form_row).has_box()) return truth::missing;
+double padding_max(const evaluate::TestedForm& tested_form, const FloatTally& tally) {
+    if (!TestedBox(tested_form).has_box()) return truth::missing;
     return tally.padding ? tally.padding->u : 0;
 }
 

@@ -95,15 +95,15 @@ std::span<const float> AxisColumns::ray_column(std::size_t component, bool is_un
     return ray_varies_[component] ? values_ : std::span<const float>(ray_columns_[component]).first(values_.size());
 }
 
-Ray<float> AxisColumns::ray_for(const TestedForm& form_row, std::size_t i) const {
+Ray<float> AxisColumns::ray_for(const TestedForm& tested_form, std::size_t i) const {
     Ray<float> ray = file_.ray_at(ray_, values_[i]);
-    if (form_row.form->info->direction == Direction::unit)
+    if (tested_form.form->info->direction == Direction::unit)
         ray.direction = {unit_columns_[0][i], unit_columns_[1][i], unit_columns_[2][i]};
     return ray;
 }
 
-void AxisColumns::answer(const TestedForm& form_row, std::span<float> t, std::span<std::uint8_t> hit) {
-    const bool is_unit = form_row.form->info->direction == Direction::unit;
+void AxisColumns::answer(const TestedForm& tested_form, std::span<float> t, std::span<std::uint8_t> hit) {
+    const bool is_unit = tested_form.form->info->direction == Direction::unit;
     if (is_unit) make_unit_directions();
     const std::size_t n = values_.size();
     const std::span<const float> tmax = tmax_.empty() ? tmax_ : std::span<const float>(tmax_).first(n);
@@ -116,25 +116,25 @@ void AxisColumns::answer(const TestedForm& form_row, std::span<float> t, std::sp
                                 .tmax = tmax};
     const HitBatch<float> hits{t, std::span(near_).first(n), std::span(far_).first(n), hit};
     if (file_.primitive_indices.empty())
-        intersect::simd::packed_kernels(*form_row.form).f32(batch, intersect::Target<float>(file_.primitive), hits);
-    else answer_primitives(form_row, batch, hits);
+        intersect::simd::packed_kernels(*tested_form.form).f32(batch, intersect::Target<float>(file_.primitive), hits);
+    else answer_primitives(tested_form, batch, hits);
 }
 
 /// Runs the packed kernel for one ray against many primitives if there is one; its answers have the same bits. A kernel
 /// that takes tmax is not used, because it cannot tell a miss from a hit at tmax.
-void AxisColumns::answer_primitives(const TestedForm& form_row, const RayBatch<float>& rays,
+void AxisColumns::answer_primitives(const TestedForm& tested_form, const RayBatch<float>& rays,
                                     const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
-    const intersect::simd::ManyRow kernels = intersect::simd::many_kernels(*form_row.form);
+    const intersect::simd::ManyRow kernels = intersect::simd::many_kernels(*tested_form.form);
     if (!kernels.f32 || kernels.takes_tmax || !file_.ray_indices.empty()) {
         make_primitives();
-        return form_row.form->native32(rays, intersect::Target<float>(std::span<const Primitive<float>>(primitives_)),
-                                       hits);
+        return tested_form.form->native32(
+            rays, intersect::Target<float>(std::span<const Primitive<float>>(primitives_)), hits);
     }
     intersect::simd::PrimitiveArrays<float> primitives;
     for (std::size_t k = 0; k < file_.primitive.shape_numbers().size(); ++k)
         primitives.numbers[k] = primitive_varies_[k] ? values_ : std::span<const float>(primitive_columns_[k]).first(n);
-    kernels.f32(ray_for(form_row, 0), primitives, hits.t, hits.hit);
+    kernels.f32(ray_for(tested_form, 0), primitives, hits.t, hits.hit);
 }
 
 namespace {

@@ -29,10 +29,10 @@ public:
     [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
 
     /// Writes the answers of a form at each float; each `hit` is 0 or 1.
-    void answer(const evaluate::TestedForm& form_row, std::span<float> t, std::span<std::uint8_t> hit);
+    void answer(const evaluate::TestedForm& tested_form, std::span<float> t, std::span<std::uint8_t> hit);
 
     /// Ray that a form receives at float i; valid after the form has answered there.
-    [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& form_row, std::size_t i) const;
+    [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& tested_form, std::size_t i) const;
     [[nodiscard]] Primitive<float> primitive(std::size_t i) const { return file_.primitive_at(values_[i]); }
     /// True if the primitive differs from float to float.
     [[nodiscard]] bool primitive_varies() const { return !file_.primitive_indices.empty(); }
@@ -41,7 +41,7 @@ private:
     void make_unit_directions();
     void make_primitives();
     [[nodiscard]] std::span<const float> ray_column(std::size_t component, bool is_unit) const;
-    void answer_primitives(const evaluate::TestedForm& form_row, const intersect::table::RayBatch<float>& rays,
+    void answer_primitives(const evaluate::TestedForm& tested_form, const intersect::table::RayBatch<float>& rays,
                            const intersect::table::HitBatch<float>& hits);
 
     const scene::sweep::ExhaustiveFile& file_;

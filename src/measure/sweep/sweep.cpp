@@ -20,9 +20,9 @@ using metric::Metric;
 namespace {
 
 /// Measures rows at one step.
-std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector<TestedForm>& rows,
+std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector<TestedForm>& tested_forms,
                                   const std::vector<double>& values) {
-    return evaluate::measure_groups(request.sweep.rays(values), rows, request.metrics, request.limit);
+    return evaluate::measure_groups(request.sweep.rays(values), tested_forms, request.metrics, request.limit);
 }
 
 /// Event whose onset is searched. It happens at a step if its value there reaches the threshold. A missing value is
@@ -42,11 +42,11 @@ bool measures_transform_step(const Metric& m) {
     return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude;
 }
 
-std::vector<Event> list_events(const TestedForm& form_row, const std::vector<const Metric*>& metrics) {
+std::vector<Event> list_events(const TestedForm& tested_form, const std::vector<const Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits"),
                       stop_index = metric::index_of(metrics, "stop");
     std::vector<Event> events;
-    const double precision = form_row.format.parameters.precision;
+    const double precision = tested_form.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, precision / 2, precision}) {
             if (bits > precision) continue;
@@ -64,7 +64,7 @@ std::vector<Event> list_events(const TestedForm& form_row, const std::vector<con
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
-    if (is_primitive(form_row.form->shape) || stop_index == metrics.size()) return events;
+    if (is_primitive(tested_form.form->shape) || stop_index == metrics.size()) return events;
     for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto stop_category = static_cast<std::size_t>(stop_reason);
         events.push_back({std::string(intersect::stop_names[stop_category]), "count", 1,
@@ -293,11 +293,11 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
         for (const auto& [format_name, rows_of_format] : rows_by_format) {
-            std::vector<evaluate::TestedForm> rows;
-            for (const std::size_t row_index : rows_of_format) rows.push_back(request.rows[row_index]);
+            std::vector<evaluate::TestedForm> tested_forms;
+            for (const std::size_t row_index : rows_of_format) tested_forms.push_back(request.rows[row_index]);
             auto summaries =
-                evaluate::measure_groups(request.file.rays(units.first + i, rows.front().format.parameters), rows,
-                                         request.metrics, request.limit);
+                evaluate::measure_groups(request.file.rays(units.first + i, tested_forms.front().format.parameters),
+                                         tested_forms, request.metrics, request.limit);
             for (std::size_t k = 0; k < rows_of_format.size(); ++k)
                 cases[i][rows_of_format[k]] = std::move(summaries[k]);
         }

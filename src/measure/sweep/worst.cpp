@@ -83,10 +83,10 @@ private:
 
 class WorstSearch {
 public:
-    WorstSearch(const WorstRequest& request, const evaluate::TestedForm& form_row)
+    WorstSearch(const WorstRequest& request, const evaluate::TestedForm& tested_form)
         : request_(request),
           file_(request.search),
-          row_(form_row),
+          row_(tested_form),
           random_(file_.seed),
           metric_(metric::index_of(request.metrics, file_.metric)) {}
 

@@ -65,12 +65,12 @@ std::string plugin_options_for(std::string_view form) {
     return is_in_catalogue || form.empty() ? "" : plugin_options_text();
 }
 
-std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& form_row) {
-    if (!form_row.form->native32 && !form_row.form->native64) return "";
+std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& tested_form) {
+    if (!tested_form.form->native32 && !tested_form.form->native64) return "";
     return fmt::format(
-        "lostbits explain {} -i {} -f {}{}{}", arguments, form_row.form->info->name, form_row.format.name,
-        form_row.touching ? fmt::format(" --convention {}", intersect::convention_name(form_row.touching)) : "",
-        plugin_options_for(form_row.form->info->name));
+        "lostbits explain {} -i {} -f {}{}{}", arguments, tested_form.form->info->name, tested_form.format.name,
+        tested_form.touching ? fmt::format(" --convention {}", intersect::convention_name(tested_form.touching)) : "",
+        plugin_options_for(tested_form.form->info->name));
 }
 
 }  // namespace lostbits::output::attribution

@@ -31,6 +31,6 @@ void set_plugin_options(const std::string& options);
 /// Command `lostbits explain ARGUMENTS -i FORM -f FORMAT`. It also has the convention that judges the form, if that is
 /// not the form's own, and the options for an external form. Empty for the answers of a file, which cannot be computed
 /// again.
-std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& form_row);
+std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& tested_form);
 
 }  // namespace lostbits::output::attribution

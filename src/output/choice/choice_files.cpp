@@ -154,7 +154,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     std::vector<speed::KernelPoint> points;
     for (std::size_t k = 0; k < result.candidates.size(); ++k) {
         const Candidate& c = result.candidates[k];
-        points.push_back({.form_row = c.row,
+        points.push_back({.tested_form = c.row,
                           .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
                           .time = c.time,
                           .marker = result.cheapest_index == k ? 3 : 0,

@@ -32,20 +32,22 @@ scene::file::Scene load_scene_of_claims(const std::string& name, const ClaimRequ
 
 /// The forms and formats that the claims name. Each is listed once, in the order of the catalogue.
 std::vector<TestedForm> claimed_rows(const std::vector<const Claim*>& claims) {
-    std::vector<TestedForm> rows;
+    std::vector<TestedForm> tested_forms;
     for (const Claim* const claim : claims) {
-        const TestedForm form_row = measure::claim::claim_row(*claim);
+        const TestedForm tested_form = measure::claim::claim_row(*claim);
         const auto is_same_series = [&](const TestedForm& r) {
-            return r.form == form_row.form && r.format == form_row.format && r.touching == form_row.touching;
+            return r.form == tested_form.form && r.format == tested_form.format && r.touching == tested_form.touching;
         };
-        if (std::ranges::none_of(rows, is_same_series)) rows.push_back(form_row);
+        if (std::ranges::none_of(tested_forms, is_same_series)) tested_forms.push_back(tested_form);
     }
-    std::ranges::stable_sort(rows, {}, [catalogue = intersect::table::catalogue()](const TestedForm& form_row) {
-        const auto entry = std::ranges::find(catalogue, form_row.form->info, &intersect::table::Intersector::info);
-        return std::pair(entry - catalogue.begin(),
-                         form_row.form->info->name);  // forms made at run time come last, by name
-    });
-    return rows;
+    std::ranges::stable_sort(
+        tested_forms, {}, [catalogue = intersect::table::catalogue()](const TestedForm& tested_form) {
+            const auto entry =
+                std::ranges::find(catalogue, tested_form.form->info, &intersect::table::Intersector::info);
+            return std::pair(entry - catalogue.begin(),
+                             tested_form.form->info->name);  // forms made at run time come last, by name
+        });
+    return tested_forms;
 }
 
 std::vector<const Metric*> drawn_metrics() {
@@ -67,7 +69,7 @@ std::string picture_link(const ShownSubject& shown, const std::string& title, co
 /// Markdown that shows a scene. If all claims are about samples of a march, it lists the samples of the march through
 /// the first pixel. Otherwise it shows the picture of the scene.
 std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown) {
-    const std::vector<TestedForm> rows = claimed_rows(shown.claims);
+    const std::vector<TestedForm> tested_forms = claimed_rows(shown.claims);
     const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
     const auto is_about_march = [](const Claim* claim) {
         return claim->subject_if<SceneSubject>() && claim->subject_if<SceneSubject>()->step;
@@ -75,12 +77,12 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
     if (std::ranges::all_of(shown.claims, is_about_march)) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.request.stop});
         std::string text;
-        for (const TestedForm& form_row : rows)
-            text += fmt::format("```\n{}```\n", attribution::march_table(*form_row.form, form_row.format, ray));
+        for (const TestedForm& tested_form : tested_forms)
+            text += fmt::format("```\n{}```\n", attribution::march_table(*tested_form.form, tested_form.format, ray));
         return text;
     }
     const measure::evaluate::MapStudy request{.scene = &scene,
-                                              .rows = rows,
+                                              .rows = tested_forms,
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
@@ -135,19 +137,20 @@ SweepPlots needed_plots(const std::vector<const Claim*>& claims) {
 std::string draw_picture(const scene::claim::SweepSubject& subject, const ShownSubject& shown) {
     const auto& claims = shown.claims;
     const auto& claim_request = shown.request;
-    const std::vector<TestedForm> rows = claimed_rows(claims);
+    const std::vector<TestedForm> tested_forms = claimed_rows(claims);
     const auto path = scene::sweep::find_sweep(subject.name, claim_request.data_dir);
     // The claims are about small ranges, but a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         const measure::sweep::CaseRequest request{
-            .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
+            .file = file, .rows = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> touching :
              {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
-            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.touching == touching; })) continue;
+            if (std::ranges::none_of(tested_forms, [&](const TestedForm& r) { return r.touching == touching; }))
+                continue;
             const std::string picture =
                 touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
             image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
@@ -157,17 +160,18 @@ std::string draw_picture(const scene::claim::SweepSubject& subject, const ShownS
     }
     const scene::sweep::SweepFile sweep(path, claim_request.data_dir, {}, claim_request.stop);
     measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
-    for (TestedForm& form_row : request.rows)
-        form_row.touching = form_row.touching ? form_row.touching : sweep.convention;
+        .sweep = sweep, .rows = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
+    for (TestedForm& tested_form : request.rows)
+        tested_form.touching = tested_form.touching ? tested_form.touching : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;
     if (sweep.axes.size() == 2) {
-        for (std::size_t r = 0; r < rows.size(); ++r) {
+        for (std::size_t r = 0; r < tested_forms.size(); ++r) {
             const std::string file =
-                fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
+                fmt::format("{}.{}.{}.png", sweep.id, tested_forms[r].form->info->name, tested_forms[r].format.name);
             image::save_figure(picture_path(shown, file), sweep::plane_picture(request, steps, r));
-            text += picture_link(shown, fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
+            text += picture_link(
+                shown, fmt::format("{} in {}", tested_forms[r].form->info->name, tested_forms[r].format.name), file);
         }
         return text;
     }

@@ -34,9 +34,9 @@ std::string witness_command(const Claim& claim, const ClaimResult& result) {
                                                    result.witness.y)
             : "";
     if (name.empty()) return "";
-    measure::evaluate::TestedForm form_row = measure::claim::claim_row(claim);
-    form_row.touching = result.witness.touching;
-    return attribution::explain_command(name, form_row);
+    measure::evaluate::TestedForm tested_form = measure::claim::claim_row(claim);
+    tested_form.touching = result.witness.touching;
+    return attribution::explain_command(name, tested_form);
 }
 
 std::string quantity_text(const Claim& claim) {

@@ -82,11 +82,11 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
             const Check& check = *study.checks[c];
-            const auto& form_row = study.rows[r];
+            const auto& tested_form = study.rows[r];
             pixel::ColumnSpec spec{
                 .file = fmt::format("{}.{}.png", row_name(study, r), check.name),
                 .title = fmt::format("{}: {}", check.name, check.title),
-                .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
+                .subtitle = {fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name)},
                 .look = std::make_shared<const pixel::Look>(look_of(check)),
                 .sheet_positions = {{c, r}}};
             if (check.compares_numbers)
@@ -123,8 +123,8 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
         spec.unit = excess_unit;
     }
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
-    for (const auto& form_row : study.rows)
-        spec.formats.push_back(fmt::format("{} {}", map::short_name(*form_row.form->info), form_row.format.name));
+    for (const auto& tested_form : study.rows)
+        spec.formats.push_back(fmt::format("{} {}", map::short_name(*tested_form.form->info), tested_form.format.name));
     return {file, std::move(spec)};
 }
 

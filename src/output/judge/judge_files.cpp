@@ -43,12 +43,12 @@ std::string ray_arguments(const measure::evaluate::WorstRay& ray) {
     return attribution::explain_ray_arguments(ray.given.get());
 }
 
-std::string case_name(const TestedForm& form_row, const ReportedRay& ray) {
+std::string case_name(const TestedForm& tested_form, const ReportedRay& ray) {
     const std::string error_text =
         ray.outcome == measure::answer::Outcome::agree_hit
             ? fmt::format("{:.6g} ulp", ray.ulps)
             : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
-    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.ray_index,
+    return fmt::format("{} in {}: ray {}, {}", tested_form.form->info->name, tested_form.format.name, ray.ray_index,
                        error_text);
 }
 
@@ -121,18 +121,18 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
 /// Files of one series: its table of rays, its worst rays, and its part of the map.
 class SeriesFiles {
 public:
-    SeriesFiles(const TestedForm& form_row, WorstRays worst) : form_row_(form_row), worst_(std::move(worst)) {}
+    SeriesFiles(const TestedForm& tested_form, WorstRays worst) : tested_form_(tested_form), worst_(std::move(worst)) {}
     void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         table_.emplace(
-            folder, map::row_name(form_row_) + ".csv",
-            fmt::format("One row per ray: {} in {}", form_row_.form->info->name, form_row_.format.name),
-            ray_table(dump, request.metrics, request.is_file_row(form_row_) && dump.layout().decides_only()));
+            folder, map::row_name(tested_form_) + ".csv",
+            fmt::format("One row per ray: {} in {}", tested_form_.form->info->name, tested_form_.format.name),
+            ray_table(dump, request.metrics, request.is_file_row(tested_form_) && dump.layout().decides_only()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
     void add_piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
         worst_.add_rays(chunk.first, result);
-        for (std::size_t i = 0; table_ && i < chunk.size(); ++i) table_->add({&chunk, {&result, i, &form_row_}});
+        for (std::size_t i = 0; table_ && i < chunk.size(); ++i) table_->add({&chunk, {&result, i, &tested_form_}});
         show_on_map_(result);
     }
     [[nodiscard]] WorstRays& worst() { return worst_; }
@@ -142,7 +142,7 @@ public:
     }
 
 private:
-    const TestedForm& form_row_;
+    const TestedForm& tested_form_;
     WorstRays worst_;
     measure::evaluate::Show show_on_map_ = {};
     std::optional<table::TableFile<JudgedRay>> table_;
@@ -176,8 +176,9 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
     const std::size_t ulp_error_index = measure::metric::index_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
-    for (const TestedForm& form_row : request.rows) {
-        p.series.push_back(std::make_unique<SeriesFiles>(form_row, WorstRays(p.options.worst_count, ulp_error_index)));
+    for (const TestedForm& tested_form : request.rows) {
+        p.series.push_back(
+            std::make_unique<SeriesFiles>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
         if (!p.options.writes_rows) continue;
         p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
         tables.push_back(p.series.back()->table()->about());

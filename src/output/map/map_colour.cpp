@@ -44,18 +44,18 @@ ColourScale metric_scale(const Metric& metric, const FloatFormat& format, const 
 namespace {
 
 /// The precision of all rows, in bits; 0 if they differ or there are none.
-int common_precision(std::span<const TestedForm> rows) {
-    const int first_precision = rows.empty() ? 0 : rows.front().format.parameters.precision;
-    const auto has_first_precision = [first_precision](const TestedForm& form_row) {
-        return form_row.format.parameters.precision == first_precision;
+int common_precision(std::span<const TestedForm> tested_forms) {
+    const int first_precision = tested_forms.empty() ? 0 : tested_forms.front().format.parameters.precision;
+    const auto has_first_precision = [first_precision](const TestedForm& tested_form) {
+        return tested_form.format.parameters.precision == first_precision;
     };
-    return std::ranges::all_of(rows, has_first_precision) ? first_precision : 0;
+    return std::ranges::all_of(tested_forms, has_first_precision) ? first_precision : 0;
 }
 
 }  // namespace
 
-LostBitsScale::LostBitsScale(std::span<const TestedForm> rows)
-    : precision_(common_precision(rows)),
+LostBitsScale::LostBitsScale(std::span<const TestedForm> tested_forms)
+    : precision_(common_precision(tested_forms)),
       bar_("viridis", image::image_backend().ramp("viridis", 256), 0, precision_ ? precision_ : 100,
            image::Spacing::root),
       unit_(precision_ ? "lost bits" : "% of the significand lost") {}

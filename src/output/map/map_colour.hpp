@@ -37,7 +37,7 @@ image::ColourScale metric_scale(const Metric& metric, const FloatFormat& format,
 /// same precision, otherwise percent.
 class LostBitsScale {
 public:
-    explicit LostBitsScale(std::span<const TestedForm> rows);
+    explicit LostBitsScale(std::span<const TestedForm> tested_forms);
 
     [[nodiscard]] image::Rgb8 colour(double bits, const FloatFormat& format) const;
     [[nodiscard]] const image::ColourScale& bar() const { return bar_; }
@@ -75,7 +75,7 @@ public:
     /// The scale; missing for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
     /// True if the metric has a picture for this series.
-    [[nodiscard]] bool applies_to(const TestedForm& form_row) const;
+    [[nodiscard]] bool applies_to(const TestedForm& tested_form) const;
     /// True if both metrics are drawn alike, so that they may share a colour bar.
     [[nodiscard]] bool shares_bar_with(const Metric& other) const;
 

@@ -92,10 +92,10 @@ void append(Attributes& attributes, const Attributes& added) {
     attributes.insert(attributes.end(), added.begin(), added.end());
 }
 
-pixel::ExrLayers<MapStrip> series_layers(const MapExrRequest& request, const TestedForm& form_row) {
+pixel::ExrLayers<MapStrip> series_layers(const MapExrRequest& request, const TestedForm& tested_form) {
     pixel::ExrLayers<MapStrip> layers;
     layers.add_preview([](const MapStrip& strip, std::size_t i) { return strip.preview[i]; });
-    add_exact_number(layers, "t", fits_binary32(form_row.format), [](const MapStrip& strip, std::size_t i) {
+    add_exact_number(layers, "t", fits_binary32(tested_form.format), [](const MapStrip& strip, std::size_t i) {
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.t[i] : missing;
     });
@@ -132,11 +132,11 @@ pixel::ExrLayers<NeededStrip> needed_layers() {
     return layers;
 }
 
-ExrPart series_part(const MapExrRequest& request, const TestedForm& form_row, const std::string& truth,
+ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form, const std::string& truth,
                     std::vector<Channel> channels) {
-    ExrPart part = make_part(request, row_name(form_row), "lostbits-map/2", std::move(channels));
-    append(part.spec.attributes, {{"lostbits:form", std::string(form_row.form->info->name)},
-                                  {"lostbits:format", form_row.format.name},
+    ExrPart part = make_part(request, row_name(tested_form), "lostbits-map/2", std::move(channels));
+    append(part.spec.attributes, {{"lostbits:form", std::string(tested_form.form->info->name)},
+                                  {"lostbits:format", tested_form.format.name},
                                   {"lostbits:truth", truth},
                                   {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
@@ -172,14 +172,14 @@ ExrRows band_rows(std::size_t part, const pixel::ExrLayers<Band>& layers, const 
 
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
     std::vector<ExrPart> parts;
-    for (const TestedForm& form_row : request.map.rows) {
-        series_.push_back({&form_row, series_layers(request, form_row)});
+    for (const TestedForm& tested_form : request.map.rows) {
+        series_.push_back({&tested_form, series_layers(request, tested_form)});
         const std::size_t truth_index =
-            index_in(truth_parts_, [kind = truth_kind(form_row)](const TruthPart& t) { return t.kind == kind; });
+            index_in(truth_parts_, [kind = truth_kind(tested_form)](const TruthPart& t) { return t.kind == kind; });
         if (truth_index == truth_parts_.size())
-            truth_parts_.push_back({truth_kind(form_row), &form_row, truth_layers(form_row)});
+            truth_parts_.push_back({truth_kind(tested_form), &tested_form, truth_layers(tested_form)});
         parts.push_back(
-            series_part(request, form_row, truth_parts_[truth_index].name(), series_.back().layers.channels()));
+            series_part(request, tested_form, truth_parts_[truth_index].name(), series_.back().layers.channels()));
     }
     for (const TruthPart& t : truth_parts_) {
         parts.push_back(make_part(request, t.name(), "lostbits-map/2", t.layers.channels()));
@@ -196,13 +196,14 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
 
 MapExr::~MapExr() = default;
 
-std::vector<ExrRows> MapExr::make_rows(const TestedForm& form_row, const BandResult& result,
+std::vector<ExrRows> MapExr::make_rows(const TestedForm& tested_form, const BandResult& result,
                                        std::span<const image::Rgb8> preview) const {
     const MapStrip strip{&result, preview};
-    const std::size_t index = index_in(series_, [&form_row](const SeriesLayers& s) { return s.form_row == &form_row; });
+    const std::size_t index =
+        index_in(series_, [&tested_form](const SeriesLayers& s) { return s.tested_form == &tested_form; });
     std::vector<ExrRows> part_rows{band_rows(index, series_[index].layers, strip)};
     const std::size_t truth_index =
-        index_in(truth_parts_, [&form_row](const TruthPart& t) { return t.source_row == &form_row; });
+        index_in(truth_parts_, [&tested_form](const TruthPart& t) { return t.source_row == &tested_form; });
     if (truth_index < truth_parts_.size())
         part_rows.push_back(band_rows(series_.size() + truth_index, truth_parts_[truth_index].layers, strip));
     return part_rows;

@@ -62,7 +62,7 @@ public:
 
     /// Rows of the file for one band: of a series of the map, with its truth unless another series writes that truth;
     /// or of the bits needed by a form.
-    [[nodiscard]] std::vector<ExrRows> make_rows(const TestedForm& form_row, const BandResult& result,
+    [[nodiscard]] std::vector<ExrRows> make_rows(const TestedForm& tested_form, const BandResult& result,
                                                  std::span<const image::Rgb8> preview) const;
     [[nodiscard]] std::vector<ExrRows> make_rows(const BitsNeededBand& result,
                                                  std::span<const image::Rgb8> preview) const;
@@ -72,7 +72,7 @@ public:
 
 private:
     struct SeriesLayers {
-        const TestedForm* form_row;
+        const TestedForm* tested_form;
         pixel::ExrLayers<MapStrip> layers;
     };
     struct TruthPart;

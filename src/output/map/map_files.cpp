@@ -48,24 +48,24 @@ struct MapFiles::Parts {
         return table;
     }
     void add_row(std::size_t r) {
-        const TestedForm& form_row = request.rows[r];
+        const TestedForm& tested_form = request.rows[r];
         std::unique_ptr<table::TableFile<BandRay>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
-                options.keep_piece ? "" : options.folder, row_name(form_row) + ".csv",
-                fmt::format("One row per pixel: {} in {}", form_row.form->info->name, form_row.format.name),
+                options.keep_piece ? "" : options.folder, row_name(tested_form) + ".csv",
+                fmt::format("One row per pixel: {} in {}", tested_form.form->info->name, tested_form.format.name),
                 pixel_table(request.metrics));
         MapRowFiles::Writers writers{
             .add_pixel =
-                [&form_row](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
-                    file.add({&band, i, &form_row});
+                [&tested_form](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
+                    file.add({&band, i, &tested_form});
                 },
             .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [&form_row, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
-                return preview.empty() ? exr->make_rows(form_row, band, outcome_colours_of(band))
-                                       : exr->make_rows(form_row, band, preview);
+            writers.exr_rows = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+                return preview.empty() ? exr->make_rows(tested_form, band, outcome_colours_of(band))
+                                       : exr->make_rows(tested_form, band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }

@@ -37,8 +37,8 @@ std::string file_name_part(const Metric& metric) {
 std::vector<MapSheet> group_into_sheets(const MapStudy& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn_metrics) {
-        const auto applies = [m](const TestedForm& form_row) {
-            return MetricPaint(*m, form_row.format.parameters).applies_to(form_row);
+        const auto applies = [m](const TestedForm& tested_form) {
+            return MetricPaint(*m, tested_form.format.parameters).applies_to(tested_form);
         };
         const auto first = std::ranges::find_if(request.rows, applies);
         if (first == request.rows.end()) continue;
@@ -71,13 +71,13 @@ pixel::Pages MapPictures::make_pages() {
 
 pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
     std::vector<image::ColourScale> scales;  // one per line
-    for (const TestedForm& form_row : request_.rows) {
-        if (!sheet.paint.applies_to(form_row)) continue;
-        static_cast<void>(find_or_add(sheet.forms, short_name(*form_row.form->info)));
+    for (const TestedForm& tested_form : request_.rows) {
+        if (!sheet.paint.applies_to(tested_form)) continue;
+        static_cast<void>(find_or_add(sheet.forms, short_name(*tested_form.form->info)));
         for (const Metric* m : sheet.metrics) {
-            if (find_or_add(sheet.lines, sheet.line_name(form_row, *m)) < scales.size() || !sheet.paint.scale())
+            if (find_or_add(sheet.lines, sheet.line_name(tested_form, *m)) < scales.size() || !sheet.paint.scale())
                 continue;
-            scales.push_back(metric_scale(*m, form_row.format.parameters, options_.range));
+            scales.push_back(metric_scale(*m, tested_form.format.parameters, options_.range));
         }
     }
     const auto differs = [&scales](const image::ColourScale& s) { return !s.is_same_scale(scales.front()); };
@@ -113,14 +113,14 @@ bool MapPictures::zooms(const MetricPaint& paint) const {
 std::vector<MapPictures::Column> MapPictures::make_columns() {
     std::vector<Column> columns;
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
-        const TestedForm& form_row = request_.rows[r];
+        const TestedForm& tested_form = request_.rows[r];
         for (const Metric* m : options_.drawn_metrics) {
-            const auto paint = std::make_shared<const MetricPaint>(*m, form_row.format.parameters, options_.range);
-            if (!paint->applies_to(form_row)) continue;
+            const auto paint = std::make_shared<const MetricPaint>(*m, tested_form.format.parameters, options_.range);
+            if (!paint->applies_to(tested_form)) continue;
             const auto sheet = std::ranges::find_if(
                 sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
-            const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*form_row.form->info)),
-                                                find_or_add(sheet->lines, sheet->line_name(form_row, *m)),
+            const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*tested_form.form->info)),
+                                                find_or_add(sheet->lines, sheet->line_name(tested_form, *m)),
                                                 static_cast<std::size_t>(sheet - sheets_.begin())};
             drawings_.push_back({r, index_of(request_.metrics, m), paint, position});
             columns.push_back(make_column(drawings_.back()));
@@ -131,19 +131,20 @@ std::vector<MapPictures::Column> MapPictures::make_columns() {
 
 MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
     const scene::file::Scene& scene = *request_.scene;
-    const TestedForm& form_row = request_.rows[drawing.row_index];
+    const TestedForm& tested_form = request_.rows[drawing.row_index];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
-        .file = row_name(form_row) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
-        .title = fmt::format(
-            "{} in {}: {}{}", form_row.form->info->name, form_row.format.name, m.name,
-            m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", form_row.against->info->name) : ""),
-        .subtitle = {title_of(*form_row.form->info), drawing.paint->note()},
+        .file = row_name(tested_form) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
+        .title = fmt::format("{} in {}: {}{}", tested_form.form->info->name, tested_form.format.name, m.name,
+                             m.domain == measure::metric::MetricDomain::pairs
+                                 ? fmt::format(" {}", tested_form.against->info->name)
+                                 : ""),
+        .subtitle = {title_of(*tested_form.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(make_look(drawing)),
         .sheet_positions = {drawing.position},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
-    if (std::string note = input_note(scene, std::span(&form_row, 1)); !note.empty() && !options_.is_list)
+    if (std::string note = input_note(scene, std::span(&tested_form, 1)); !note.empty() && !options_.is_list)
         spec.subtitle.push_back(std::move(note));
     const auto pixel_of = [paint = drawing.paint, metric = drawing.metric_index](const BandResult& band,
                                                                                  std::size_t i) {
@@ -178,13 +179,13 @@ bool MapPictures::draws_envelope_of(const Metric& metric) const {
 /// scene.
 std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst_ray()) return "";
-    const TestedForm& form_row = request_.rows[drawing.row_index];
+    const TestedForm& tested_form = request_.rows[drawing.row_index];
     const std::string text = fmt::format("; worst pixel {},{}", worst.x, worst.y);
-    if (!form_row.form->record || options_.scene_arguments.empty()) return text;
+    if (!tested_form.form->record || options_.scene_arguments.empty()) return text;
     return text + ": " +
            attribution::explain_command(
                attribution::explain_pixel_arguments(options_.scene_arguments, static_cast<int>(worst.x), worst.y),
-               form_row);
+               tested_form);
 }
 
 pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
@@ -218,13 +219,13 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
     files_.writer().finish(ends);
 }
 
-std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows) {
+std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> tested_forms) {
     if (scene.inputs == scene::file::Inputs::own)
         return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
     std::vector<std::string> narrow_formats;
-    for (const TestedForm& form_row : rows) {
-        if (!holds_shared_inputs(form_row.format.parameters))
-            static_cast<void>(find_or_add(narrow_formats, form_row.format.name));
+    for (const TestedForm& tested_form : tested_forms) {
+        if (!holds_shared_inputs(tested_form.format.parameters))
+            static_cast<void>(find_or_add(narrow_formats, tested_form.format.name));
     }
     if (narrow_formats.empty()) return "";
     return fmt::format("in {} the inputs are rounded too, and errors include that rounding (metric input_error)",

@@ -26,7 +26,7 @@ using measure::evaluate::MapStudy;
 
 /// Note that names the formats whose errors include the rounding of the inputs. Empty if the inputs are shared and
 /// every format holds them.
-[[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows);
+[[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> tested_forms);
 
 /// Facts for the lines below the title of a contact sheet.
 struct SheetSubject {
@@ -65,8 +65,8 @@ struct MapSheet {
     std::vector<const Metric*> metrics;
     std::vector<std::string> forms = {}, lines = {};
 
-    [[nodiscard]] std::string line_name(const TestedForm& form_row, const Metric& metric) const {
-        return metrics.size() == 1 ? form_row.format.name : form_row.format.name + " " + std::string(metric.name);
+    [[nodiscard]] std::string line_name(const TestedForm& tested_form, const Metric& metric) const {
+        return metrics.size() == 1 ? tested_form.format.name : tested_form.format.name + " " + std::string(metric.name);
     }
 };
 

@@ -48,7 +48,7 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
 
 std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
     const std::string arguments = ray != nullptr && ray->x >= 0 ? r.ray_arguments(*ray) : "";
-    return arguments.empty() ? "" : attribution::explain_command(arguments, r.form_row);
+    return arguments.empty() ? "" : attribution::explain_command(arguments, r.tested_form);
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
         return !c.is_in_tables || (c.only_for_meshes && !has_meshes);
     });
     Table<R> table;
-    table.add(table::subject_columns(), &R::form_row);
+    table.add(table::subject_columns(), &R::tested_form);
     add_columns(table, ray_columns);
     add_columns(table, measure::evaluate::worst_columns(shapes));
     table.add({"worst_explain", "the command that explains the worst ray and prints these numbers again",
@@ -77,11 +77,12 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
         .add(std::move(table));
 }
 
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, const FormSummary& summary,
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& tested_form, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const RayArguments& ray_arguments) {
-    std::vector<SummaryRow> rows{{form_row, &summary, ray_arguments}};
+    std::vector<SummaryRow> rows{{tested_form, &summary, ray_arguments}};
     for (const measure::evaluate::Group& group : groups.all())
-        rows.push_back({form_row, &group.summaries[r], ray_arguments, group.value.empty() ? "(empty)" : group.value});
+        rows.push_back(
+            {tested_form, &group.summaries[r], ray_arguments, group.value.empty() ? "(empty)" : group.value});
     return rows;
 }
 
@@ -97,7 +98,7 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
 table::Table<Culprit> culprit_table() {
     using R = Culprit;
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::form_row);
+    table.add(table::subject_columns(), &R::tested_form);
     table.add(
         {{"operation",
           "expression of the operation; one axis stands for all three, and one iteration of a loop for all",
@@ -111,13 +112,13 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::depends_on_forms);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& form_row,
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
                                  const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::depends_on_forms);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))
-        culprits.push_back({form_row, (*metric)->categories[c], counts[c],
+        culprits.push_back({tested_form, (*metric)->categories[c], counts[c],
                             measure::attribution::culprit_share(counts, std::array{c})});
     return culprits;
 }
@@ -133,7 +134,7 @@ Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metric
     table.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit",
                      [](const BandRay& r) -> std::optional<double> {
                          if (!r.result->truth(r.i).is_hit()) return {};
-                         return r.result->band->rounded_truth(r.i, binary64, r.form_row->form->info->direction,
+                         return r.result->band->rounded_truth(r.i, binary64, r.tested_form->form->info->direction,
                                                               r.result->convention);
                      }});
     for (std::size_t m = 0; m < metrics.size(); ++m) {

@@ -22,7 +22,7 @@ using RayArguments = std::function<std::string(const measure::evaluate::WorstRay
 
 /// A row of summary.csv: a form in a format over all rays, or over a group of them.
 struct SummaryRow {
-    TestedForm form_row;
+    TestedForm tested_form;
     const FormSummary* summary;
     RayArguments ray_arguments;
     std::optional<std::string> group = {};  ///< missing: all rays
@@ -34,14 +34,14 @@ struct SummaryRow {
 /// the rays; it stands first. If it is empty, there are no groups.
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                        bool has_meshes = false, std::string group_column = {});
-/// A row for all rays, then one for each group. `form_row` is row `r` of the run.
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, const FormSummary& summary,
+/// A row for all rays, then one for each group. `tested_form` is row `r` of the run.
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& tested_form, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const RayArguments& ray_arguments);
 
 /// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
 /// from run to run.
 struct Culprit {
-    TestedForm form_row;
+    TestedForm tested_form;
     std::string_view operation;
     std::uint64_t rays;
     double fraction;
@@ -52,7 +52,7 @@ table::Table<Culprit> culprit_table();
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
 /// The culprits of a row, the most frequent first.
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& form_row,
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
                                  const FormSummary& summary);
 
 /// Categories of the operations that are the culprit of any ray, the most frequent first; equally frequent operations
@@ -63,7 +63,7 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
 struct BandRay {
     const BandResult* result;
     std::size_t i;
-    const TestedForm* form_row;
+    const TestedForm* tested_form;
 
     [[nodiscard]] bool has_hit() const { return result->answers->hit[i] != 0; }
     [[nodiscard]] double t() const { return result->answers->t[i]; }

@@ -107,17 +107,17 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
                 categories.begin() + static_cast<std::ptrdiff_t>(value_category_count_) + 1, categories.end() - 1);
 }
 
-bool MetricPaint::applies_to(const TestedForm& form_row) const {
+bool MetricPaint::applies_to(const TestedForm& tested_form) const {
     if (metric_->domain == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
-        return form_row.against != nullptr &&
+        return tested_form.against != nullptr &&
                (!metric_->categories.empty() ||
-                measure::answer::are_comparable(*form_row.form->info, *form_row.against->info));
-    const bool is_machine_format = form_row.format.engine != Format::Engine::rounded;
-    if ((metric_->needs & measure::metric::needs_bound) && (form_row.form->bounded == nullptr || !is_machine_format))
+                measure::answer::are_comparable(*tested_form.form->info, *tested_form.against->info));
+    const bool is_machine_format = tested_form.format.engine != Format::Engine::rounded;
+    if ((metric_->needs & measure::metric::needs_bound) && (tested_form.form->bounded == nullptr || !is_machine_format))
         return false;
-    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && form_row.form->filter_arithmetic == nullptr)
+    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && tested_form.form->filter_arithmetic == nullptr)
         return false;
-    return metric_->domain != MetricDomain::marches || !is_primitive(form_row.form->shape);
+    return metric_->domain != MetricDomain::marches || !is_primitive(tested_form.form->shape);
 }
 
 bool MetricPaint::shares_bar_with(const Metric& other) const {

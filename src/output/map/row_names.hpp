@@ -34,8 +34,8 @@ using measure::evaluate::TestedForm;
 }
 
 /// Name of a series in file names: `sphere.unified.f32`.
-[[nodiscard]] inline std::string row_name(const TestedForm& form_row) {
-    return std::string(form_row.form->info->name) + "." + form_row.format.name;
+[[nodiscard]] inline std::string row_name(const TestedForm& tested_form) {
+    return std::string(tested_form.form->info->name) + "." + tested_form.format.name;
 }
 
 /// A name in words: `wrong primitive` for `wrong_primitive`.
@@ -59,8 +59,8 @@ struct TruthKind {
     const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
     friend bool operator==(const TruthKind&, const TruthKind&) = default;
 };
-[[nodiscard]] inline TruthKind truth_kind(const TestedForm& form_row) {
-    return {form_row.form->info->direction, form_row.convention(), scene::rays::generator_of(*form_row.form)};
+[[nodiscard]] inline TruthKind truth_kind(const TestedForm& tested_form) {
+    return {tested_form.form->info->direction, tested_form.convention(), scene::rays::generator_of(*tested_form.form)};
 }
 
 /// Grid with forms across and formats down, both in the order of the first series that has them.
@@ -72,10 +72,10 @@ struct RowGrid {
     std::vector<std::string> forms, formats;
     std::vector<GridCell> cells;  ///< one per series
 
-    explicit RowGrid(const std::vector<TestedForm>& rows) {
-        for (const TestedForm& form_row : rows)
-            cells.push_back(
-                {find_or_add(forms, short_name(*form_row.form->info)), find_or_add(formats, form_row.format.name)});
+    explicit RowGrid(const std::vector<TestedForm>& tested_forms) {
+        for (const TestedForm& tested_form : tested_forms)
+            cells.push_back({find_or_add(forms, short_name(*tested_form.form->info)),
+                             find_or_add(formats, tested_form.format.name)});
     }
 };
 

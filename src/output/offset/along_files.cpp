@@ -12,8 +12,8 @@ using measure::offset::SideSummary;
 namespace {
 
 std::string subject_text(const OffsetRow& offset_row, Side side) {
-    return fmt::format("{} in {}, {} points, rays {}", offset_row.form_row.form->info->name,
-                       offset_row.form_row.format.name, name_of(offset_row.point_kind), side_phrase(side));
+    return fmt::format("{} in {}, {} points, rays {}", offset_row.tested_form.form->info->name,
+                       offset_row.tested_form.format.name, name_of(offset_row.point_kind), side_phrase(side));
 }
 
 /// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the

@@ -100,7 +100,7 @@ std::string short_name(const Strategy& strategy) {
 }
 
 std::string row_name(const OffsetRow& offset_row) {
-    return fmt::format("{}.{}", map::row_name(offset_row.form_row), name_of(offset_row.point_kind));
+    return fmt::format("{}.{}", map::row_name(offset_row.tested_form), name_of(offset_row.point_kind));
 }
 
 std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row_index) {
@@ -115,8 +115,8 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
         const OffsetRow& offset_row = study.rows[r];
-        const std::string row_text = fmt::format("{} in {}, {} points", offset_row.form_row.form->info->name,
-                                                 offset_row.form_row.format.name, name_of(offset_row.point_kind));
+        const std::string row_text = fmt::format("{} in {}, {} points", offset_row.tested_form.form->info->name,
+                                                 offset_row.tested_form.format.name, name_of(offset_row.point_kind));
         for (const Side side : both_sides) {
             const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(offset_row), name_of(side));
             for (std::size_t k = 0; k < study.strategies.size(); ++k) {
@@ -162,8 +162,8 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
     for (const Strategy* strategy : study.strategies) spec.forms.push_back(short_name(*strategy));
     for (const OffsetRow& offset_row : study.rows) {
         for (const Side side : both_sides)
-            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_row.form_row.form->info),
-                                               offset_row.form_row.format.name, name_of(offset_row.point_kind),
+            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_row.tested_form.form->info),
+                                               offset_row.tested_form.format.name, name_of(offset_row.point_kind),
                                                name_of(side)));
     }
     return {file, std::move(spec)};
@@ -213,9 +213,9 @@ Table<StrategyRow> OffsetView::summary_table() {
                     [](const R& r) { return name_of(r.offset_row->point_kind); }}};
     table.add(
         table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
-        [](const R& r) -> const auto& { return r.offset_row->form_row; });
+        [](const R& r) -> const auto& { return r.offset_row->tested_form; });
     table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.offset_row->form_row.form->shape); }});
+               [](const R& r) { return r.strategy->operations(r.offset_row->tested_form.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(
             column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.strategy_index); }));
@@ -236,8 +236,8 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t row
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
     const OffsetRow& offset_row = study.rows[row_index];
-    const std::string row_text = fmt::format("{} {} {}", offset_row.form_row.form->info->name,
-                                             offset_row.form_row.format.name, name_of(offset_row.point_kind));
+    const std::string row_text = fmt::format("{} {} {}", offset_row.tested_form.form->info->name,
+                                             offset_row.tested_form.format.name, name_of(offset_row.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
         std::string faultless_strategies;
@@ -261,7 +261,7 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t row
                                     faultless_strategies.empty() ? "no strategy" : faultless_strategies));
     }
     const auto strategies_for_both_sides = measure::offset::safe_strategies(
-        summary, study.strategies, offset_row.form_row.form->shape, measure::offset::both_sides);
+        summary, study.strategies, offset_row.tested_form.form->shape, measure::offset::both_sides);
     if (!strategies_for_both_sides.empty())
         lines.push_back(
             fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,

@@ -50,8 +50,8 @@ struct MapData::Group {
     map::TruthKind kind;
     Layer decision, primitive, truth, remainder, bound, condition;
 
-    Group(const TestedForm& form_row, std::size_t pixel_count)
-        : kind(map::truth_kind(form_row)),
+    Group(const TestedForm& tested_form, std::size_t pixel_count)
+        : kind(map::truth_kind(tested_form)),
           decision(1, pixel_count),
           primitive(4, pixel_count),
           truth(8, pixel_count),
@@ -81,14 +81,14 @@ private:
 
 class MapData::Row {
 public:
-    Row(const MapStudy& request, const TestedForm& form_row, std::size_t pixel_count, std::size_t group,
+    Row(const MapStudy& request, const TestedForm& tested_form, std::size_t pixel_count, std::size_t group,
         Group* group_to_fill)
-        : form_row_(form_row),
+        : tested_form_(tested_form),
           group_(group),
           group_to_fill_(group_to_fill),
           outcome_(1, pixel_count),
           primitive_(4, pixel_count),
-          t_(form_row.format.engine == Format::Engine::native32 ? 4 : 8, pixel_count),
+          t_(tested_form.format.engine == Format::Engine::native32 ? 4 : 8, pixel_count),
           error_sizes_(pixel_count, std::numeric_limits<float>::quiet_NaN()) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             stores_condition_ |=
@@ -137,9 +137,9 @@ private:
     [[nodiscard]] std::uint64_t encoded_t(double t, const BandResult& result, std::size_t i) const {
         const double true_t =
             result.truth(i).is_hit()
-                ? result.band->rounded_truth(i, binary64, form_row_.form->info->direction, result.convention)
+                ? result.band->rounded_truth(i, binary64, tested_form_.form->info->direction, result.convention)
                 : 0;
-        switch (form_row_.format.engine) {
+        switch (tested_form_.format.engine) {
             case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(true_t), 4);
             case Format::Engine::native64:
                 return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(true_t), 8);
@@ -153,10 +153,10 @@ private:
         if (i % static_cast<std::size_t>(result.width) == 0) inherent_predictor_.begin_row();
         const measure::truth::Truth truth = result.truth(i);
         if (!truth.is_hit()) return;
-        const Direction direction = form_row_.form->info->direction;
+        const Direction direction = tested_form_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
         const double bits = measure::truth::inherent_bits(
-            reach, direction == Direction::unit ? truth.distance : truth.t, form_row_.format.parameters);
+            reach, direction == Direction::unit ? truth.distance : truth.t, tested_form_.format.parameters);
         layer.set(pixel, inherent_predictor_.encode(image::float_word(bits), 4));
     }
 
@@ -164,7 +164,7 @@ private:
         std::size_t metric;
         Layer layer;
     };
-    const TestedForm& form_row_;
+    const TestedForm& tested_form_;
     std::size_t group_;
     Group* group_to_fill_;
     bool stores_condition_ = false;
@@ -178,14 +178,14 @@ private:
 
 MapData::MapData(const MapStudy& request) : request_(request) {
     const std::size_t pixel_count = request.scene->pixels();
-    for (const TestedForm& form_row : request.rows) {
-        const auto known_group =
-            std::ranges::find_if(groups_, [&form_row](const auto& g) { return g->kind == map::truth_kind(form_row); });
+    for (const TestedForm& tested_form : request.rows) {
+        const auto known_group = std::ranges::find_if(
+            groups_, [&tested_form](const auto& g) { return g->kind == map::truth_kind(tested_form); });
         const auto g = static_cast<std::size_t>(known_group - groups_.begin());
         const bool is_first = known_group == groups_.end();
-        if (is_first) groups_.push_back(std::make_unique<Group>(form_row, pixel_count));
+        if (is_first) groups_.push_back(std::make_unique<Group>(tested_form, pixel_count));
         rows_.push_back(
-            std::make_unique<Row>(request, form_row, pixel_count, g, is_first ? groups_[g].get() : nullptr));
+            std::make_unique<Row>(request, tested_form, pixel_count, g, is_first ? groups_[g].get() : nullptr));
     }
 }
 
@@ -197,8 +197,8 @@ measure::evaluate::ShowRows MapData::band_receiver() {
 
 namespace {
 
-Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
-    const map::MetricPaint paint(m, rows.front().format.parameters);
+Json metric_json(const Metric& m, std::span<const TestedForm> tested_forms) {
+    const map::MetricPaint paint(m, tested_forms.front().format.parameters);
     Json json{{"name", m.name},
               {"unit", m.unit},
               {"meaning", m.meaning},
@@ -211,8 +211,8 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
                                            : "stored"}};
     if (paint.scale()) {  // one scale for each format, as in the pictures
         Json& scales = json["scales"] = Json::object();
-        for (const TestedForm& form_row : rows)
-            scales[form_row.format.name] = scale_json(map::metric_scale(m, form_row.format.parameters));
+        for (const TestedForm& tested_form : tested_forms)
+            scales[tested_form.format.name] = scale_json(map::metric_scale(m, tested_form.format.parameters));
         return json;
     }
     Json& categories = json["categories"] = Json::array();
@@ -232,7 +232,7 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const MapStudy& request, const TestedForm& form_row, const FormSummary& s, std::size_t group,
+Json summary_json(const MapStudy& request, const TestedForm& tested_form, const FormSummary& s, std::size_t group,
                   const std::string& scene_with_size) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
@@ -241,17 +241,17 @@ Json summary_json(const MapStudy& request, const TestedForm& form_row, const For
             array_of(measure::metric::quantiles,
                      [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
-    const FloatFormat& format = form_row.format.parameters;
+    const FloatFormat& format = tested_form.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
-    return {{"form", form_row.form->info->name},
-            {"format", form_row.format.name},
-            {"title", map::title_of(*form_row.form->info)},
+    return {{"form", tested_form.form->info->name},
+            {"format", tested_form.format.name},
+            {"title", map::title_of(*tested_form.form->info)},
             {"precision", format.precision},
             {"emin", format.emin},
-            {"coding", coding_name(form_row.format)},
-            {"direction", form_row.form->info->direction == Direction::unit ? "unit" : "any"},
-            {"formula", form_row.form->is_template()},
-            {"from", attribution::plugin_options_for(form_row.form->info->name)},
+            {"coding", coding_name(tested_form.format)},
+            {"direction", tested_form.form->info->direction == Direction::unit ? "unit" : "any"},
+            {"formula", tested_form.form->is_template()},
+            {"from", attribution::plugin_options_for(tested_form.form->info->name)},
             {"group", group},
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},
@@ -259,7 +259,7 @@ Json summary_json(const MapStudy& request, const TestedForm& form_row, const For
             {"worst_explain",
              worst ? attribution::explain_command(
                          attribution::explain_pixel_arguments(scene_with_size, static_cast<int>(worst->x), worst->y),
-                         form_row)
+                         tested_form)
                    : ""},
             {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
 }
@@ -294,11 +294,11 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-        const TestedForm& form_row = request_.rows[r];
-        const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(form_row));
-        if (form_row.form->is_template()) {
+        const TestedForm& tested_form = request_.rows[r];
+        const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(tested_form));
+        if (tested_form.form->is_template()) {
             const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), request_.scene->width);
-            result.push_back({"rays:" + name, pack(compact_json(rays_json(request_, form_row, rays)))});
+            result.push_back({"rays:" + name, pack(compact_json(rays_json(request_, tested_form, rays)))});
         }
         result.push_back({"row:" + name, pack(rows_[r]->bytes())});
     }

@@ -35,7 +35,8 @@ inline constexpr std::size_t parts_each_way = 4;
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
 /// operations.
-[[nodiscard]] Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::vector<ChosenRay>& rays);
+[[nodiscard]] Json rays_json(const MapStudy& request, const TestedForm& tested_form,
+                             const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
 struct Blob {

@@ -121,15 +121,16 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     return chosen;
 }
 
-Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::vector<ChosenRay>& rays) {
-    const auto* const generator = scene::rays::generator_of(*form_row.form);
+Json rays_json(const MapStudy& request, const TestedForm& tested_form, const std::vector<ChosenRay>& rays) {
+    const auto* const generator = scene::rays::generator_of(*tested_form.form);
     const scene::file::Scene scene = generator ? with_ray_generator(*request.scene, *generator) : *request.scene;
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
-        ray.set_touching(form_row.touching);
-        const Explanation explanation = measure::attribution::explain_alone(*form_row.form, form_row.format, ray);
-        explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*form_row.form, form_row.format, ray));
+        ray.set_touching(tested_form.touching);
+        const Explanation explanation = measure::attribution::explain_alone(*tested_form.form, tested_form.format, ray);
+        explained[i] =
+            ray_json(rays[i], explanation, attribution::end_of_march(*tested_form.form, tested_form.format, ray));
     });
     return array_of(explained, [](const Json& json) { return json; });
 }

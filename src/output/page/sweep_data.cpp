@@ -22,7 +22,7 @@ namespace {
 /// Numbers of a row at every step, cell or case:
 /// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`.
 /// `summary_at(cell)` is the result of the row in that cell.
-Json row_json(const measure::evaluate::TestedForm& form_row, const std::vector<const Metric*>& metrics,
+Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vector<const Metric*>& metrics,
               std::size_t cells, const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
@@ -36,10 +36,10 @@ Json row_json(const measure::evaluate::TestedForm& form_row, const std::vector<c
         outcomes.push_back(summary_at(c).outcomes);
         true_hits.push_back(summary_at(c).true_hits);
     }
-    return {{"form", form_row.form->info->name},
-            {"format", form_row.format.name},
-            {"precision", form_row.format.parameters.precision},
-            {"from", attribution::plugin_options_for(form_row.form->info->name)},
+    return {{"form", tested_form.form->info->name},
+            {"format", tested_form.format.name},
+            {"precision", tested_form.format.parameters.precision},
+            {"from", attribution::plugin_options_for(tested_form.form->info->name)},
             {"values", std::move(values)},
             {"outcomes", std::move(outcomes)},
             {"true_hits", std::move(true_hits)}};
@@ -172,13 +172,13 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
                                    fmt::format("First value of {} at which each event happens{}",
                                                html(request.sweep.axes.front().name), draws_text(onsets)));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const measure::evaluate::TestedForm& form_row = request.rows[r];
-        text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(form_row.form->info->name),
-                            form_row.format.name);
+        const measure::evaluate::TestedForm& tested_form = request.rows[r];
+        text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(tested_form.form->info->name),
+                            tested_form.format.name);
         for (const EventColumn& column : columns) {
             const double threshold = column.share == 0   ? 1
                                      : column.share == 4 ? 4
-                                                         : column.share * form_row.format.parameters.precision;
+                                                         : column.share * tested_form.format.parameters.precision;
             const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
                 return o.row == r && o.event == column.event && o.statistic == column.statistic &&
                        o.threshold == threshold;

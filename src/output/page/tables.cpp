@@ -64,9 +64,10 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
     std::string text = begin_table(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const FormSummary& s = summaries[r];
-        const TestedForm& form_row = request.rows[r];
-        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(form_row)),
-                            html(form_row.form->info->name), form_row.format.name);
+        const TestedForm& tested_form = request.rows[r];
+        text +=
+            fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
+                        html(tested_form.form->info->name), tested_form.format.name);
         for (const CountColumn& count_column : count_columns)
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column, s)));
         text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
@@ -82,8 +83,8 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
             text += fmt::format(
                 "<td><a class=\"jump\" href=\"#scene-{}\" "
                 "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
-                html(request.scene->id), html(request.scene->id), html(form_row.form->info->name), form_row.format.name,
-                worst->x, worst->y, worst->x, worst->y);
+                html(request.scene->id), html(request.scene->id), html(tested_form.form->info->name),
+                tested_form.format.name, worst->x, worst->y, worst->x, worst->y);
     }
     return text + end_table;
 }

@@ -11,7 +11,8 @@ table::Table<StageRow> RenderView::summary_table() {
     using R = StageRow;
     table::Table<R> table{{"stage", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
-    table.add(table::subject_columns("form that finds hits and shadows", "format of all computations"), &R::form_row);
+    table.add(table::subject_columns("form that finds hits and shadows", "format of all computations"),
+              &R::tested_form);
     for (const auto& column : measure::picture::render_columns())
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
     return table;

@@ -32,7 +32,7 @@ using measure::picture::RenderSummary;
 /// A row of summary.csv: a form in a format, at one stage of the picture.
 struct StageRow {
     scene::file::Stage stage;
-    const measure::evaluate::TestedForm* form_row;
+    const measure::evaluate::TestedForm* tested_form;
     const RenderSummary* summary;
 };
 

@@ -146,10 +146,10 @@ private:
 
     [[nodiscard]] pixel::ColumnSpec difference_map_spec(std::size_t r, std::string file, const std::string& title,
                                                         const char* note, SharedLook look) const {
-        const measure::evaluate::TestedForm& form_row = study_.rows[r];
+        const measure::evaluate::TestedForm& tested_form = study_.rows[r];
         return {.file = std::move(file),
-                .title = fmt::format("{} in {}: {}", form_row.form->info->name, form_row.format.name, title),
-                .subtitle = {map::title_of(*form_row.form->info), note},
+                .title = fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, title),
+                .subtitle = {map::title_of(*tested_form.form->info), note},
                 .look = std::move(look)};
     }
 

@@ -72,7 +72,7 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     for (std::size_t k = 0; k < summary.catalogue.size(); ++k)
         rows.push_back({.kind = "catalogue",
                         .name = std::string(summary.catalogue[k].form->info->name),
-                        .form_row = summary.catalogue[k],
+                        .tested_form = summary.catalogue[k],
                         .quality = &summary.catalogue_quality[k]});
     for (FormRow& row : rows) row.meets_requirement = row.quality->meets(summary.request.requirement);
     std::vector<FormRow*> timed_rows;
@@ -87,7 +87,7 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->is_on_front = !is_dominated[k];
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
         rows[k].is_shown =
-            (rows[k].is_on_front || k == first_of_catalogue) && rows[k].form_row.form != original_row.form;
+            (rows[k].is_on_front || k == first_of_catalogue) && rows[k].tested_form.form != original_row.form;
     return rows;
 }
 
@@ -127,17 +127,17 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     for (const FormRow& row : rows) {
         const bool is_of_repair = row.kind != "catalogue";
         // Forms of the catalogue that compute in a wider format have no count of wider operations.
-        const bool can_be_drawn =
-            is_timed ? row.price != nullptr
-                     : is_of_repair || measure::choice::computing_format(row.form_row).name == row.form_row.format.name;
-        if (!can_be_drawn || (!is_of_repair && row.form_row.form == summary.request.row.form)) continue;
-        points.push_back({.form_row = row.form_row,
+        const bool can_be_drawn = is_timed ? row.price != nullptr
+                                           : is_of_repair || measure::choice::computing_format(row.tested_form).name ==
+                                                                 row.tested_form.format.name;
+        if (!can_be_drawn || (!is_of_repair && row.tested_form.form == summary.request.row.form)) continue;
+        points.push_back({.tested_form = row.tested_form,
                           .quality = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
                           .marker = marker_of(row),
                           .is_named = is_of_repair,
                           .is_hollow = !row.quality->decides_as_required(requirement),
-                          .label = is_of_repair ? row.name : map::short_name(*row.form_row.form->info)});
+                          .label = is_of_repair ? row.name : map::short_name(*row.tested_form.form->info)});
     }
     speed::add_kernel_points(spec, points);
     spec.keys = {{"the form", 3, plot::ink_colour},
@@ -156,7 +156,7 @@ Table<FormRow> form_table() {
          "own: the form; wider: with a minimal set of its operations wider; symmetric: with a set that treats x, y and "
          "z alike; all_wider: with all of them wider; rewritten: the form written another way; catalogue",
          &R::kind}};
-    table.add(table::subject_columns("form", "of its inputs and answers"), &R::form_row);
+    table.add(table::subject_columns("form", "of its inputs and answers"), &R::tested_form);
     table.add({{"wider", "format of the wider operations; missing if there are none", &R::wider_format},
                {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
                 [](const R& r) { return when(r.operations != 0, r.wider_operations); }},

@@ -87,11 +87,11 @@ std::string repair_text(const RepairSummary& summary);
 
 /// A row of mend.csv, of the plot and of the text: the form as it is, a repaired form, or a form of the catalogue.
 struct FormRow {
-    std::string_view kind;                   ///< own, wider, symmetric, all_wider, rewritten, catalogue
-    std::string name;                        ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
-    measure::evaluate::TestedForm form_row;  ///< the form of the catalogue; otherwise the form that was repaired
-    std::size_t operations = 0;              ///< number of rounding operations; 0 for the catalogue
-    std::size_t wider_operations = 0;        ///< number of operations that are done wider
+    std::string_view kind;  ///< own, wider, symmetric, all_wider, rewritten, catalogue
+    std::string name;       ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
+    measure::evaluate::TestedForm tested_form;  ///< the form of the catalogue; otherwise the form that was repaired
+    std::size_t operations = 0;                 ///< number of rounding operations; 0 for the catalogue
+    std::size_t wider_operations = 0;           ///< number of operations that are done wider
     const RowQuality* quality = nullptr;
     const RowQuality* held_out_quality = nullptr;  ///< accuracy on rays that the search did not use; null: not measured
     const std::vector<RowQuality>* probe_qualities = nullptr;  ///< accuracy on each probe; null: not measured

@@ -37,13 +37,13 @@ void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoin
                                .x_low = p.time ? p.time->low_quartile * 1e9 : p.quality.time_ns,
                                .x_high = p.time ? p.time->high_quartile * 1e9 : p.quality.time_ns,
                                .marker = p.marker,
-                               .colour = colour_of(p.form_row.format),
+                               .colour = colour_of(p.tested_form.format),
                                .is_faint = !has_label,
                                .is_hollow = p.is_hollow,
                                .label = !has_label        ? std::string()
-                                        : p.label.empty() ? map::short_name(*p.form_row.form->info)
+                                        : p.label.empty() ? map::short_name(*p.tested_form.form->info)
                                                           : p.label,
-                               .key = map::row_name(p.form_row) + " " + std::to_string(k)});
+                               .key = map::row_name(p.tested_form) + " " + std::to_string(k)});
         if (!is_dominated[k] && !std::isnan(p.quality.kept_bits)) front_indices.push_back(k);
     }
     std::ranges::stable_sort(front_indices, {}, [&points](std::size_t k) { return points[k].quality.time_ns; });

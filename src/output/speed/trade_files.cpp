@@ -221,7 +221,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     std::vector<KernelPoint> points;
     for (std::size_t k = 0; k < qualities.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
-        points.push_back({.form_row = kernel.measured,
+        points.push_back({.tested_form = kernel.measured,
                           .quality = qualities[k],
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),

@@ -34,7 +34,7 @@ table::Table<Timing> time_columns(const std::string& median_meaning, const std::
 
 /// A kernel in the plane of time and kept bits.
 struct KernelPoint {
-    const measure::evaluate::TestedForm& form_row;
+    const measure::evaluate::TestedForm& tested_form;
     ParetoPoint quality;
     std::optional<Timing> time;  ///< missing: the time has no quartiles
     int marker = 0;

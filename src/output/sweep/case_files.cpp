@@ -40,7 +40,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
          "convention by which touching and t = 0 are judged: the form's own (own); touching is a hit (closed) or a "
          "miss (open); "
          "t = 0 is a hit in both",
-         [](const R& r) { return intersect::convention_name(r.summary.form_row.touching); }},
+         [](const R& r) { return intersect::convention_name(r.summary.tested_form.touching); }},
         {"verdict",
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
@@ -103,8 +103,8 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
         .scale = scale.bar(),
         .unit = scale.unit()};
     std::vector<std::size_t> row_order;  // indices of rows of the request, by format
-    for (const measure::evaluate::TestedForm& form_row : request.rows) {
-        const std::string& format = form_row.format.name;
+    for (const measure::evaluate::TestedForm& tested_form : request.rows) {
+        const std::string& format = tested_form.format.name;
         if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
             spec.groups.push_back({format, {}});
     }

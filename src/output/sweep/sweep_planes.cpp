@@ -52,7 +52,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 
 void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane,
                std::size_t row_index) {
-    const TestedForm& form_row = request.rows[row_index];
+    const TestedForm& tested_form = request.rows[row_index];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -61,8 +61,8 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
     const auto& axes = request.sweep.axes;
     spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},
                        {"lostbits:sweep", request.sweep.id},
-                       {"lostbits:form", std::string(form_row.form->info->name)},
-                       {"lostbits:format", form_row.format.name},
+                       {"lostbits:form", std::string(tested_form.form->info->name)},
+                       {"lostbits:format", tested_form.format.name},
                        {"lostbits:x", axes[0].name},
                        {"lostbits:x_values", file::number_list(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},

@@ -76,7 +76,7 @@ struct Quantity {
     std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is something to draw
 };
 
-bool is_marching(const TestedForm& form_row) { return !is_primitive(form_row.form->shape); }
+bool is_marching(const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); }
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
@@ -126,9 +126,10 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& form_row = sweep.request.rows[o.row];
-            return o.found && !o.from_last && form_row.form->info->name == mark.form && form_row.format == format &&
-                   o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
+            const TestedForm& tested_form = sweep.request.rows[o.row];
+            return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
+                   tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
+                   o.threshold == mark.threshold;
         });
         if (onset != sweep.onsets.end())
             spec.marks.push_back(
@@ -215,9 +216,9 @@ using LabelledMetrics = std::vector<std::pair<std::string, std::string>>;
 image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t row_index, const std::string& title,
                          const LabelledMetrics& parts) {
     const SweepRequest& request = sweep.request;
-    const TestedForm& form_row = request.rows[row_index];
+    const TestedForm& tested_form = request.rows[row_index];
     LinePlotSpec spec = common_spec(
-        sweep, fmt::format("{} of {} in {}, medians", title, form_row.form->info->name, form_row.format.name),
+        sweep, fmt::format("{} of {} in {}, medians", title, tested_form.form->info->name, tested_form.format.name),
         {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
         const std::size_t metric_index = measure::metric::index_of(request.metrics, metric);
@@ -229,7 +230,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t row_index, cons
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep.marks) {
-        if (mark.format.empty() || mark.format == form_row.format.name) spec.marks.push_back({mark.at, mark.label});
+        if (mark.format.empty() || mark.format == tested_form.format.name) spec.marks.push_back({mark.at, mark.label});
     }
     return plot::line_plot(spec);
 }
@@ -271,9 +272,9 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
               .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
               .shows = is_marching}));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const TestedForm& form_row = request.rows[r];
-        if (form_row.format == format && is_marching(form_row))
-            save(fmt::format("split.{}", form_row.form->info->name),
+        const TestedForm& tested_form = request.rows[r];
+        if (tested_form.format == format && is_marching(tested_form))
+            save(fmt::format("split.{}", tested_form.form->info->name),
                  parts_plot(sweep, r, "Model and rounding error",
                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));
     }
@@ -285,7 +286,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
-    const TestedForm& form_row = request.rows[row_index];
+    const TestedForm& tested_form = request.rows[row_index];
     const auto culprit_metric = static_cast<std::size_t>(
         std::ranges::find_if(request.metrics, &measure::metric::Metric::depends_on_forms) - request.metrics.begin());
     std::vector<double> peak_share(request.metrics[culprit_metric]->categories.size());
@@ -302,7 +303,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     if (order.empty()) return {};
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak_share[a] > peak_share[b]; });
     LinePlotSpec spec = common_spec(
-        sweep, fmt::format("Culprits of {} in {}", form_row.form->info->name, form_row.format.name), share_axis);
+        sweep, fmt::format("Culprits of {} in {}", tested_form.form->info->name, tested_form.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
         spec.series.push_back(series_of(sweep.steps, row_index, label, [&](const FormSummary& s) {
@@ -326,8 +327,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
 
 std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
-    for (const TestedForm& form_row : sweep.request.rows) {
-        if (std::ranges::find(formats, form_row.format) == formats.end()) formats.push_back(form_row.format);
+    for (const TestedForm& tested_form : sweep.request.rows) {
+        if (std::ranges::find(formats, tested_form.format) == formats.end()) formats.push_back(tested_form.format);
     }
     return formats;
 }
@@ -346,13 +347,13 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
                  wrong_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const TestedForm& form_row = request.rows[r];
+            const TestedForm& tested_form = request.rows[r];
             if (const LabelledMetrics metrics = transform_step_metrics(request);
-                form_row.format == format && !metrics.empty() && form_row.form->is_placed)
-                save(fmt::format("steps.{}", form_row.form->info->name), parts_plot(sweep, r, "Steps", metrics));
-            if (form_row.format != format || !map::asks_for_culprits(request.metrics)) continue;
+                tested_form.format == format && !metrics.empty() && tested_form.form->is_placed)
+                save(fmt::format("steps.{}", tested_form.form->info->name), parts_plot(sweep, r, "Steps", metrics));
+            if (tested_form.format != format || !map::asks_for_culprits(request.metrics)) continue;
             if (const auto plot = culprit_plot(sweep, r))
-                save(fmt::format("culprit.{}", form_row.form->info->name), *plot);
+                save(fmt::format("culprit.{}", tested_form.form->info->name), *plot);
         }
     }
 }

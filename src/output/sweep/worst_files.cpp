@@ -117,14 +117,14 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
          }});
 }
 
-std::string worst_case_text(const WorstRequest& request, const measure::evaluate::TestedForm& form_row,
+std::string worst_case_text(const WorstRequest& request, const measure::evaluate::TestedForm& tested_form,
                             const WorstResult& w) {
     const bool is_agreed_hit = w.outcome == Outcome::agree_hit;
     std::string result_text = is_agreed_hit
                                   ? fmt::format("{} {:.6g}", request.search.metric, w.value)
                                   : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
-    return case_text(fmt::format("{} in {}: {}", form_row.form->info->name, form_row.format.name, result_text),
+    return case_text(fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, result_text),
                      group_of_worst(w));
 }
 

@@ -7,8 +7,8 @@ namespace lostbits::output::table {
 using measure::evaluate::TestedForm;
 
 Table<TestedForm> subject_columns(const std::string& form, const std::string& format) {
-    return {{"form", form, [](const TestedForm& form_row) { return form_row.form->info->name; }},
-            {"format", format, [](const TestedForm& form_row) { return form_row.format.name; }}};
+    return {{"form", form, [](const TestedForm& tested_form) { return tested_form.form->info->name; }},
+            {"format", format, [](const TestedForm& tested_form) { return tested_form.format.name; }}};
 }
 
 Table<Ray<double>> ray_columns(const std::string& meaning) {

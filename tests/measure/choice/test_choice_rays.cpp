@@ -45,9 +45,9 @@ std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool primitiv
     return scene::dump::open_dump(path, options);
 }
 
-ChoiceRequest requirement_of(double bits, std::vector<TestedForm> rows) {
+ChoiceRequest requirement_of(double bits, std::vector<TestedForm> tested_forms) {
     ChoiceRequest request;
-    request.rows = std::move(rows);
+    request.rows = std::move(tested_forms);
     request.requirement.bits = bits;
     request.plan = {.repetitions = 1, .least_seconds = 1e-6};
     return request;

@@ -19,10 +19,10 @@ namespace {
 scene::file::Scene small_scene(const char* name) { return test::load(name, 40, 30); }
 
 std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
-    std::vector<TestedForm> rows;
+    std::vector<TestedForm> tested_forms;
     for (const char* form : forms)
-        for (const char* format : formats) rows.push_back(test::row(form, format));
-    return rows;
+        for (const char* format : formats) tested_forms.push_back(test::row(form, format));
+    return tested_forms;
 }
 
 /// Outcomes and lost bits of a row, pixel by pixel.
@@ -40,11 +40,11 @@ struct Kept {
 };
 
 /// Maps of every row by itself.
-std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
-    std::vector<Kept> kept(rows.size());
-    for (std::size_t r = 0; r < rows.size(); ++r) {
+std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
+    std::vector<Kept> kept(tested_forms.size());
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
         measure::evaluate::run_map(
-            {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
+            {.scene = &scene, .rows = {tested_forms[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
             [&one = kept[r]](std::size_t, const auto& band) { one.add_band(band); });
     }
     return kept;
@@ -57,16 +57,17 @@ struct Asked {
 };
 
 /// With fixed costs for the rows, so that a test does not depend on the clock.
-Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& rows, const std::vector<double>& prices,
-              double bits, const std::vector<TestedForm>& untimed_rows = {}) {
-    Asked asked{
-        .request = {.scene = &scene, .rows = rows, .untimed_rows = untimed_rows}, .all = {}, .requirement_map = {}};
+Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms,
+              const std::vector<double>& prices, double bits, const std::vector<TestedForm>& untimed_rows = {}) {
+    Asked asked{.request = {.scene = &scene, .rows = tested_forms, .untimed_rows = untimed_rows},
+                .all = {},
+                .requirement_map = {}};
     asked.request.requirement.bits = bits;
-    MetPixelsByForm meetings(asked.request, rows);
+    MetPixelsByForm meetings(asked.request, tested_forms);
     asked.request.show = meetings.show();
     const auto quality = quality_of(asked.request);
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        asked.all.push_back({.row = rows[r], .quality = quality[r]});
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
+        asked.all.push_back({.row = tested_forms[r], .quality = quality[r]});
         asked.all.back().time.median = prices[r];
     }
     asked.requirement_map = requirement_map_of(asked.request, asked.all, meetings);

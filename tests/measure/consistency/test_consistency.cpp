@@ -26,10 +26,10 @@ const Check* named(std::string_view name) {
     throw std::logic_error("no check " + std::string(name));
 }
 
-std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
                            std::vector<const Check*> among = all_checks()) {
     return measure::study::run_study(
-        ConsistencyStudy{.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
+        ConsistencyStudy{.scene = scene, .rows = std::move(tested_forms), .checks = std::move(among)});
 }
 
 /// Result of one check for one row.
@@ -78,20 +78,20 @@ CheckSummary of_kernel(intersect::table::Kernel<float>::Plain kernel, std::strin
 TEST_CASE("consistency: every form agrees in packs and alone, and summaries add up", "[measure][consistency]") {
     for (const std::string name : {"near-benign", "camera-inside", "box-slabs", "consistency-on-surface"}) {
         const auto scene = load(name);
-        std::vector<measure::evaluate::TestedForm> rows;
+        std::vector<measure::evaluate::TestedForm> tested_forms;
         for (const Shape shape : {Shape::sphere, Shape::box}) {
             if (!scene.meets(shape)) continue;
-            for (const auto& r : test::all_rows(shape, {"f32", "f64", "bf16"})) rows.push_back(r);
+            for (const auto& r : test::all_rows(shape, {"f32", "f64", "bf16"})) tested_forms.push_back(r);
         }
-        const auto all = run(scene, rows);
-        for (std::size_t r = 0; r < rows.size(); ++r) {
+        const auto all = run(scene, tested_forms);
+        for (std::size_t r = 0; r < tested_forms.size(); ++r) {
             for (std::size_t c = 0; c < checks().size(); ++c) {
                 const CheckSummary& s = all[r][c];
-                CAPTURE(name, rows[r].form->info->name, rows[r].format.name, checks()[c].name);
+                CAPTURE(name, tested_forms[r].form->info->name, tested_forms[r].format.name, checks()[c].name);
                 CHECK(std::accumulate(s.counts.begin(), s.counts.end(), std::uint64_t{0}) == scene.pixels());
                 CHECK(s.count_of(CheckResult::unresolved) == 0);
                 CHECK(s.first_disagreement.has_value() == (s.disagreements() > 0));
-                if (!checks()[c].applies(scene, *rows[r].form)) CHECK(s.asked() == 0);
+                if (!checks()[c].applies(scene, *tested_forms[r].form)) CHECK(s.asked() == 0);
                 if (!checks()[c].compares_numbers) CHECK(s.excess.count() == 0);
                 if (checks()[c].name != "packs") continue;
                 CHECK(s.asked() == scene.pixels());

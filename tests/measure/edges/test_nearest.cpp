@@ -30,8 +30,8 @@ EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
 }
 
 std::vector<EdgeFinding> found_by(const EdgeSearchFile& search,
-                                  const std::vector<measure::evaluate::TestedForm>& rows) {
-    return measure::edges::search_edges({.search = search, .rows = rows});
+                                  const std::vector<measure::evaluate::TestedForm>& tested_forms) {
+    return measure::edges::search_edges({.search = search, .rows = tested_forms});
 }
 
 bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b) {

@@ -39,11 +39,12 @@ std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution)
 }
 
 /// All metrics of the table that need one form, with the operations of these rows.
-std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const RayGroup& rays, metric::MetricSet& made) {
+std::vector<const Metric*> all_of(const std::vector<TestedForm>& tested_forms, const RayGroup& rays,
+                                  metric::MetricSet& made) {
     std::vector<const Metric*> all;
     for (const Metric& m : metric::metrics())
         if (m.domain != metric::MetricDomain::pairs) all.push_back(&m);
-    return made.adapt_to_forms(all, evaluate::forms_of(rows), attribution::OwnedSetting(rays).get());
+    return made.adapt_to_forms(all, evaluate::forms_of(tested_forms), attribution::OwnedSetting(rays).get());
 }
 
 bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
@@ -52,7 +53,7 @@ bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isna
 using Found = std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>>;
 
 /// The rays as a file with one primitive for each ray.
-std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::vector<TestedForm>& rows,
+std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::vector<TestedForm>& tested_forms,
                                 const std::vector<const Metric*>& metrics, std::uint64_t first, Found& found) {
     scene::rays::RayBlock block;
     for (const RayGroup& one : rays) block.push(one.rays[0]);
@@ -74,7 +75,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
     };
     // Rows of one piece are shown at the same time.
     const test::Threads one(1);
-    return judge::run_judge(*dump, {.rows = rows, .metrics = metrics}, show).summaries;
+    return judge::run_judge(*dump, {.rows = tested_forms, .metrics = metrics}, show).summaries;
 }
 
 /// All counts that claims may use.

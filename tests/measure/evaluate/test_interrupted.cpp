@@ -82,7 +82,7 @@ TEST_CASE("every computation stops where its own request says so") {
     const std::filesystem::path data = LOSTBITS_DATA_DIR, sweeps = data / "sweeps";
     const auto scene = scene_named("raycast-acne");
     const measure::evaluate::TestedForm row = test::row("sphere.half_b", "f32");
-    const std::vector<measure::evaluate::TestedForm> rows{row};
+    const std::vector<measure::evaluate::TestedForm> tested_forms{row};
     const auto& metrics = test::case_metrics;
     const scene::sweep::SweepFile sweep(sweeps / "sphere-distance.toml", data);
     const scene::sweep::CaseFile cases(sweeps / "extremes/contact.toml");
@@ -99,15 +99,18 @@ TEST_CASE("every computation stops where its own request says so") {
     measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warms_up = false};
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
-        {"map", [&] { m::evaluate::run_map({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"map",
+         [&] { m::evaluate::run_map({.scene = &scene, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
         {"needed",
          [&] {
              m::study::run_study(m::evaluate::BitsNeededStudy{.scene = scene, .rows = {row.form}, .limit = limit});
          }},
         {"render",
          [&] {
-             m::study::run_study(m::picture::RenderStudy{
-                 .scene = scene, .stages = {scene::file::Stage::visible}, .rows = rows, .limit = {.stop = stop}});
+             m::study::run_study(m::picture::RenderStudy{.scene = scene,
+                                                         .stages = {scene::file::Stage::visible},
+                                                         .rows = tested_forms,
+                                                         .limit = {.stop = stop}});
          }},
         {"offsets",
          [&] {
@@ -119,21 +122,26 @@ TEST_CASE("every computation stops where its own request says so") {
         {"consistency",
          [&] {
              m::study::run_study(m::consistency::ConsistencyStudy{
-                 .scene = scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
+                 .scene = scene, .rows = tested_forms, .checks = m::consistency::all_checks(), .limit = limit});
          }},
-        {"sweep", [&] { m::sweep::run_sweep({.sweep = sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
-        {"cases", [&] { m::sweep::run_cases({.file = cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
-        {"every float", [&] { m::sweep::run_exhaustive({.sweep = floats, .rows = rows, .limit = limit}, state); }},
-        {"search", [&] { m::sweep::find_worst({.search = search, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"sweep",
+         [&] { m::sweep::run_sweep({.sweep = sweep, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
+        {"cases",
+         [&] { m::sweep::run_cases({.file = cases, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
+        {"every float",
+         [&] { m::sweep::run_exhaustive({.sweep = floats, .rows = tested_forms, .limit = limit}, state); }},
+        {"search",
+         [&] { m::sweep::find_worst({.search = search, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
         {"judge",
          [&] {
-             m::judge::run_judge(
-                 *rays,
-                 {.primitives = {Sphere<double>{{0, 0, 0}, 1}}, .rows = rows, .metrics = metrics, .limit = limit});
+             m::judge::run_judge(*rays, {.primitives = {Sphere<double>{{0, 0, 0}, 1}},
+                                         .rows = tested_forms,
+                                         .metrics = metrics,
+                                         .limit = limit});
          }},
         {"a file of rays", [&] { open(stop); }},
         {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).primitives()); }},
-        {"choice", [&] { m::choice::quality_of({.scene = &scene, .rows = rows, .limit = limit}); }},
+        {"choice", [&] { m::choice::quality_of({.scene = &scene, .rows = tested_forms, .limit = limit}); }},
         {"claims", [&] { m::claim::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
         {"times",
          [&] {

@@ -19,12 +19,12 @@ scene::file::Scene scene_of(const std::string& name, int size) { return test::lo
 
 std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& scene,
                                                    std::initializer_list<const char*> formats) {
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         if (form.shape != Shape::sdf || !scene.meets(form.shape)) continue;
-        for (const char* format : formats) rows.push_back({&form, *find_format(format)});
+        for (const char* format : formats) tested_forms.push_back({&form, *find_format(format)});
     }
-    return rows;
+    return tested_forms;
 }
 
 /// Checks the results of a band ray by ray.

@@ -125,9 +125,9 @@ TEST_CASE("a picture in p53 has the bits of f64, and one in p24 the bits of f32"
             for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
                 if (f.info->formats != intersect::Formats::all) continue;
                 CAPTURE(name, f.info->name, native);
-                const std::vector<measure::evaluate::TestedForm> rows{{&f, *find_format(native)},
-                                                                      {&f, *find_format(emulated)}};
-                const Collected run({.scene = s, .stages = {s.appearance.last_stage()}, .rows = rows});
+                const std::vector<measure::evaluate::TestedForm> tested_forms{{&f, *find_format(native)},
+                                                                              {&f, *find_format(emulated)}};
+                const Collected run({.scene = s, .stages = {s.appearance.last_stage()}, .rows = tested_forms});
                 CHECK(same(run.pictures[0][0], run.pictures[1][0]));
                 CHECK(run.shadows[0] == run.shadows[1]);
                 CHECK(std::ranges::equal(run.residuals[0], run.residuals[1],

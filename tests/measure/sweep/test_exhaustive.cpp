@@ -81,8 +81,8 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
         CHECK((worst == found || worst <= packs.error_bound));
 }
 
-sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<TestedForm> rows) {
-    return {.sweep = file, .rows = std::move(rows)};
+sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<TestedForm> tested_forms) {
+    return {.sweep = file, .rows = std::move(tested_forms)};
 }
 
 sweep::ExhaustiveState run(const sweep::ExhaustiveRequest& request) {
@@ -96,25 +96,25 @@ struct Compared {
     std::uint64_t floats = 0, wrong = 0;
 };
 
-Compared compare(const std::string& text, const std::vector<TestedForm>& rows) {
+Compared compare(const std::string& text, const std::vector<TestedForm>& tested_forms) {
     const TextFile written(text);
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
-    const auto request = request_of(file, rows);
+    const auto request = request_of(file, tested_forms);
     const auto state = run(request);
     const auto binades = sweep::binades_of(file);
     Compared compared;
     for (std::size_t b = 0; b < binades.size(); ++b) {
         for (std::size_t r = 0; r < file.rays.size(); ++r) {
-            for (std::size_t k = 0; k < rows.size(); ++k) {
+            for (std::size_t k = 0; k < tested_forms.size(); ++k) {
                 sweep::FloatTally alone;
                 for (std::uint64_t i = 0; i < binades[b].floats.size(); ++i) {
                     const std::uint32_t place = binades[b].floats.at(i);
-                    const Alone at = try_alone(file, r, rows[k], float_at(place));
+                    const Alone at = try_alone(file, r, tested_forms[k], float_at(place));
                     alone.add(place, at.outcome, at.ulps);
                     if (at.padding > (alone.padding ? alone.padding->u : 0)) alone.padding = {place, at.padding};
                 }
                 const sweep::FloatTally& packs = state.tallies[request.tally_index(b, r, k)];
-                CAPTURE(rows[k].form->info->name, file.rays[r].name, binades[b].binade.name());
+                CAPTURE(tested_forms[k].form->info->name, file.rays[r].name, binades[b].binade.name());
                 check_same(packs, alone);
                 compared.floats += alone.floats();
                 compared.wrong += alone.wrong() > 0;

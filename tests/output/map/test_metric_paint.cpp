@@ -201,9 +201,9 @@ TEST_CASE("shares of culprits are of the rays that have a culprit, and the pictu
 TEST_CASE("a sheet marks the formats that also got rounded inputs", "[metric_paint]") {
     lostbits::scene::file::Scene scene;
     const auto note = [&scene](std::initializer_list<const char*> formats) {
-        std::vector<lostbits::measure::evaluate::TestedForm> rows;
-        for (const char* name : formats) rows.push_back(lostbits::test::row("sphere.unified", name));
-        return input_note(scene, rows);
+        std::vector<lostbits::measure::evaluate::TestedForm> tested_forms;
+        for (const char* name : formats) tested_forms.push_back(lostbits::test::row("sphere.unified", name));
+        return input_note(scene, tested_forms);
     };
     CHECK(note({"f32", "f64", "p24", "p30"}).empty());
     CHECK(note({"f32", "fp16"}).starts_with("in fp16 the inputs are rounded too"));

@@ -28,8 +28,8 @@ const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";
 
 /// A sweep that was run.
 struct Ran {
-    Ran(const std::string& text, const std::vector<TestedForm>& rows)
-        : written(text), file(written.path(), LOSTBITS_DATA_DIR), request{.sweep = file, .rows = rows} {
+    Ran(const std::string& text, const std::vector<TestedForm>& tested_forms)
+        : written(text), file(written.path(), LOSTBITS_DATA_DIR), request{.sweep = file, .rows = tested_forms} {
         measure::sweep::run_exhaustive(request, state);
     }
     [[nodiscard]] auto plots() const { return exhaustive_plots(request, state); }
