@@ -1,7 +1,7 @@
 # cmake -DCOMPILER=… -DSOURCE=… -DFOLDER=… -P ghost_operation.cmake: an operation of the tape does not
 # compile until its struct and its texts are there.
 file(READ ${SOURCE}/src/number/tape.hpp tape)
-string(REGEX REPLACE "(row\\(any,[^)]*\\))" "\\1 row(ghost, rounded, 2)" with_ghost "${tape}")
+string(REGEX REPLACE "(row\\(any,[^)]*\\))" "\\1 row(ghost, \"ghost\", rounded, 2)" with_ghost "${tape}")
 if(with_ghost STREQUAL tape)
     message(FATAL_ERROR "number/tape.hpp has no row(any, …) to put another one after")
 endif()
