@@ -144,7 +144,7 @@ struct ChooseOptions : selection::RayFileOptions {
 std::vector<measure::evaluate::TestedForm> select_rows(const ChooseOptions& options, const std::string& id, bool quiet,
                                                        const selection::ShapePredicate& meets) {
     const auto formats = selection::select_formats(options.formats);
-    if (std::ranges::all_of(formats, selection::is_emulated))
+    if (std::ranges::all_of(formats, &Format::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; choose compares only f32 and f64. Name one "
             "of them",
@@ -214,7 +214,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     request.rows = select_rows(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
-        [](const measure::evaluate::TestedForm& tested_form) { return !selection::is_emulated(tested_form.format); });
+        [](const measure::evaluate::TestedForm& tested_form) { return !tested_form.format.is_emulated(); });
     request.untimed_rows.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(options.out) / scene.id;
@@ -241,7 +241,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     ChoiceRequest request = make_request(options, common.stop);
     request.rows = select_rows(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
-        std::erase_if(request.rows, [](const auto& tested_form) { return selection::is_emulated(tested_form.format); });
+        std::erase_if(request.rows, [](const auto& tested_form) { return tested_form.format.is_emulated(); });
     if (emulated > 0 && !common.quiet)
         fmt::print(stderr,
                    "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "

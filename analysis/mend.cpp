@@ -38,7 +38,7 @@ measure::evaluate::TestedForm select_row(const MendOptions& options, const std::
                                          const selection::ShapePredicate& meets) {
     const auto forms = selection::select_forms({options.form});
     const auto formats = selection::select_formats({options.format});
-    if (std::ranges::any_of(formats, selection::is_emulated))
+    if (std::ranges::any_of(formats, &Format::is_emulated))
         throw InputError(fmt::format("-f {}: mend works in f32 and f64 only; name one of them", options.format));
     if (forms.size() != 1 || formats.size() != 1)
         throw InputError(fmt::format("-i {}, -f {}: mend repairs one form in one format; name one of each",

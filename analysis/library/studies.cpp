@@ -137,8 +137,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
     const TestedForm& tested_form = only_row(chosen, "mend repairs one form in one format");
-    if (selection::is_emulated(tested_form.format))
-        throw InputError("mend works in f32 and f64 only; name one of them");
+    if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({tested_form.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
     measure::repair::RepairRequest request{
@@ -167,8 +166,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     request.scene = &scene;
     request.rows = selection::select_timed_rows(scene.id, {chosen.rows, chosen.forms, true},
                                                 [&scene](Shapes forms) { return scene.meets(forms); });
-    std::erase_if(request.rows,
-                  [](const TestedForm& tested_form) { return selection::is_emulated(tested_form.format); });
+    std::erase_if(request.rows, [](const TestedForm& tested_form) { return tested_form.format.is_emulated(); });
     if (request.rows.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");

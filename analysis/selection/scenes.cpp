@@ -99,8 +99,6 @@ std::filesystem::path form_flags_folder() {
     return fs::exists(installed / "form.flags", error) ? installed : program;
 }
 
-bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
-
 scene::file::Scene load_one_scene(const SceneOptions& choice, const std::filesystem::path& data) {
     auto scenes = load_scenes(choice, data);
     if (scenes.size() == 1) return std::move(scenes.front());

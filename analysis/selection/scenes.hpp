@@ -47,9 +47,6 @@ std::filesystem::path data_folder(const std::string& data_option);
 /// this program, or the library folder of an installed one.
 std::filesystem::path form_flags_folder();
 
-/// True if a format is computed by software here; its time then says nothing about hardware.
-[[nodiscard]] bool is_emulated(const Format& format);
-
 /// Loads one scene. Throws InputError if its file has several variants and none is named.
 scene::file::Scene load_one_scene(const SceneOptions& choice, const std::filesystem::path& data);
 

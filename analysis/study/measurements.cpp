@@ -86,7 +86,7 @@ std::vector<TestedForm> select_rows_of_shape(const std::string& given_name,
 
 void require_timeable(const std::vector<TestedForm>& tested_forms) {
     const auto emulated = std::ranges::find_if(
-        tested_forms, [](const TestedForm& tested_form) { return selection::is_emulated(tested_form.format); });
+        tested_forms, [](const TestedForm& tested_form) { return tested_form.format.is_emulated(); });
     if (emulated != tested_forms.end())
         throw InputError(fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64",
                                      emulated->format.name));

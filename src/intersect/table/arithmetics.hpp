@@ -146,7 +146,7 @@ void record_all_of(const Target<double>& target, Tape& tape) {
 /// for formats other than binary32 and binary64.
 template <class Evaluate>
 std::optional<BoundedAnswer> bounded_answer(const Evaluate& evaluate, const Format& format) {
-    if (format.engine == Format::Engine::rounded) return std::nullopt;
+    if (format.is_emulated()) return std::nullopt;
     number::recorders::BoundsRecorder recorder(format.parameters);
     const Hit<Recorded> hit = evaluate();
     return BoundedAnswer{hit.hit.value(), recorder.is_proved(hit.hit.node()), recorder.value(hit.t.node()),

@@ -160,8 +160,7 @@ private:
     const FormatInputs& in_;
     Answers& answers_;
     /// Arithmetic in software is slower than the test whether a sphere is a candidate.
-    SphereIndex::Grain grain_ =
-        in_.format.engine == Format::Engine::rounded ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
+    SphereIndex::Grain grain_ = in_.format.is_emulated() ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
     std::array<std::vector<S>, 4> buffers_;
     std::vector<SphereIndex::Run> runs_;
     std::vector<S> t_;

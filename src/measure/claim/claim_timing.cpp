@@ -102,7 +102,7 @@ TestedForm timed_row(const Claim& claim, const Scene& scene) {
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
                                            "form of a primitive, such as sphere.half_b");
-    if (tested_form.format.engine == Format::Engine::rounded)
+    if (tested_form.format.is_emulated())
         scene::toml::fail(claim.where, claim.format + " is emulated, so its time means nothing; write f32 or f64");
     return tested_form;
 }

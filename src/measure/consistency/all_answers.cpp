@@ -93,8 +93,7 @@ std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const Ra
 void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
     const intersect::Info& info = *band_form.row.form->info;
     std::vector<FormKernels> kernels_by_width;
-    const bool is_software =
-        band_form.row.format.engine == Format::Engine::rounded;  // software formats have no registers
+    const bool is_software = band_form.row.format.is_emulated();  // software formats have no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         if (!is_software || isa == intersect::simd::Isa::scalar)
             kernels_by_width.emplace_back(*band_form.row.form, band_form.row.format, band_form.kernels.stop, isa);

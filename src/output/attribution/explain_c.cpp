@@ -21,7 +21,7 @@ public:
         : explanation_(explanation),
           text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::plain),
           slice_(explanation.tape, {explanation.tape.outputs.t, explanation.tape.outputs.hit}),
-          computes_in_double_(explanation.format.engine == Format::Engine::rounded) {
+          computes_in_double_(explanation.format.is_emulated()) {
         needs_remainders_ = computes_in_double_ && explanation.format.parameters.precision > 25;
     }
 

@@ -112,7 +112,7 @@ bool MetricPaint::applies_to(const TestedForm& tested_form) const {
         return tested_form.against != nullptr &&
                (!metric_->categories.empty() ||
                 measure::answer::are_comparable(*tested_form.form->info, *tested_form.against->info));
-    const bool is_machine_format = tested_form.format.engine != Format::Engine::rounded;
+    const bool is_machine_format = !tested_form.format.is_emulated();
     if ((metric_->needs & measure::metric::needs_bound) && (tested_form.form->bounded == nullptr || !is_machine_format))
         return false;
     if ((metric_->needs & measure::metric::needs_filter_arithmetic) && tested_form.form->filter_arithmetic == nullptr)

@@ -116,7 +116,7 @@ Parsed NumberParser::read_hexadecimal(std::string_view text) const {
     const auto [end, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), exact, std::chars_format::hex);
     const bool is_short = digits.substr(0, digits.find_first_of("pP")).size() <= 14;
-    const bool is_native = format_.engine != Format::Engine::rounded;
+    const bool is_native = !format_.is_emulated();
     if (!is_native || !is_short || error != std::errc{} || end != digits.data() + digits.size() || !(exact > 0x1p-900))
         return read_slowly(text);
     if (text.front() == '-') exact = -exact;
