@@ -218,9 +218,10 @@ std::string counterfactual_sentence(const Explanation& explanation) {
     const NodeId culprit = explanation.attribution.culprit;
     const bool is_step = measure::attribution::is_on_purpose(explanation.tape[culprit].op);
     const std::string culprit_name = view.text().operand(culprit),
-                      if_only_exact = fmt::format(is_step ? "Without {}," : "If {} alone were exact,", culprit_name),
+                      if_only_exact =
+                          is_step ? "Without " + culprit_name + "," : "If " + culprit_name + " alone were exact,",
                       if_only_rounded =
-                          fmt::format(is_step ? "With {} alone," : "If {} alone were rounded,", culprit_name);
+                          is_step ? "With " + culprit_name + " alone," : "If " + culprit_name + " alone were rounded,";
     if (explanation.attribution.subject != explanation.tape.outputs.t) {
         const auto verb_of = [](bool hit) { return hit ? "hit" : "miss"; };
         return fmt::format("{} the form would {}{}. {} it would {}.", if_only_exact,
