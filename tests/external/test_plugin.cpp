@@ -93,7 +93,7 @@ TEST_CASE("plugin: a form whose shape is not in the scene is reported as left ou
           "report near-benign --size 16x16 --no-claims -i odd.first -i sphere.unified -f f64",
           "trade --quick --repetitions 1 -i odd.first -i sphere.unified -f f64"}) {
         const Outcome other = must(words + with, folder.path());
-        CHECK(has(other.err, "lostbits: left out: odd.first is for spheres in f32; nothing in the selection has that"));
+        CHECK(has(other.err, "lostbits: left out: odd.first: the selection has no spheres in f32\n"));
         CHECK_FALSE(has(run(words + " -q" + with, folder.path()).err, "left out"));
     }
     for (const std::string words : {"map box-one --size 16x16 -f f32", "offsets offset-tiny --size 16x16 -f f64"})
