@@ -218,6 +218,7 @@ TEST_CASE("explain: a ray that begins inside a box hits at its start, which no i
 
 TEST_CASE("explain: no operation is blamed where the form is wrong without rounding, not even for a NaN") {
     const std::string what = "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,0 -i sphere.unified ";
+    CHECK(has(run(what).err, "--ray 0,0,0,0,0,0: the direction is 0,0,0, so this is not a ray"));
     const std::string text = run(what).out;
     INFO(text);
     CHECK(has(text,

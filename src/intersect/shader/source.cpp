@@ -135,10 +135,10 @@ std::vector<Function> candidate_functions(const std::vector<Function>& functions
 /// Chooses the function that the user names, or else the only function that has the types of an intersector.
 Signature choose_function(const std::string& path, const std::vector<Function>& functions,
                           const Property* function_property) {
-    const bool is_shader =
-        !fs::path(path).extension().string().starts_with(".c") && fs::path(path).extension() != ".rs";
+    constexpr std::array compiled_endings{".c", ".cc", ".cpp", ".cxx", ".rs"};
+    const bool is_compiled = std::ranges::find(compiled_endings, fs::path(path).extension()) != compiled_endings.end();
     const std::string advice =
-        is_shader ? "" : "\n--shader is for GLSL and HLSL; for C, C++ or Rust write --function " + path;
+        !is_compiled ? "" : "\n--shader is for GLSL and HLSL; for C, C++ or Rust write --function " + path;
     if (functions.empty())
         throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)" +
                          advice);
