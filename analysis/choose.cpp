@@ -299,8 +299,10 @@ void add_choose(const shell::Command& program, const CommonOptions& common) {
     command.add("--at", options->at,
                 "Share of the hits that must meet the requirement: p50, p99 (default), p99.9, or max for all hits");
     selection::add_forms(command, options->forms);
-    command.add_list("-f,--format", options->formats,
-                     "f32, f64 (default: both); emulated formats, such as p16, are not timed (docs/choose.md)");
+    command.add_list(
+        "-f,--format", options->formats,
+        "f32, f64 (default: both). Emulated formats, such as p16, are not timed; they show the narrowest format "
+        "that each pixel needs (docs/choose.md)");
     const auto single = command.add("--single", options->single, "Compare the cost of one ray at a time");
     command
         .add("--bulk", options->bulk,

@@ -188,6 +188,12 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
         selection::find_ray(options.ray_options, {&form, format}, selection::data_folder(common.data));
     const measure::answer::OneRay& ray = selected.ray;
     if (selected.scene && !common.quiet) selection::note_lost_numbers(*selected.scene, {{&form, format}});
+    if (!options.ray_options.ray.empty() && !common.quiet &&
+        ray.inputs(form, format).ray(*form.info).direction == Vec<double>(0, 0, 0))
+        fmt::print(stderr,
+                   "lostbits: --ray {}: the direction is 0,0,0, so this is not a ray; what follows shows only how the "
+                   "form computes with it\n",
+                   output::file::terminal_line(options.ray_options.ray));
     const auto forms_beside = selection::select_forms(options.forms_beside, "--beside");
     std::optional<measure::attribution::ScenePixel> pixel;
     if (selected.scene && selected.pixel)

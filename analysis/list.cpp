@@ -70,14 +70,14 @@ Listing intersectors(const CommonOptions& /*common*/) {
                                                 : info.roots == intersect::Roots::near_only  ? "near only"
                                                 : info.roots == intersect::Roots::first_only ? "first only"
                                                                                              : "none";
-                            const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hits"
-                                                    : info.at_origin == intersect::AtOrigin::miss ? "misses"
+                            const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hit"
+                                                    : info.at_origin == intersect::AtOrigin::miss ? "miss"
                                                                                                   : "exit";
                             return Row{std::string(info.name),
                                        std::string(info.title),
                                        info.direction == intersect::Direction::unit ? "unit" : "any",
                                        roots,
-                                       info.touching == intersect::Touching::hit ? "hits" : "misses",
+                                       info.touching == intersect::Touching::hit ? "hit" : "miss",
                                        at_origin,
                                        inside_answer(info.inside, form.shape),
                                        is_flat(form.shape)

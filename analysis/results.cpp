@@ -258,16 +258,15 @@ void print_table(const measure::evaluate::MapStudy& request,
 void print_table(const measure::evaluate::BitsNeededStudy& request,
                  const std::vector<measure::evaluate::BitsNeededSummary>& summaries) {
     shell::TextTable table({{"form", 28, true},
-                            {fmt::format("{:>3} bits need:", request.bits), 14},
-                            {"p50", 6},
+                            {fmt::format("bits for {} correct: p50", request.bits), 24},
                             {"p99", 6},
                             {"max", 6},
-                            {"hit > 53", 10},
-                            {"miss > 53", 10}});
+                            {"hits beyond 53", 16},
+                            {"misses beyond 53", 18}});
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
         const auto bits = [&all](double q) { return fmt::format("{}", all.quantile(q)); };
-        table.add({std::string(request.rows[f]->info->name), "", bits(0.5), bits(0.99), bits(1),
+        table.add({std::string(request.rows[f]->info->name), bits(0.5), bits(0.99), bits(1),
                    std::to_string(summaries[f].hits_beyond), std::to_string(summaries[f].misses_beyond)});
     }
     table.print();

@@ -27,15 +27,16 @@ using scene::sweep::SweepKind;
 namespace {
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
-    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
-               "threshold", "from", "last good", "first seen bad", "last good after", "first bad over draws");
+    fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14}  {:>15}  {}\n", "form", "format", "event",
+               "statistic", "threshold", "read_from", "last_good", "first_bad", "last_good_after",
+               "first_bad over draws");
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
         if (!onset.found || (onset.from_last && onset.from_start)) continue;
         const TestedForm& tested_form = request.rows[onset.row];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n",
+        fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14.8g}  {:>15}  {}\n",
                    tested_form.form->info->name, tested_form.format.name, onset.event, onset.statistic, onset.threshold,
                    onset.from_last ? "last" : "first", onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good),
                    onset.first_bad,

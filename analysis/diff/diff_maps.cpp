@@ -139,7 +139,8 @@ void print_verdict(const output::diff::RowVerdict& verdict, const std::string& s
 void print(const MapDifference& difference, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
-    if (difference.tables > 0)
+    // Tables without such rows, such as those of judge without forms, are compared as files.
+    if (difference.rows.rows + difference.rows.only_a.size() + difference.rows.only_b.size() > 0)
         fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, count_with_noun(difference.rows.rows, "row"),
                    difference.rows.changed, difference.rows.changed == 1 ? "differs" : "differ",
                    count_with_noun(difference.tables, "table"));
@@ -165,8 +166,8 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
         if (verbose || !r.only_folder.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
-            fmt::print("{}: {}\n", output::file::terminal_line(r.file),
-                       count_with_noun(r.comparison.count, "difference"));
+            fmt::print("{}: {}; -v shows {}\n", output::file::terminal_line(r.file),
+                       count_with_noun(r.comparison.count, "difference"), r.comparison.count == 1 ? "it" : "them");
         }
     }
     print_verdict(difference.rows.verdict, b);

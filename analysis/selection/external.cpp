@@ -340,12 +340,12 @@ void note_unmeasured(const std::vector<std::string>& patterns,
         };
         if (std::ranges::any_of(tested_forms, measures_form)) continue;
         const std::string formats = formats_of(form);
-        left_out[fmt::format("for {} in {}", primitives_text(form.shape), formats == "all" ? "every format" : formats)]
-            .push_back(form.info->name);
+        left_out[std::string(primitives_text(form.shape)) + (formats == "all" ? "" : " in " + formats)].push_back(
+            form.info->name);
     }
     for (const auto& [shapes_and_formats, names] : left_out)
-        fmt::print(stderr, "lostbits: left out: {} {} {}; nothing in the selection has that shape and format\n",
-                   fmt::join(names, ", "), names.size() == 1 ? "is" : "are", shapes_and_formats);
+        fmt::print(stderr, "lostbits: left out: {}: the selection has no {}\n", fmt::join(names, ", "),
+                   shapes_and_formats);
 }
 
 void note_unselected(const shell::Command& command) {

@@ -31,6 +31,10 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
 /// Advice for an unknown name. If no name is near, it lists the names with the same first part: those of box forms for
 /// `box.slab`.
 std::string name_advice(const std::string& name, const std::vector<std::string>& names) {
+    constexpr std::string_view function_prefix = "function.";
+    if (name.starts_with(function_prefix) &&
+        std::ranges::none_of(names, [&](const std::string& known) { return known.starts_with(function_prefix); }))
+        return "forms with this prefix come from --function FILE:NAME, which is missing";
     if (scene::toml::closest(name, names)) return scene::toml::did_you_mean(name, names);
     const std::size_t dot = name.find('.');
     std::vector<std::string> names_of_group;

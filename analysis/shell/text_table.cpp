@@ -4,8 +4,14 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace lostbits::analysis::shell {
+
+TextTable::TextTable(std::vector<TextColumn> columns) : columns_(std::move(columns)) {
+    // At least two spaces separate the titles, which may have spaces themselves.
+    for (TextColumn& c : columns_) c.width = std::max(c.width, c.title.size() + (c.is_left_aligned ? 0 : 1));
+}
 
 void TextTable::add(std::vector<std::string> cells) {
     if (cells.size() != columns_.size()) throw std::logic_error("a row of a table has a cell for each column");

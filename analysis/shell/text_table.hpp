@@ -15,7 +15,7 @@ struct TextColumn {
 
 class TextTable {
 public:
-    explicit TextTable(std::vector<TextColumn> columns) : columns_(std::move(columns)) {}
+    explicit TextTable(std::vector<TextColumn> columns);
     /// Adds a row with one cell for each column.
     void add(std::vector<std::string> cells);
     /// Prints the titles and all rows, each line indented by two spaces.

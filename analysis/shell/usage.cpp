@@ -72,9 +72,11 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
     if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.command_path());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
     const std::vector<std::string> subcommands = command.command_names();
-    if (is_program)
-        return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, subcommands));
     const auto suggestion = scene::toml::closest(word, subcommands);
+    if (is_program)
+        return fmt::format("\"{}\" is not a command; {}", word,
+                           suggestion ? scene::toml::did_you_mean(word, subcommands)
+                                      : fmt::format("the commands are {}", fmt::join(subcommands, ", ")));
     if (!subcommands.empty())
         return fmt::format("`{} {}`: unknown command; {}", command.name(), word,
                            suggestion ? "did you mean `" + *suggestion + "`?"
@@ -115,7 +117,10 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
     if (matches(CommandLineError::wrong_count, "(.*?): [0-9]+ required .* missing"))
         return fmt::format("{}: its value is missing: {}", part[1].str(), option().help());
     if (matches(CommandLineError::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
-        return fmt::format("{} is given {} times but takes one value", part[1].str(), part[2].str());
+        return fmt::format("{} is given {} times but takes one value{}", part[1].str(), part[2].str(),
+                           part[1] == "--answer-format" && command.option("-f")
+                               ? "; for the formats of the forms of -i write -f"
+                               : "");
     return text;
 }
 

@@ -23,7 +23,8 @@ struct RenderAdapter {
     static constexpr const char* no_form_message =
         "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'";
     static constexpr const char* title =
-        "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture";
+        "Draw a scene, stage by stage, with a form in a format, and compare with the picture drawn from proved "
+        "answers";
     static constexpr const char* kinds = ", of spheres";
     static constexpr const char* form_help =
         "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, --pipe "

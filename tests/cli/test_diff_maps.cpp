@@ -43,20 +43,23 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
           "  map sphere.press f32: ulp_error_max 5 to 10\n"
           // No verdict if only one side has a p99 and both have as many wrong decisions.
           "not comparable in 1 row: as many wrong decisions, but only one side has a lost_bits_p99\n"
-          "two is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by lost_bits_p99\n");
+          "two is better in 0 rows, worse in 1, the same in 0 (compared by wrong decisions, then by lost_bits_p99)\n");
     const auto back = run("diff two one", scratch.path()).out;
-    CHECK(
-        has(back, "\none is better in 1 row, worse in 0, the same in 0: by wrong decisions, then by lost_bits_p99\n"));
+    CHECK(has(
+        back,
+        "\none is better in 1 row, worse in 0, the same in 0 (compared by wrong decisions, then by lost_bits_p99)\n"));
     // Two tables without a map give the same ending if nothing has to stay the same.
-    CHECK(has(run("diff one/map/summary.csv two/map/summary.csv", scratch.path()).out,
-              "two/map/summary.csv is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by "
-              "lost_bits_p99\n"));
+    CHECK(
+        has(run("diff one/map/summary.csv two/map/summary.csv", scratch.path()).out,
+            "two/map/summary.csv is better in 0 rows, worse in 1, the same in 0 (compared by wrong decisions, then by "
+            "lost_bits_p99)\n"));
     CHECK_FALSE(has(run("diff one/map/summary.csv two/map/summary.csv --strict", scratch.path()).out, "better"));
     // Ignored columns and differences within a tolerance do not affect the verdict.
     CHECK(has(run("diff one two --ignore false_miss --allow lost_bits_p99=3", scratch.path()).out,
               "two is better in 0 rows, worse in 0, the same in 1: by lost_bits_p99\n"));
     CHECK(has(r.err, "1 picture is not compared; --compare-pictures compares it\n"));
-    CHECK(has(run("diff one two --compare-pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
+    CHECK(has(run("diff one two --compare-pictures", scratch.path()).out,
+              "one/map/contact.png: 1 difference; -v shows it\n"));
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
 
     // Pictures do not count, unless they are requested.
@@ -80,7 +83,7 @@ TEST_CASE("diff: rows with equal numbers name the columns that differ") {
     CHECK(run("diff one two", scratch.path()).out ==
           "one to two: 1 row compared, 1 differs (in 1 table)\n"
           "the numbers are the same; the rows differ in columns that name a ray or a command: worst_explain\n"
-          "two is better in 0 rows, worse in 0, the same in 1: by wrong decisions, then by lost_bits_p99\n");
+          "two is better in 0 rows, worse in 0, the same in 1 (compared by wrong decisions, then by lost_bits_p99)\n");
 }
 
 TEST_CASE("diff: pictures of different sizes are compared by shares, and only for the same scene") {
@@ -94,7 +97,7 @@ TEST_CASE("diff: pictures of different sizes are compared by shares, and only fo
     write("large", "mylib.mine,f32,3072,2019,961,91,1,13\n");  // more of them, and a smaller share
     CHECK(has(run("diff small large", scratch.path()).out,
               "\nlarge is better in 1 row, worse in 0, the same in 0: by the share of wrong decisions, then by "
-              "lost_bits_p99\n"));
+              "lost_bits_p99)\n"));
     write("large", "mylib.mine,f32,3072,2036,936,88,12,14\n");  // the same share: then the bits decide
     CHECK(has(run("diff small large", scratch.path()).out, "\nlarge is better in 0 rows, worse in 1, the same in 0: "));
 

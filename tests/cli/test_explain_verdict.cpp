@@ -141,15 +141,17 @@ TEST_CASE("explain names the last column after the sum of its contributions and 
     CHECK_FALSE(has(plain.substr(row, plain.find('\n', row) - row), "nan"));
 }
 
-TEST_CASE("explain: what the culprit is assigned and what it causes are both shown") {
+TEST_CASE("explain: what the culprit accounts for and what it causes are both shown") {
     // By hand, in fractions and with a root of 120 digits: 0.51969… with c exact, 0.44830… with c alone rounded.
     const auto j = nlohmann::json::parse(run(far + "-i sphere.schoolbook -f f32 --json").out);
     CHECK(j["culprit_alone_exact"] == nlohmann::json{{"hit", true}, {"error", 0.5196979229332985}});
     CHECK(j["culprit_alone_rounded"] == nlohmann::json{{"hit", true}, {"error", 0.44830994599291074}});
     // docs/explain.md has the sentences of it.
-    CHECK(has(run(far + "-i sphere.schoolbook -f f32").out, " So repairing c alone does not help much: "));
+    CHECK(has(run(far + "-i sphere.schoolbook -f f32").out,
+              " So repairing c alone does not help much: the other roundings alone cost 1064 ulp."));
     const std::string beyond = run("explain --sphere 0,0,0x1p80,1 --ray 0,0,0,0,0,1 -i sphere.schoolbook -f f32").out;
-    CHECK(has(beyond, "With b·b alone exact, the form misses; with b·b alone rounded, t is not finite."));
+    CHECK(
+        has(beyond, "If b·b alone were exact, the form would miss. If b·b alone were rounded, t would not be finite."));
 }
 
 TEST_CASE("explain: a range that decides is in the verdict, with the operands compared and the rounding to blame") {
@@ -162,8 +164,10 @@ TEST_CASE("explain: a range that decides is in the verdict, with the operands co
     CHECK(has(text, "a false hit."));
     CHECK_FALSE(has(text, "The decision is the same without rounding"));
     CHECK_FALSE(has(text, "the form hits even without rounding"));
-    CHECK(has(text, "The culprit is v1.y = o.y − centre.y: its rounding of 0.371 ulp is assigned "));
-    CHECK(has(text, "With o.y − centre.y alone exact the form misses; with o.y − centre.y alone rounded it hits."));
+    CHECK(has(text, "The culprit is v1.y = o.y − centre.y: its rounding of 0.371 ulp accounts for "));
+    CHECK(has(text,
+              "If o.y − centre.y alone were exact, the form would miss. If o.y − centre.y alone were rounded, it would "
+              "hit."));
     CHECK(has(text, "Rounding changed the decision t < ray.tmin: t is 0.0001395695289829746, without rounding 6.6353"));
     CHECK(has(text, "\n  ray.tmin = 0x1.a36e2ep-14         9.999999747378752e-05 (closed)\n"));
     CHECK(has(text, "\n  ray.tmax = inf                    inf (no end)\n"));
@@ -214,11 +218,12 @@ TEST_CASE("explain: a ray that begins inside a box hits at its start, which no i
 
 TEST_CASE("explain: no operation is blamed where the form is wrong without rounding, not even for a NaN") {
     const std::string what = "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,0 -i sphere.unified ";
+    CHECK(has(run(what).err, "--ray 0,0,0,0,0,0: the direction is 0,0,0, so this is not a ray"));
     const std::string text = run(what).out;
     INFO(text);
     CHECK(has(text,
-              "No operation is to blame: b'/a is not a number even without rounding. Everything after it "
-              "follows from that."));
+              "No operation is to blame: the formula itself gives NaN in b'/a, even without rounding; all later "
+              "operations inherit it."));
     CHECK_FALSE(has(text, "\n* "));
     CHECK(nlohmann::json::parse(run(what + "--json").out)["culprit"].is_null());
 }
@@ -264,7 +269,7 @@ TEST_CASE("explain: a deliberate step to the next number is not blamed as a roun
     const std::string text = run(what).out;
     CHECK(has(text,
               "No rounding is to blame: the form goes to the next number on purpose, in next_up(1). That step of 1 "
-              "ulp is assigned 11000 ulp in t, 91 % of the error."));
+              "ulp accounts for 11000 ulp in t, 91 % of the error."));
     CHECK_FALSE(has(text, "rounding of 1 ulp"));
     CHECK(has(text, "  on purpose\n"));
 }

@@ -230,13 +230,13 @@ TEST_CASE("judge: suspicions are reported in terms of files") {
     CHECK(has(judged(rows(inside, [](int i) { return 1.5 - i / 64.0; }), "--box=-1,-1,-1,1,1,1"), "say --inside exit"));
     CHECK(has(judged(rows(inside, [](int i) { return 0.5 + i / 64.0; }), sphere), "without its sign"));
     CHECK(has(judged(rows(outside, [](int i) { return i % 7 + 0.25; }), sphere),
-              "rays.csv: wrong on 40 of the 40 rays that hit or should hit: 40 have a t"));
+              "rays.csv: all 40 rays that hit or should hit are wrong; 40 have a t"));
     std::string many = rows(outside, [](int i) { return i % 7 + 0.25; }), all;
     CHECK(has(judged(many, sphere), "file.rays f32: on all 40 rays of "));
     for (int i = 0; i < 125; ++i) all += many;
     const std::string sampled = judged(all + "0,5,-9,0,0,1,0,0\n", sphere);
     CHECK(has(sampled, "file.rays f32: on a sample of "));
-    CHECK(has(sampled, "the first 4096 of its rays that hit or should hit: wrong on 4096 of the 4096 rays"));
+    CHECK(has(sampled, "the first 4096 of its rays that hit or should hit: all 4096 rays"));
     CHECK(has(judged(rows([](int i) { return 5.0 + i; }, [](int i) { return -6.0 - i; }), sphere), "--miss negative"));
     std::string overflows;  // t* = 2^136 - 2^130, for which f32 has infinity alone
     for (int i = 0; i < 40; ++i) overflows += "0,0,0,0,0,0.0009765625,1,inf\n";

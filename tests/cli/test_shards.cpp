@@ -166,7 +166,7 @@ TEST_CASE("a file of rays that does not fill its picture is refused when its sha
     must("judge rays.csv --sphere 0,0,0,1 --answer-format f32 --size 200x331 --shard 1/1 -o p", scratch.path());
     const auto merged = run("merge p -o j", scratch.path());
     CHECK(merged.code == 2);
-    CHECK(has(merged.err, "its --size is columns x rows"));
+    CHECK(has(merged.err, "give --size as columns x rows"));
     CHECK_FALSE(fs::exists(scratch / "j/rays/summary.csv"));
 }
 

@@ -35,8 +35,8 @@ std::string joined(const Signature& s) {
     return all;
 }
 
-std::string refused(const std::string& text, const std::string& words = "") {
-    const File file(text);
+std::string refused(const std::string& text, const std::string& words = "", const std::string& name = "mine.glsl") {
+    const File file(text, name);
     try {
         const ShaderSource taken = read_shader(file.path() + words);
         return "taken: " + taken.contract.title;
@@ -165,6 +165,9 @@ TEST_CASE("shader: errors are reported with their place", "[shader]") {
     CHECK(has(refused(f + "vec2 g(vec3 ro, vec3 rd, vec4 s) { return vec2(1); }"), "several functions have the types"));
     CHECK(has(refused("// nothing\n"), "mine.glsl: contains no function; write one, such as float f(vec3 ro"));
     CHECK(has(refused("float noise(vec3 p) { return 1.0; }"), "no function has the types of an intersector"));
+    CHECK(
+        has(refused("float noise(vec3 p) { return 1.0; }"), "\n  float map(vec3 p)\nThe functions of the file are:\n"));
+    CHECK(has(refused("float noise(float x) { return x; }", "", "mine.c"), "for C, C++ or Rust write --function "));
     CHECK(has(refused("float g(vec2 p) { return 1.0; }", ":g"),
               "mine.glsl:1:7: `float g(vec2 p)` does not have the types"));
     CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));

@@ -210,8 +210,10 @@ std::optional<Value> Walk::run_call_instruction(Frame& frame, State& state, Curs
         return {};
     static_cast<void>(frame);
     fail("it calls " + source_name(name) +
-         ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax floor ceil trunc round and "
-         "comparisons");
+         ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax pow(x, 2) floor ceil trunc "
+         "round roundeven rint nearbyint and comparisons; to measure this function's answers all the same, call it "
+         "from a "
+         "plugin (docs/your-own-intersector.md)");
 }
 
 }  // namespace lostbits::intersect::function

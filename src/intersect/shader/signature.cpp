@@ -258,9 +258,12 @@ private:
 }  // namespace
 
 const std::string_view known_signatures =
-    "`float` or `vec2 NAME(vec3 ro, vec3 rd, vec4 sphere)`, `(vec3 ro, vec3 rd, vec3 center, float radius)`, for boxes "
-    "`(vec3 ro, vec3 rd, vec3 lo, vec3 hi)`; or `bool` with `out float t`, or `out float near, out float far`; for "
-    "marches `float march(vec3 ro, vec3 rd)` or `float map(vec3 p)`";
+    "\n  float NAME(vec3 ro, vec3 rd, vec4 sphere)"
+    "\n  float NAME(vec3 ro, vec3 rd, vec3 center, float radius)"
+    "\n  float NAME(vec3 ro, vec3 rd, vec3 lo, vec3 hi)  (a box)"
+    "\n  each also as vec2, or as bool with `out float t` or `out float near, out float far` at the end"
+    "\n  float march(vec3 ro, vec3 rd)"
+    "\n  float map(vec3 p)\n";
 
 std::optional<Signature> signature_of(const Function& function, bool is_named_by_user) {
     return SignatureReader(function, is_named_by_user).read();

@@ -135,8 +135,13 @@ std::vector<Function> candidate_functions(const std::vector<Function>& functions
 /// Chooses the function that the user names, or else the only function that has the types of an intersector.
 Signature choose_function(const std::string& path, const std::vector<Function>& functions,
                           const Property* function_property) {
+    constexpr std::array compiled_endings{".c", ".cc", ".cpp", ".cxx", ".rs"};
+    const bool is_compiled = std::ranges::find(compiled_endings, fs::path(path).extension()) != compiled_endings.end();
+    const std::string advice =
+        !is_compiled ? "" : "\n--shader is for GLSL and HLSL; for C, C++ or Rust write --function " + path;
     if (functions.empty())
-        throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
+        throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)" +
+                         advice);
     std::vector<Function> chosen = candidate_functions(functions);
     if (function_property) {
         chosen.clear();
@@ -147,9 +152,9 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
         throw InputError(function_property->where + ": no function " + external::quote_text(function_property->value) +
                          " in " + path + "; its functions are:" + list_text(functions));
     if (chosen.empty())
-        throw InputError(path + ": no function has the types of an intersector, which are " +
-                         std::string(known_signatures) + "; the functions of the file are:" + list_text(functions) +
-                         "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
+        throw InputError(path + ": no function has the types of an intersector, which are:" +
+                         std::string(known_signatures) + "The functions of the file are:" + list_text(functions) +
+                         "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION" + advice);
     if (!function_property && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
                          path + ":" + chosen.back().name + ":" + list_text(chosen));
@@ -157,8 +162,8 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
         if (auto signature = signature_of(f, function_property != nullptr)) return *signature;
     }
     throw InputError(place_text(path, chosen.front()) + ": `" + chosen.front().declaration() +
-                     "` does not have the types of an intersector, which are " + std::string(known_signatures) +
-                     "; write a function that calls it");
+                     "` does not have the types of an intersector, which are:" + std::string(known_signatures) +
+                     "Write a function that calls it");
 }
 
 /// Returns the default contract: the properties of most functions with such a signature.

@@ -110,6 +110,8 @@ struct SuspectAnswers {
     /// rays that hit or should hit.
     [[nodiscard]] std::string count_text(const char* conjunction) const {
         if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", conjunction);
+        if (wrong.size() == all.size())
+            return fmt::format("all {} rays that hit {} should hit are wrong; ", all.size(), conjunction);
         return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(),
                            conjunction);
     }

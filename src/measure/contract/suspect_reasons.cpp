@@ -97,11 +97,11 @@ void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
 std::vector<Reason> all_reasons() {
     using Scope = Reason::Scope;
     std::vector<Reason> list{
-        {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
+        {"t is a distance, not the ray's parameter, as if directions had unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
          [](const AnswerSample& sample) { return !sample.is_unit && is_other_t(sample); }},
         {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
-         "leave --direction unit out", [](const AnswerSample& sample) { return sample.is_unit && is_other_t(sample); }},
+         "leave out --direction unit", [](const AnswerSample& sample) { return sample.is_unit && is_other_t(sample); }},
     };
     for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
     const Reason other_reasons[] = {

@@ -57,10 +57,11 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void throw_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                                    const char* count_phrase) {
-    throw InputError(dump.name() + ": " + count_phrase + " " + scene::toml::count_with_noun(result.rays, "ray") +
-                     ", but a picture of " + std::to_string(request.picture->first) + "x" +
-                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
-                     "; its --size is columns x rows");
+    throw InputError(dump.name() + ": the file " + count_phrase + " " +
+                     scene::toml::count_with_noun(result.rays, "ray") + ", but a picture of " +
+                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
+                     std::to_string(pixels_of(request)) +
+                     " pixels; give --size as columns x rows, with one pixel for each ray");
 }
 
 constexpr std::size_t most_first_rays = 4096;  // limit of JudgeResult::first_samples

@@ -88,9 +88,9 @@ constexpr Metric table[] = {
               distance_error, {.ramp = Ramp::magnitude, .high = 0x1p+10}),
     table_row(
         {"residual", "size", "err.residual"},
-        "(|P - G| - r)/r for P = o + t d computed in the format: distance of the hit point from the surface, "
-        "negative inside; for a box: the largest of lo - P and P - hi over the axes, in units of the longest side; "
-        "statistics are of the magnitude",
+        "distance of P = o + t d, computed in the format, from the surface, over the size of the primitive; negative "
+        "inside; for a sphere: (|P - G| - r)/r; for a box: the largest of lo - P and P - hi over the axes, over the "
+        "longest side; for a plane in units of length; statistics are of the magnitude",
         residual, {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .column_kernel = ColumnKernel::residual}),
     table_row(
         {"normal_error", "radian", "err.normal"},
@@ -108,7 +108,7 @@ constexpr Metric table[] = {
               "rounding_error",
               rounding_error, {.needs = needs_unrounded, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     table_row({"condition", "1", "condition.kappa"},
-              "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits",
+              "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the primitive it truly hits",
               condition_number, {.needs = needs_condition, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+30}),
     table_row(
         {"inherent_bits", "bits", "condition.inherent"},
@@ -120,11 +120,10 @@ constexpr Metric table[] = {
         "inherent_bits for errors of length u|v| in each vector v, and of u r in a radius r: components that are 0 "
         "change too",
         normwise, {.needs = needs_reach_normwise}),
-    table_row(
-        {"excess_bits", "bits", "condition.excess"},
-        "lost_bits beyond inherent_bits: the loss of the formula itself; where inherent_bits is p: log2 of |t - t*| "
-        "over the largest change of t by half an ulp in each input",
-        excess, {.needs = needs_reach}),
+    table_row({"excess_bits", "bits", "condition.excess"},
+              "lost_bits beyond inherent_bits: the loss of the formula itself; where inherent_bits is all p bits: "
+              "max(0, log2(|t - t*| / bound)), with the bound that inherent_bits is computed from",
+              excess, {.needs = needs_reach}),
     table_row({"point_error", "u", "bound.point"},
               "largest component of P - P*, P = o + t d as the format computes it and P* = o + t* d exactly, over (1 + "
               "max|P|) u: renderers move the next ray's origin by a number of these units",

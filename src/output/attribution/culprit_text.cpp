@@ -121,7 +121,7 @@ std::string remaining_error_text(const Explanation& explanation, const Operation
     if (remaining_ulps.empty()) return undo_clause;
     if (other_operations.empty()) return fmt::format("{}, and an error of {} is left", undo_clause, remaining_ulps);
     return fmt::format(
-        "{}: the error of {} is assigned to the other operations, the largest part, {} ulp, to "
+        "{}: the error of {} comes from the other operations, the largest part, {} ulp, from "
         "{}",
         undo_clause, remaining_ulps, short_number(std::fabs(view.contribution(other_operations.front()))),
         view.text().operand(other_operations.front()));
@@ -139,7 +139,7 @@ std::string culprit_error_phrase(const Explanation& explanation, const Operation
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);
 }
 
-/// `is assigned 3940 ulp in t`, and the operations that contribute the same.
+/// `accounts for 3940 ulp in t`, and the operations that contribute the same.
 std::string shares_text(const Explanation& explanation, const OperationView& view) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const std::string target = is_decision(explanation.tape[attribution.subject].op)
@@ -154,7 +154,7 @@ std::string shares_text(const Explanation& explanation, const OperationView& vie
         return fmt::format("has no finite share {}{}{}.", target, others_clause,
                            error_ulps.empty() ? "" : fmt::format(", which is off by {}", error_ulps));
     }
-    std::string text = fmt::format("is assigned {} {}{}", assigned_ulps, target, equals.clause());
+    std::string text = fmt::format("accounts for {} {}{}", assigned_ulps, target, equals.clause());
     if (equals.cancels_culprit()) return text + remaining_error_text(explanation, view) + ".";
     if (!attribution.equal_culprits.empty())
         text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
@@ -162,7 +162,7 @@ std::string shares_text(const Explanation& explanation, const OperationView& vie
     // The text has as many digits as that of `counterfactual_sentence`, which often repeats the number.
     const double remaining_ulps = std::fabs(attribution.error / view.ulp());
     if (share > 1 && std::isfinite(remaining_ulps))
-        text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", remaining_ulps);
+        text += fmt::format("; the other roundings cancel all but {:.4g} ulp of that", remaining_ulps);
     else if (share < 0 && std::isfinite(remaining_ulps))
         text += fmt::format(
             "; the other roundings together have the opposite sign and are larger: the error is "
@@ -196,8 +196,8 @@ std::string culprit_sentence(const Explanation& explanation) {
         return fmt::format("{} is {}, and so is the rounded true t.", culprit_definition, number_phrase(node.value));
     if (std::isnan(node.value) && std::isnan(view.error_of(attribution.culprit).exact) && !is_blamed)
         return fmt::format(
-            "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
-            "that.",
+            "No operation is to blame: the formula itself gives NaN in {}, even without rounding; all later operations "
+            "inherit it.",
             culprit_definition);
     if (!std::isfinite(node.value))
         return fmt::format("{} is {}. Everything after it follows from that.", culprit_definition,
@@ -217,32 +217,34 @@ std::string counterfactual_sentence(const Explanation& explanation) {
     const auto& [only_exact, only_rounded] = *explanation.culprit_alone;
     const NodeId culprit = explanation.attribution.culprit;
     const bool is_step = measure::attribution::is_on_purpose(explanation.tape[culprit].op);
-    const std::string culprit_name = view.text().operand(culprit), preposition = is_step ? "Without" : "With",
-                      exact_suffix = is_step ? "" : " alone exact",
-                      rounded_suffix = is_step ? " alone" : " alone rounded";
+    const std::string culprit_name = view.text().operand(culprit),
+                      if_only_exact =
+                          is_step ? "Without " + culprit_name + "," : "If " + culprit_name + " alone were exact,",
+                      if_only_rounded =
+                          is_step ? "With " + culprit_name + " alone," : "If " + culprit_name + " alone were rounded,";
     if (explanation.attribution.subject != explanation.tape.outputs.t) {
-        const auto verb_of = [](bool hit) { return hit ? "hits" : "misses"; };
-        return fmt::format("{} {}{} the form {}{}; with {}{} it {}.", preposition, culprit_name, exact_suffix,
-                           only_exact.hit == explanation.hit ? "still " : "", verb_of(only_exact.hit), culprit_name,
-                           rounded_suffix, verb_of(only_rounded.hit));
+        const auto verb_of = [](bool hit) { return hit ? "hit" : "miss"; };
+        return fmt::format("{} the form would {}{}. {} it would {}.", if_only_exact,
+                           only_exact.hit == explanation.hit ? "still " : "", verb_of(only_exact.hit), if_only_rounded,
+                           verb_of(only_rounded.hit));
     }
-    const auto effect_of = [&](std::string_view cause, const measure::attribution::Counterfactual& c) {
-        if (!c.hit) return std::string("the form misses");
-        return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / view.ulp()))
-                                      : "t is not finite";
+    const auto ulps_off = [&view](const measure::attribution::Counterfactual& c) {
+        return fmt::format("{:.4g} ulp", std::fabs(c.error / view.ulp()));
     };
     // A reader of the first half would conclude that the repair of this operation is enough.
     const bool hardly_helps = !is_step && only_exact.hit && std::isfinite(only_exact.error) &&
                               std::fabs(only_exact.error) > std::fabs(explanation.attribution.error) / 2;
+    const auto effect_of = [&](const measure::attribution::Counterfactual& c, const char* still) {
+        if (!c.hit) return std::string("the form would miss");
+        return std::isfinite(c.error) ? fmt::format("t would {}be {} off", still, ulps_off(c))
+                                      : "t would not be finite";
+    };
     const std::string advice =
-        hardly_helps
-            ? fmt::format(
-                  " So repairing {} alone does not help much: the other roundings by themselves put t that far off.",
-                  culprit_name)
-            : "";
-    return fmt::format("{} {}{}, {}; with {}{}, {}.{}", preposition, culprit_name, exact_suffix,
-                       effect_of("rounding", only_exact), culprit_name, rounded_suffix, effect_of("it", only_rounded),
-                       advice);
+        hardly_helps ? fmt::format(" So repairing {} alone does not help much: the other roundings alone cost {}.",
+                                   culprit_name, ulps_off(only_exact))
+                     : "";
+    return fmt::format("{} {}. {} {}.{}", if_only_exact, effect_of(only_exact, hardly_helps ? "still " : ""),
+                       if_only_rounded, effect_of(only_rounded, ""), advice);
 }
 
 }  // namespace lostbits::output::attribution

@@ -190,7 +190,8 @@ std::string cost_text(const ChoiceResult& result, const Candidate& cheapest) {
                                    : is_as_fast(cheapest, fastest) ? &fastest
                                                                    : nullptr;
     if (rival)
-        text += fmt::format("  It is as fast as {}: their times differ by less than they vary.\n", details_of(*rival));
+        text +=
+            fmt::format("  The timing noise is too large to say whether this or {} is faster.\n", details_of(*rival));
     else if (&fastest == &cheapest) text += "  It is the fastest of all.\n";
     else
         text += fmt::format("  {} the time of the fastest, {}.\n",

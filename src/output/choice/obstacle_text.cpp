@@ -75,8 +75,9 @@ std::string rounded_scene_text(const ChoiceResult& result, const Candidate& near
     const RowQuality& exact = obstacle.trials.front().exact;
     if (exact.meets(requirement)) return "";
     return fmt::format(
-               "  Apart from that, all formats get the scene rounded to binary32, and the requirement refers to this "
-               "scene. Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
+               "  In addition, every format gets the scene rounded to binary32, and its answers are judged for this "
+               "rounded scene. Compared with the scene as written, even exact arithmetic on the rounded scene keeps "
+               "{}.\n",
                kept_and_wrong(exact, requirement)) +
            required_inputs_text(result, nearest);
 }

@@ -175,8 +175,8 @@ std::string requirement_map_text(const ChoiceResult& result, const RequirementMa
     const auto candidate_count = required_candidates(requirement_map).size();
     if (result.cheapest_index && candidate_count > 1) {
         text += fmt::format(
-            "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between "
-            "forms cannot gain more.\n",
+            "With the cheapest at each pixel, {} candidates would be used, in {:.2f} times the time of this one. "
+            "Switching between forms cannot gain more.\n",
             candidate_count, least_time / result.candidates[*result.cheapest_index].time.median);
     }
     return text;

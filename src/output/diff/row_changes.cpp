@@ -175,7 +175,7 @@ std::string RowVerdict::text(const std::string& second) const {
             "over its own hits; `lostbits map --against` compares the hits that both have",
             scene::toml::count_with_noun(with_other_hits, "row")));
     if (better + worse + equal > 0)
-        lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
+        lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {} (compared by {}{}{}{})", second,
                                     scene::toml::count_with_noun(better, "row"), worse, equal,
                                     by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
                                     by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));

@@ -46,8 +46,8 @@ struct RowVerdict {
     bool by_decisions = false, by_bits = false, by_shares = false;  ///< columns that the tables have
 
     void add(const RowVerdict& other);
-    /// `out/b is better in 3 rows, worse in 1, the same in 40: by wrong decisions, then by lost_bits_p99`, and a line
-    /// for each kind of row that cannot be compared. Empty if there are no rows.
+    /// `out/b is better in 3 rows, worse in 1, the same in 40 (compared by wrong decisions, then by lost_bits_p99)`,
+    /// and a line for each kind of row that cannot be compared. Empty if there are no rows.
     [[nodiscard]] std::string text(const std::string& second) const;
 };
 

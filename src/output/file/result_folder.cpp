@@ -123,6 +123,9 @@ ResultFolder::ResultFolder(fs::path folder, Provenance provenance, Rules rules)
          missing_folder = missing_folder.parent_path())
         created_folders_.push_back(missing_folder);
     fs::create_directories(folder_, error);
+    for (auto parent = folder_; parent != parent.parent_path(); parent = parent.parent_path())
+        if (fs::exists(parent, ignored) && !fs::is_directory(parent, ignored))
+            throw EnvironmentError(parent.string() + ": is a file, so it cannot hold results; choose another -o");
     if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));

@@ -225,6 +225,7 @@ std::string CsvDump::write_number(std::string_view text, std::size_t slot, Chunk
     const bool is_boolean = slot == slot::hit || slot == slot::parity || slot == slot::inside;
     if (is_boolean && (text == "true" || text == "True" || text == "TRUE")) writer.put(slot, 1, true);
     else if (is_boolean && (text == "false" || text == "False" || text == "FALSE")) writer.put(slot, 0, true);
+    else if (is_boolean) return "is neither true nor false; write 1, 0, true or false";
     else
         return "is not a number; write a decimal such as 4100 or 1e-3, a hexadecimal float such as 0x1.004p+12, nan or "
                "inf";

@@ -119,13 +119,23 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
     return single_match(candidates, [&](const std::string& c) { return is_subsequence(c, word); });  // `ouput`: out
 }
 
+/// The candidates in their order, but first those that begin with `word`, then those that contain it.
+std::vector<std::string> most_alike_first(std::string_view word, std::vector<std::string> candidates) {
+    const auto begins = [word](const std::string& c) { return !word.empty() && c.starts_with(word); };
+    const auto contains = [word](const std::string& c) { return !word.empty() && c.find(word) != std::string::npos; };
+    const auto others = std::stable_partition(candidates.begin(), candidates.end(), begins);
+    std::stable_partition(others, candidates.end(), contains);
+    return candidates;
+}
+
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
     if (candidates.empty()) return "";
     if (const auto closest_name = closest(word, candidates))
         return "did you mean " + quoted_excerpt(*closest_name) + "?";
+    const std::vector<std::string> ordered = most_alike_first(word, candidates);
     std::string text = "known here: ";
-    for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i)
-        text += (i > 0 ? ", " : "") + quoted_excerpt(candidates[i]);
+    for (std::size_t i = 0; i < std::min(ordered.size(), most_listed); ++i)
+        text += (i > 0 ? ", " : "") + quoted_excerpt(ordered[i]);
     if (candidates.size() > most_listed) text += " and " + std::to_string(candidates.size() - most_listed) + " more";
     return text;
 }

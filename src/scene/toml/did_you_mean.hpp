@@ -27,7 +27,8 @@ std::string excerpt(std::string_view text);
 std::string quoted_excerpt(std::string_view text);
 
 /// Returns the end of an error message: `did you mean "camera"?`, or, if nothing is near, `known here: "camera",
-/// "size"` (at most twelve, then the number of the others). It is empty only if there are no candidates.
+/// "size"` (at most twelve, then the number of the others; names that begin with `word` come first, then names that
+/// contain it). It is empty only if there are no candidates.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace lostbits::scene::toml

@@ -50,6 +50,7 @@ const BadFile bad_files[] = {
     {"a.csv", head + good + "0,0,-5,0,0,1,0,0,0,1,1\n", "a.csv:3:1:", "11 cells for 12 columns"},
     {"a.csv", head + good + "0,0,-5,0,0,1,0,0,0,1,1,4,5\n", "a.csv:3:1:", "13 cells"},
     {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,1,four\n", "a.csv:2:24:", "\"four\" is not a number"},
+    {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,yes,4\n", "a.csv:2:22:", "write 1, 0, true or false"},
     {"a.csv", head + "nan,0,-5,0,0,1,0,0,0,1,1,4\n", "a.csv:2:1:", "ox is nan"},
     {"a.csv", head + "0,0,-5,0,inf,1,0,0,0,1,1,4\n", "a.csv:2:10:", "dy is inf"},
     {"a.csv", head + "0,,-5,0,0,1,0,0,0,1,1,4\n", "a.csv:2:3:", "oy is empty"},
