@@ -69,7 +69,7 @@ Vec<T> outward_normal(const Ray<T>& ray, const Primitive<T>& primitive, const Ve
 
 template <Number T>
 Vec<T> project_onto_surface(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>& p) {
-    return visit(primitive, [&](const auto& shape) { return shape.projected(ray, p); });
+    return visit(primitive, [&](const auto& shape) { return shape.project_onto_surface(ray, p); });
 }
 
 /// Side of the surface to which a ray leaves the hit point: by the sign of n·w as the format computes it.
