@@ -68,7 +68,7 @@ std::vector<Contestant> contestants(std::size_t bytes) {
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         for (const char* const format : {"f32", "f64"})
             for (const std::string_view form : forms) add(std::string(name_of(isa)), form, format);
-        add_by_hand(all, work, isa, measure::speed::stay_in_cache(bytes));
+        add_by_hand(all, work, isa, measure::speed::fits_in_cache(bytes));
     }
     return all;
 }

@@ -28,13 +28,13 @@ Contestant reader(std::size_t bytes) {
                      for (std::size_t k = 0; k < streams; ++k) sums[k] += first[k * (length + stagger) + i];
                  benchmark::DoNotOptimize(sums);
              },
-             streams * length, measure::speed::stay_in_cache(bytes)}};
+             streams * length, measure::speed::fits_in_cache(bytes)}};
 }
 
 }  // namespace
 
 void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes) {
-    const bool memory = !measure::speed::stay_in_cache(bytes);
+    const bool memory = !measure::speed::fits_in_cache(bytes);
     if (memory) all.push_back(reader(bytes));
     std::vector<measure::speed::TimedWork> work;
     for (const Contestant& c : all) work.push_back(c.work);

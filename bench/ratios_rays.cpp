@@ -71,7 +71,7 @@ void print_rays(Shape shape, const std::vector<std::string>& forms) {
                     if (auto w = work.work_for({form, kernel, format}))
                         all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format,
                                        format == "f32" ? bytes_a_ray<float> : bytes_a_ray<double>, std::move(*w)});
-                add_by_hand(all, work, shape, form, isa, measure::speed::stay_in_cache(bytes_of(size)));
+                add_by_hand(all, work, shape, form, isa, measure::speed::fits_in_cache(bytes_of(size)));
             }
         print_ratios(std::string(size), std::move(all), bytes_of(size));
     }

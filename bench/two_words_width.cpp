@@ -8,7 +8,7 @@ namespace bench {
 namespace {
 
 using namespace lostbits;
-using P = Pack<double, Width>;
+using P = Pack<double, BuildRegisters>;
 
 [[gnu::flatten]] void sphere_loop(const double* const rays[6], const double* sphere, double* const answers[3],
                                   unsigned char* hit, std::size_t n) {
@@ -24,6 +24,6 @@ using P = Pack<double, Width>;
 
 }  // namespace
 
-by_hand::OnePrimitive<double> LOSTBITS_NAME_OF_WIDTH(two_words)() { return sphere_loop; }
+by_hand::OnePrimitive<double> LOSTBITS_WITH_WIDTH_SUFFIX(two_words)() { return sphere_loop; }
 
 }  // namespace bench

@@ -43,10 +43,12 @@ void fill_own_rows(simd::RawRow* row) {
 
 }  // namespace lostbits::intersect::external
 
-#define LOSTBITS_FORMULAS(...)                                                                              \
-    namespace lostbits::intersect::external {                                                               \
-    void LOSTBITS_NAME_OF_WIDTH(fill_own)(simd::RawRow * rows);                                             \
-    void LOSTBITS_NAME_OF_WIDTH(fill_own)(simd::RawRow * rows) { fill_own_rows<Width, __VA_ARGS__>(rows); } \
+#define LOSTBITS_FORMULAS(...)                                       \
+    namespace lostbits::intersect::external {                        \
+    void LOSTBITS_WITH_WIDTH_SUFFIX(fill_own)(simd::RawRow * rows);  \
+    void LOSTBITS_WITH_WIDTH_SUFFIX(fill_own)(simd::RawRow * rows) { \
+        fill_own_rows<BuildRegisters, __VA_ARGS__>(rows);            \
+    }                                                                \
     }
 
 #else

@@ -224,7 +224,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     };
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
-    study.rows = {{rows.front(), offset::HitPoint::computed}};
+    study.rows = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};

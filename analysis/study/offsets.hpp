@@ -60,18 +60,18 @@ struct OffsetsAdapter {
     static Study make_study(const scene::file::Scene& scene,
                             const std::vector<measure::evaluate::TestedForm>& tested_forms, const StudyValues& values,
                             intersect::process::StopToken stop) {
-        using measure::offset::HitPoint;
+        using measure::offset::HitPointKind;
         Study study{.scene = scene,
                     .rows = {},
                     .strategies = selection::select_rows(measure::offset::strategies(), values.at("strategy"),
                                                          "strategy", "--strategy"),
                     .limit = {.stop = stop}};
-        const auto is_selected = [&points = values.at("points")](HitPoint point) {
+        const auto is_selected = [&points = values.at("points")](HitPointKind point) {
             return std::ranges::any_of(
                 points, [&](const std::string& value) { return value == "both" || value == name_of(point); });
         };
         for (const measure::evaluate::TestedForm& tested_form : tested_forms)
-            for (const HitPoint point : {HitPoint::computed, HitPoint::projected})
+            for (const HitPointKind point : {HitPointKind::computed, HitPointKind::projected})
                 if (is_selected(point)) study.rows.push_back({tested_form, point});
         return study;
     }

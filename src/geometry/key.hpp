@@ -23,8 +23,8 @@ struct Key {
         differs_from_previous         ///< a point that differs from the previous key
     };
 
-    std::string_view name;    ///< such as `centre`: the key in TOML tables, paths and shaders
-    std::string_view letter;  ///< such as `c`: ray files have columns cx, cy, cz; options read CX,CY,CZ
+    std::string_view name;        ///< such as `centre`: the key in TOML tables, paths and shaders
+    std::string_view short_name;  ///< such as `c` or `lo`: ray files have columns cx, cy, cz; options read CX,CY,CZ
     Kind kind = Kind::point;
     Limit limit = Limit::none;
     std::array<std::string_view, 2> aliases = {};  ///< other common spellings of the name

@@ -56,7 +56,7 @@ Interval::Interval(int x) : Interval(static_cast<double>(x)) {}
 Interval::Interval(double x) : point_{x, 0}, bits_(working_bits_) {
     is_point_ = working_bits_ >= point_bits && std::fabs(x) <= error_free_high;
     if (is_point_) return;
-    make_ends();
+    ensure_ends();
     set_undefined(Undefined::never);
 }
 Interval::Interval(mpfr_srcptr x) : Interval(Ends()) {
@@ -93,10 +93,10 @@ Interval::~Interval() {
     if (has_ends_) mpfi_clear(value_);
 }
 
-bool Interval::are_points(const Interval& a, const Interval& b) {
+bool Interval::can_compute_as_points(const Interval& a, const Interval& b) {
     return a.is_point_ && b.is_point_ && working_bits_ >= point_bits;
 }
-void Interval::make_ends() const {
+void Interval::ensure_ends() const {
     mpfi_init2(value_, bits_);
     mpfi_set_d(value_, point_.hi);
     if (point_.lo != 0) mpfi_add_d(value_, value_, point_.lo);
@@ -125,7 +125,7 @@ void Interval::set_undefined(Undefined u) {
 }
 
 Interval operator+(const Interval& a, const Interval& b) {
-    if (Interval::are_points(a, b))
+    if (Interval::can_compute_as_points(a, b))
         if (const auto sum = exact_sum(a.point_, b.point_)) return Interval(*sum);
     Interval r{Interval::Ends()};
     mpfi_add(r.value_, a.ends(), b.ends());
@@ -133,7 +133,7 @@ Interval operator+(const Interval& a, const Interval& b) {
     return r;
 }
 Interval operator-(const Interval& a, const Interval& b) {
-    if (Interval::are_points(a, b))
+    if (Interval::can_compute_as_points(a, b))
         if (const auto difference = exact_sum(a.point_, negated(b.point_))) return Interval(*difference);
     Interval r{Interval::Ends()};
     mpfi_sub(r.value_, a.ends(), b.ends());
@@ -141,7 +141,7 @@ Interval operator-(const Interval& a, const Interval& b) {
     return r;
 }
 Interval operator*(const Interval& a, const Interval& b) {
-    if (Interval::are_points(a, b))
+    if (Interval::can_compute_as_points(a, b))
         if (const auto product = exact_product(a.point_, b.point_)) return Interval(*product);
     Interval r{Interval::Ends()};
     mpfi_mul(r.value_, a.ends(), b.ends());
@@ -157,7 +157,7 @@ Interval operator/(const Interval& a, const Interval& b) {
     return r;
 }
 Interval operator-(const Interval& a) {
-    if (Interval::are_points(a, a)) return Interval(negated(a.point_));
+    if (Interval::can_compute_as_points(a, a)) return Interval(negated(a.point_));
     Interval r{Interval::Ends()};
     mpfi_neg(r.value_, a.ends());
     r.set_undefined(a.undefined_);
@@ -200,7 +200,7 @@ Interval sqrt(const Interval& a) {
 Interval fma(const Interval& a, const Interval& b, const Interval& c) { return a * b + c; }
 
 Interval square(const Interval& a) {
-    if (Interval::are_points(a, a))
+    if (Interval::can_compute_as_points(a, a))
         if (const auto product = exact_product(a.point_, a.point_)) return Interval(*product);
     Interval r{Interval::Ends()};
     mpfi_sqr(r.value_, a.ends());
@@ -209,7 +209,7 @@ Interval square(const Interval& a) {
 }
 
 Interval abs(const Interval& a) {
-    if (Interval::are_points(a, a)) return Interval(a.point_.hi < 0 ? negated(a.point_) : a.point_);
+    if (Interval::can_compute_as_points(a, a)) return Interval(a.point_.hi < 0 ? negated(a.point_) : a.point_);
     Interval r{Interval::Ends()};
     mpfi_abs(r.value_, a.ends());
     r.set_undefined(a.undefined_);

@@ -103,13 +103,14 @@ private:
     explicit Interval(Ends);
     explicit Interval(const DoubleDouble& point) : point_(point), bits_(working_bits_), is_point_(true) {}
     void set_undefined(Undefined u);
-    /// True if the result of an operation on a and b may be kept as a point.
-    static bool are_points(const Interval& a, const Interval& b);
+    /// True if an operation on a and b may try its result as a point: both are points, and the working precision holds
+    /// every point.
+    static bool can_compute_as_points(const Interval& a, const Interval& b);
     [[nodiscard]] mpfi_srcptr ends() const {
-        if (!has_ends_) make_ends();
+        if (!has_ends_) ensure_ends();
         return value_;
     }
-    void make_ends() const;
+    void ensure_ends() const;
 
     static thread_local long working_bits_;
     mutable mpfi_t value_{};

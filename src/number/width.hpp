@@ -8,12 +8,12 @@ namespace lostbits {
 namespace {
 
 /// This type has internal linkage, and so does every template that is instantiated over it (see `Registers`).
-struct Width : Registers<LOSTBITS_REGISTER_BYTES> {};
+struct BuildRegisters : Registers<LOSTBITS_REGISTER_BYTES> {};
 
 }  // namespace
 }  // namespace lostbits
 
 /// `fill_packed` becomes `fill_packed_w256`.
-#define LOSTBITS_NAME_OF_WIDTH(name) LOSTBITS_JOIN_NAMES(name, LOSTBITS_ISA)
+#define LOSTBITS_WITH_WIDTH_SUFFIX(name) LOSTBITS_JOIN_NAMES(name, LOSTBITS_ISA)
 #define LOSTBITS_JOIN_NAMES(name, isa) LOSTBITS_JOIN_EXPANDED(name, isa)
 #define LOSTBITS_JOIN_EXPANDED(name, isa) name##_##isa

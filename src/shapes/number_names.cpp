@@ -44,7 +44,7 @@ std::span<const std::string> number_names(Shape shape) {
 
 std::span<const std::string> column_names(Shape shape) {
     static const auto lists = lists_for_shapes([](const Key& key, const auto& component) {
-        return component.empty() ? std::string(key.name) : join_name(key.letter, "", component);
+        return component.empty() ? std::string(key.name) : join_name(key.short_name, "", component);
     });
     return lists[static_cast<std::size_t>(shape)];
 }
@@ -60,7 +60,7 @@ std::vector<std::string> other_column_names(Shape shape, std::size_t k) {
         add_name([alias](const Key& key, const auto& component) {
             return key.aliases[alias].empty() ? std::string() : join_name(key.aliases[alias], "_", component);
         });
-    add_name([](const Key& key, const auto& component) { return join_name(key.letter, "", component); });
+    add_name([](const Key& key, const auto& component) { return join_name(key.short_name, "", component); });
     return others;
 }
 
@@ -81,7 +81,7 @@ std::string option_placeholder(Shape shape) {
         constexpr std::string_view suffix = "_radius";
         const std::string_view name = key.name;
         return name.ends_with(suffix) ? "r" + std::string(name.substr(0, name.size() - suffix.size()))
-                                      : join_name(key.letter, "", component);
+                                      : join_name(key.short_name, "", component);
     };
     std::string placeholder;
     for (const std::string& name : names_from(shape, placeholder_of))

@@ -51,12 +51,12 @@ template <template <class> class S>
 void check_nearest_point(const S<Real>& s, const Vec<double>& q) {
     const Vec<Real> p = lifted<Real>(q);
     const Ray<Real> ray{p, p};
-    const Vec<Real> on = s.projected(ray, p), n = s.outward_normal(ray, on);
+    const Vec<Real> on = s.project_onto_surface(ray, p), n = s.outward_normal(ray, on);
     const Real d = s.distance(p);
     REQUIRE(abs(s.relative_distance(on)) * s.unit() <= tolerance);
     REQUIRE(abs(Real(length(n) - Real(1))) <= tolerance);
     REQUIRE(abs(s.distance(on + ldexp(Real(1), -20) * n)) > 0);
-    if (s.name == "ellipsoid") return;  // whose `distance` is a bound, and `projected` along a radius
+    if (s.name == "ellipsoid") return;  // whose `distance` is a bound, and whose projection runs along a radius
     REQUIRE(abs(s.relative_distance(p)) * s.unit() <= abs(d) + tolerance);
     if (s.name == "cone" || s.name == "disc") return;  // put back across the axis, and onto the plane
     REQUIRE(abs(Real(abs(d) - length(Vec<Real>(p - on)))) <= tolerance);
@@ -70,7 +70,7 @@ double share_of_bound(const Primitive<double>& primitive, const Vec<double>& at)
     const S<float> s = rounded.template as<S>();
     const S<Real> same = transformed(rounded, [](float x) { return Real(x); }).template as<S>();
     // A point near the surface, as hits are, is put back after rounding moved it.
-    const Vec<Real> p = lifted<Real>(at), on = same.projected(Ray<Real>{p, p}, p);
+    const Vec<Real> p = lifted<Real>(at), on = same.project_onto_surface(Ray<Real>{p, p}, p);
     const Vec<float> near(static_cast<float>(on.x), static_cast<float>(on.y), static_cast<float>(on.z));
     const BoundedPoint<float> b = s.bounded_point(Ray<float>{near, {1, 0, 0}}, 0, near);
     double allowed = 0;
@@ -114,11 +114,11 @@ TEST_CASE("distance, normal, nearest point and bounded point of a shape agree wi
             const S<Real> s = transformed(primitive, [](double x) { return Real(x); }).template as<S>();
             const Vec<double> q = rng.vec(-1.5, 1.5);
             const Real d = s.distance(lifted<Real>(q));
-            if (!is_apex(plain, plain.projected({}, q))) check_nearest_point(s, q);
+            if (!is_apex(plain, plain.project_onto_surface({}, q))) check_nearest_point(s, q);
             // The distance is at most that to any point of the surface.
             for (int k = 0; k < 20; ++k) {
                 const Vec<Real> u = lifted<Real>(rng.vec(-2, 2)), share(abs(u.x) / 2, abs(u.y) / 2, abs(u.z) / 2);
-                const Vec<Real> other = row.name == "disc" ? s.point_at(share) : s.projected({}, u);
+                const Vec<Real> other = row.name == "disc" ? s.point_at(share) : s.project_onto_surface({}, u);
                 REQUIRE(length(Vec<Real>(lifted<Real>(q) - other)) >= abs(d) * (1 - tolerance));
             }
             inside += d < 0;

@@ -180,11 +180,11 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
                 }
                 CHECK(std::fabs(length(n) - 1) <= 0x1p-50);
                 CHECK((dot(n, ray.direction) < 0 || (surface && ends->near == ends->far)));
-                CHECK(std::fabs(shape.relative_distance(shape.projected(ray, p))) <= 0x1p-50);
+                CHECK(std::fabs(shape.relative_distance(shape.project_onto_surface(ray, p))) <= 0x1p-50);
                 // The `distance` of an ellipsoid is a bound, and a cone grows about a point across its axis.
                 if (row.name == "ellipsoid" || row.name == "cone") continue;
                 const double away = shape.distance(ray.origin);
-                if (const auto grown = shape.scaled_about(ray.origin, 2); grown && away > 0)
+                if (const auto grown = shape.scaled_about_nearest(ray.origin, 2); grown && away > 0)
                     CHECK(std::fabs(grown->distance(ray.origin) - away) <= 0x1p-40);
             }
             surfaces += surface;

@@ -8,7 +8,7 @@ namespace {
 
 template <class F>
 void ask(const PackQuestion<F>& q) {
-    using P = Pack<F, Width>;
+    using P = Pack<F, BuildRegisters>;
     for (std::size_t i = 0; i < q.size; i += P::lanes) {
         const P a = P::load(q.a + i), b = P::load(q.b + i), c = P::load(q.c + i);
         pack_op<P>(q.op, a, b, c).store(q.narrow + i);
@@ -24,7 +24,7 @@ void ask(const PackQuestion<F>& q) {
 
 }  // namespace
 
-void LOSTBITS_NAME_OF_WIDTH(ask)(const PackQuestion<float>& question) { ask(question); }
-void LOSTBITS_NAME_OF_WIDTH(ask)(const PackQuestion<double>& question) { ask(question); }
+void LOSTBITS_WITH_WIDTH_SUFFIX(ask)(const PackQuestion<float>& question) { ask(question); }
+void LOSTBITS_WITH_WIDTH_SUFFIX(ask)(const PackQuestion<double>& question) { ask(question); }
 
 }  // namespace lostbits::test

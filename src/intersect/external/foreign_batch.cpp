@@ -75,32 +75,41 @@ template void mark_unwritten(std::span<float>, std::span<std::uint8_t>);
 template void mark_unwritten(std::span<double>, std::span<std::uint8_t>);
 
 template <class S>
-Hit<S> hit_of(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end) {
+Hit<S> apply_contract(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end) {
     if (hit_byte == 0) return {false, 0, 0, 0};
+    // A form without t only decides.
     if (contract.roots == Roots::none) {
         constexpr S no_t = std::numeric_limits<S>::quiet_NaN();
         return {true, no_t, no_t, no_t};
     }
     const S near = near_far[0], far = contract.roots == Roots::both ? near_far[1] : near_far[0];
+    // One root is the answer. It does not count if it lies behind the origin and is the near side, or if it lies beyond
+    // the end of a ray that the form does not know.
     if (contract.roots != Roots::both) {
         const bool near_is_behind = contract.roots == Roots::near_only && near < 0;
         return {!near_is_behind && ((contract.flags & LB_NO_END) == 0 || !(near > end)), near, near, far};
     }
+    // Both roots: the near side is the answer if it lies ahead. At t = 0 it counts only under `at_origin = hit`. A near
+    // side that is NaN stays the answer, so that it is seen as an error.
     const bool hits_at_origin = contract.at_origin == AtOrigin::hit,
                misses_at_origin = contract.at_origin == AtOrigin::miss;
     const bool near_is_ahead = std::isnan(near) || (hits_at_origin ? near >= 0 : near > 0);
+    // If it is not, the origin lies inside, and `inside` says if the answer is 0, the far side or a miss.
     const Inside inside = inside_of(contract);
     const bool inside_gives_zero =
         inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(contract.shape));
     const S t = near_is_ahead ? near : inside_gives_zero ? S(0) : far;
     bool hit = near_is_ahead || inside != Inside::miss;
+    // Under `at_origin = miss`, a primitive that ends at the origin is a miss.
     if (misses_at_origin && far <= 0) hit = false;
+    // A form for lines also reports primitives that lie behind the origin.
     if ((contract.flags & LB_LINE) != 0 && far < 0) hit = false;
+    // A form that does not take the end of a ray also reports hits beyond it.
     if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
     return {hit, t, near, far};
 }
-template Hit<float> hit_of(const Contract&, std::uint8_t, const float*, float);
-template Hit<double> hit_of(const Contract&, std::uint8_t, const double*, double);
+template Hit<float> apply_contract(const Contract&, std::uint8_t, const float*, float);
+template Hit<double> apply_contract(const Contract&, std::uint8_t, const double*, double);
 
 void ForeignBatch::evaluate(const lb_batch& batch) {
     if ((form_.contract.flags & LB_ONE_THREAD) == 0) return form_.answer(batch);
@@ -145,7 +154,7 @@ void ForeignBatch::answer_in_format(const table::RayBatch<S>& rays, const Target
                                                     "one root, set `roots` accordingly"
                                                   : "reported a hit but did not write t");
         const S end = has_ends ? rays.tmax[i] : std::numeric_limits<S>::infinity();
-        const Hit<S> hit = hit_of(contract, hit_byte, near_far, end);
+        const Hit<S> hit = apply_contract(contract, hit_byte, near_far, end);
         hits.hit[i] = hit.hit;
         hits.t[i] = hit.t;
         hits.near[i] = hit.near;

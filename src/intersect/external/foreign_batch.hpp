@@ -14,11 +14,11 @@ namespace lostbits::intersect::external {
 template <class S>
 void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit);
 
-/// Converts one answer to the fields of the table. t is the first of the roots that counts, or the contract's answer
-/// for a ray from inside. `hit_byte` is the form's `hit`; `end` is the end of the ray, for shapes whose forms take
-/// tmax.
+/// Applies the contract of a form to one answer: decides if it is a hit, and which t the table stores. t is the first
+/// of the roots that counts, or the contract's answer for a ray from inside. `hit_byte` is the form's `hit`; `end` is
+/// the end of the ray, for shapes whose forms take tmax.
 template <class S>
-Hit<S> hit_of(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end);
+Hit<S> apply_contract(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end);
 
 class ForeignBatch {
 public:

@@ -67,7 +67,7 @@ inline bool is_common_name_of_key(std::string_view name, const Key& key, std::si
             if (name == stem + digit) return true;
         return name == letter || name == "v" + letter;
     }
-    return name == key.letter;
+    return name == key.short_name;
 }
 
 /// Returns the shape whose name, or another usual word for it, is part of the text. `text` is normalized.

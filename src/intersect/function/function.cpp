@@ -192,8 +192,8 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& miss_value
     }
 }
 
-/// The answer of a recorded function, in the fields that the table stores. `external::hit_of` computes the same fields
-/// for the compiled function.
+/// The answer of a recorded function, in the fields that the table stores. `external::apply_contract` computes the same
+/// fields for the compiled function.
 struct Outputs {
     Mask hit;
     NodeId t, near, far;

@@ -292,7 +292,7 @@ void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSigna
         const std::string role_name = normalized_name(stated.roles[i]);
         std::string role;
         for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
-            if (role_name == keys[k].name || role_name == keys[k].letter) role = "k" + std::to_string(k);
+            if (role_name == keys[k].name || role_name == keys[k].short_name) role = "k" + std::to_string(k);
         if (role_name == "-" || role_name.empty()) role = "-";
         else if (is_one_of(role_name, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) role = role_name;
         else if (is_one_of(role_name, {"origin", "direction"})) role = role_name.substr(0, 1);

@@ -23,7 +23,7 @@ Ray<P> ray_at(const Columns& columns, std::size_t i) {
 
 template <class Method, class F>
 [[gnu::flatten]] void to_object(const RawSteps<F>& raw) {
-    using P = Pack<F, Width>;
+    using P = Pack<F, BuildRegisters>;
     const RawSteps<F> arrays = raw;  // a copy, which the stores below cannot change
     const Maps<P> maps = maps_from<P>(arrays.maps);
     F scales[P::lanes] = {};
@@ -43,7 +43,7 @@ template <class Method, class F>
 
 template <class Method, class F>
 [[gnu::flatten]] void back(const RawSteps<F>& raw) {
-    using P = Pack<F, Width>;
+    using P = Pack<F, BuildRegisters>;
     const RawSteps<F> arrays = raw;
     const Maps<P> maps = maps_from<P>(arrays.maps);
     const P scale(*arrays.scale);
@@ -56,7 +56,7 @@ template <class Method, class F>
 
 }  // namespace
 
-void LOSTBITS_NAME_OF_WIDTH(fill_transforms)(RawTransformRow* rows) {
+void LOSTBITS_WITH_WIDTH_SUFFIX(fill_transforms)(RawTransformRow* rows) {
     for_each_transform_method([&rows]<class Method>() {
         *rows++ = {{to_object<Method, float>, back<Method, float>}, {to_object<Method, double>, back<Method, double>}};
     });

@@ -214,15 +214,15 @@ private:
         has_failed_ |= !is_decision(n.op) && !Exact::is_accurate_enough(exact(i), n.value);
         const NodeId computed_side = e.chosen_side;
         if (e.decision_changed && computed_side != no_node && lacks_exact_value(computed_side)) return;
-        std::array<Step, 3> differences{}, points{};
+        std::array<OperandError, 3> differences{}, points{};
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (is_decision(tape_[n.operands[k]].op)) continue;
             const double x = computed(n.operands[k]);
             differences[k] = {error_of(n.operands[k]).exact, x};
             points[k] = {x, x, true};
         }
-        const Quotients difference = quotients_of(n, differences, computed_side);
-        const Quotients derivative = depth_.full ? quotients_of(n, points, computed_side) : Quotients{};
+        const ErrorFactors difference = error_factors_of(n, differences, computed_side);
+        const ErrorFactors derivative = depth_.full ? error_factors_of(n, points, computed_side) : ErrorFactors{};
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (!difference[k]) continue;
             OperationError& operand = error_of(n.operands[k]);

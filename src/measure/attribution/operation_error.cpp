@@ -123,10 +123,10 @@ double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f
     });
 }
 
-Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId chosen) {
+ErrorFactors error_factors_of(const TapeNode& n, const std::array<OperandError, 3>& x, NodeId chosen) {
     const auto quotients_of_kind = [&]<TapeOp op>() {
-        return with_operands<op>([](const auto&... operands) { return Operation<op>::quotients(operands...); },
-                                 [&](std::size_t k) -> const Step& { return x[k]; });
+        return with_operands<op>([](const auto&... operands) { return Operation<op>::error_factors(operands...); },
+                                 [&](std::size_t k) -> const OperandError& { return x[k]; });
     };
     switch (kind_of(n.op)) {
         case OperationKind::rounded:
@@ -137,7 +137,7 @@ Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId c
         case OperationKind::moved: return {1};
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {
-            Quotients q;
+            ErrorFactors q;
             q[static_cast<std::size_t>(std::ranges::find(n.operands, chosen) - n.operands.begin())] = 1;
             return q;
         }

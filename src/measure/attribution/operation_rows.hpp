@@ -20,7 +20,7 @@ struct IsNotASum {
 
 /// Inputs and constants are written as their name or their digits.
 struct GivenText {
-    static constexpr OperationText text{.binds = 4, .plain = "", .c = "", .fpcore = ""};
+    static constexpr OperationText text{.precedence = 4, .plain = "", .c = "", .fpcore = ""};
 };
 
 template <>
@@ -40,7 +40,7 @@ struct Operation<TapeOp::constant> : GivenText {
 template <>
 struct Operation<TapeOp::add> {
     static constexpr OperationText text{
-        .binds = 1, .plain = "$1:1 + $2:1", .c = "$1 + $2", .c_wide = "sum($1, $2)", .fpcore = "(+ $1 $2)"};
+        .precedence = 1, .plain = "$1:1 + $2:1", .c = "$1 + $2", .c_wide = "sum($1, $2)", .fpcore = "(+ $1 $2)"};
     static auto exact(auto e, const auto& a, const auto& b) { return e.sum(a, b); }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::add(a, b, f); }
     static std::optional<double> residual(double a, double b, double value) {
@@ -49,12 +49,12 @@ struct Operation<TapeOp::add> {
         return (value - s) - e;
     }
     static Addends addends(double a, double b) { return {{a, b}}; }
-    static Quotients quotients(const Step&, const Step&) { return {1, 1}; }
+    static ErrorFactors error_factors(const OperandError&, const OperandError&) { return {1, 1}; }
 };
 
 template <>
 struct Operation<TapeOp::sub> {
-    static constexpr OperationText text{.binds = 1,
+    static constexpr OperationText text{.precedence = 1,
                                         .plain = "$1:1 - $2:2",
                                         .pretty = "$1:1 − $2:2",
                                         .c = "$1 - $2",
@@ -66,12 +66,12 @@ struct Operation<TapeOp::sub> {
         return Operation<TapeOp::add>::residual(a, -b, value);
     }
     static Addends addends(double a, double b) { return {{a, b}}; }
-    static Quotients quotients(const Step&, const Step&) { return {1, -1}; }
+    static ErrorFactors error_factors(const OperandError&, const OperandError&) { return {1, -1}; }
 };
 
 template <>
 struct Operation<TapeOp::mul> : IsNotASum {
-    static constexpr OperationText text{.binds = 2,
+    static constexpr OperationText text{.precedence = 2,
                                         .plain = "$1:2*$2:3",
                                         .pretty = "$1:2·$2:3",
                                         .c = "$1 * $2",
@@ -85,13 +85,13 @@ struct Operation<TapeOp::mul> : IsNotASum {
         const auto [p, e] = two_product(a, b);
         return (value - p) - e;
     }
-    static Quotients quotients(const Step& a, const Step& b) { return {b.middle(), a.middle()}; }
+    static ErrorFactors error_factors(const OperandError& a, const OperandError& b) { return {b.middle(), a.middle()}; }
 };
 
 template <>
 struct Operation<TapeOp::div> : IsNotASum {
     static constexpr OperationText text{
-        .binds = 2, .plain = "$1:2/$2:3", .c = "$1 / $2", .c_wide = "quotient($1, $2)", .fpcore = "(/ $1 $2)"};
+        .precedence = 2, .plain = "$1:2/$2:3", .c = "$1 / $2", .c_wide = "quotient($1, $2)", .fpcore = "(/ $1 $2)"};
     static auto exact(auto, const auto& a, const auto& b) { return a / b; }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::div(a, b, f); }
     /// a/b = q + r/b with r = a − qb exact.
@@ -101,7 +101,7 @@ struct Operation<TapeOp::div> : IsNotASum {
         if (!residuals_are_exact(a, b, q)) return {};
         return (value - q) - quotient_residual(a, b, q) / b;
     }
-    static Quotients quotients(const Step& a, const Step& b) {
+    static ErrorFactors error_factors(const OperandError& a, const OperandError& b) {
         return {(1 / b.from + 1 / b.to) / 2, -(a.from / b.from / b.to + a.to / b.from / b.to) / 2};
     }
 };
@@ -109,7 +109,7 @@ struct Operation<TapeOp::div> : IsNotASum {
 template <>
 struct Operation<TapeOp::sqrt> : IsNotASum {
     static constexpr OperationText text{
-        .binds = 4, .plain = "sqrt($1)", .c = "sqrt$f($1)", .c_wide = "root($1)", .fpcore = "(sqrt $1)"};
+        .precedence = 4, .plain = "sqrt($1)", .c = "sqrt$f($1)", .c_wide = "root($1)", .fpcore = "(sqrt $1)"};
     static auto exact(auto, const auto& a) { return sqrt(a); }
     static double computed(double a, const FloatFormat& f) { return rounding::sqrt(a, f); }
     /// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
@@ -120,7 +120,7 @@ struct Operation<TapeOp::sqrt> : IsNotASum {
         return (value - s) - root_residual(a, s) / (2 * s);
     }
     /// An exact zero contributes no error; its derivative is infinite all the same.
-    static Quotients quotients(const Step& a) {
+    static ErrorFactors error_factors(const OperandError& a) {
         const double sum = std::sqrt(a.from) + std::sqrt(a.to);
         return {sum == 0 && !a.is_derivative ? 0 : 1 / sum};
     }
@@ -128,49 +128,51 @@ struct Operation<TapeOp::sqrt> : IsNotASum {
 
 template <>
 struct Operation<TapeOp::fma> {
-    static constexpr OperationText text{.binds = 4,
+    static constexpr OperationText text{.precedence = 4,
                                         .plain = "fma($1, $2, $3)",
                                         .c = "fma$f($1, $2, $3)",
-                                        .c_lacks = "a fused multiply-add",
+                                        .missing_in_c = "a fused multiply-add",
                                         .fpcore = "(fma $1 $2 $3)"};
     static auto exact(auto e, const auto& a, const auto& b, const auto& c) { return e.sum(a * b, c); }
     static double computed(double a, double b, double c, const FloatFormat& f) { return rounding::fma(a, b, c, f); }
     static std::optional<double> residual(double, double, double, double) { return {}; }
     static Addends addends(double a, double b, double c) { return {{a * b, c}}; }
-    static Quotients quotients(const Step& a, const Step& b, const Step&) { return {b.middle(), a.middle(), 1}; }
+    static ErrorFactors error_factors(const OperandError& a, const OperandError& b, const OperandError&) {
+        return {b.middle(), a.middle(), 1};
+    }
 };
 
 template <>
 struct Operation<TapeOp::call> {
     /// The call sums without rounding. C has no function for that, so its text `$v` is the number that the call
     /// returned. FPCore has no operation for that either, so there is no text, and `explain --fpcore` refuses the ray.
-    static constexpr OperationText text{.binds = 4, .plain = "exactly(ray, primitive)", .c = "$v", .fpcore = ""};
+    static constexpr OperationText text{.precedence = 4, .plain = "exactly(ray, primitive)", .c = "$v", .fpcore = ""};
 };
 
 template <>
 struct Operation<TapeOp::neg> {
     static constexpr OperationText text{
-        .binds = 3, .plain = "-$1:3", .pretty = "−$1:3", .c = "-$1", .fpcore = "(- $1)"};
+        .precedence = 3, .plain = "-$1:3", .pretty = "−$1:3", .c = "-$1", .fpcore = "(- $1)"};
     static auto exact(auto, const auto& a) { return -a; }
     static double computed(double a, const FloatFormat&) { return -a; }
-    static Quotients quotients(const Step&) { return {-1}; }
+    static ErrorFactors error_factors(const OperandError&) { return {-1}; }
 };
 
 template <>
 struct Operation<TapeOp::abs> {
-    static constexpr OperationText text{.binds = 4, .plain = "abs($1)", .c = "fabs$f($1)", .fpcore = "(fabs $1)"};
+    static constexpr OperationText text{.precedence = 4, .plain = "abs($1)", .c = "fabs$f($1)", .fpcore = "(fabs $1)"};
     static auto exact(auto, const auto& a) { return abs(a); }
     static double computed(double a, const FloatFormat&) { return std::fabs(a); }
-    static Quotients quotients(const Step& a) { return {a.size_quotient()}; }
+    static ErrorFactors error_factors(const OperandError& a) { return {a.absolute_value_quotient()}; }
 };
 
 template <>
 struct Operation<TapeOp::copysign> {
     static constexpr OperationText text{
-        .binds = 4, .plain = "copysign($1, $2)", .c = "copysign$f($1, $2)", .fpcore = "(copysign $1 $2)"};
+        .precedence = 4, .plain = "copysign($1, $2)", .c = "copysign$f($1, $2)", .fpcore = "(copysign $1 $2)"};
     static double computed(double a, double b, const FloatFormat&) { return std::copysign(a, b); }
-    static Quotients quotients(const Step& a, const Step& b) {
-        return {std::signbit(b.to) ? -a.size_quotient() : a.size_quotient()};
+    static ErrorFactors error_factors(const OperandError& a, const OperandError& b) {
+        return {std::signbit(b.to) ? -a.absolute_value_quotient() : a.absolute_value_quotient()};
     }
 };
 
@@ -178,104 +180,111 @@ template <>
 struct Operation<TapeOp::next_up> {
     /// FPCore has no next number. But x + η rounded upward, with η the least positive number of the format, is the next
     /// number above any finite x. −∞ stays what it is, and the number above −η is +0 in place of −0.
-    static constexpr OperationText text{.binds = 4,
+    static constexpr OperationText text{.precedence = 4,
                                         .plain = "next_up($1)",
                                         .c = "nextafter$f($1, INFINITY)",
-                                        .c_lacks = "a move to the next number",
+                                        .missing_in_c = "a move to the next number",
                                         .fpcore = "(! :round toPositive (+ $1 $e))"};
     static double computed(double a, const FloatFormat& f) { return rounding::next_up(a, f); }
 };
 
 template <>
 struct Operation<TapeOp::next_down> {
-    static constexpr OperationText text{.binds = 4,
+    static constexpr OperationText text{.precedence = 4,
                                         .plain = "next_down($1)",
                                         .c = "nextafter$f($1, -INFINITY)",
-                                        .c_lacks = "a move to the next number",
+                                        .missing_in_c = "a move to the next number",
                                         .fpcore = "(! :round toNegative (- $1 $e))"};
     static double computed(double a, const FloatFormat& f) { return -rounding::next_up(-a, f); }
 };
 
 template <>
 struct Operation<TapeOp::convert> {
-    static constexpr OperationText text{
-        .binds = 4, .plain = "convert($1)", .c = "($t)$1", .c_lacks = "a change of format", .fpcore = "(cast $1)"};
+    static constexpr OperationText text{.precedence = 4,
+                                        .plain = "convert($1)",
+                                        .c = "($t)$1",
+                                        .missing_in_c = "a change of format",
+                                        .fpcore = "(cast $1)"};
     static double computed(double a, const FloatFormat& f) { return rounding::to_format(a, 0, f); }
 };
 
 template <>
 struct Operation<TapeOp::min> {
     static constexpr OperationText text{
-        .binds = 4, .plain = "min($1, $2)", .c = "$1 < $2 ? $1 : $2", .fpcore = "(if (< $1 $2) $1 $2)"};
+        .precedence = 4, .plain = "min($1, $2)", .c = "$1 < $2 ? $1 : $2", .fpcore = "(if (< $1 $2) $1 $2)"};
     static constexpr std::array<std::size_t, 2> sides{0, 1};
-    static bool takes_first(const auto& judge) { return judge.less(0, 1); }
+    static bool takes_first(const auto& decider) { return decider.less(0, 1); }
 };
 
 template <>
 struct Operation<TapeOp::max> {
     static constexpr OperationText text{
-        .binds = 4, .plain = "max($1, $2)", .c = "$1 > $2 ? $1 : $2", .fpcore = "(if (> $1 $2) $1 $2)"};
+        .precedence = 4, .plain = "max($1, $2)", .c = "$1 > $2 ? $1 : $2", .fpcore = "(if (> $1 $2) $1 $2)"};
     static constexpr std::array<std::size_t, 2> sides{0, 1};
-    static bool takes_first(const auto& judge) { return judge.less(1, 0); }
+    static bool takes_first(const auto& decider) { return decider.less(1, 0); }
 };
 
 template <>
 struct Operation<TapeOp::select> {
-    static constexpr OperationText text{.binds = 4,
+    static constexpr OperationText text{.precedence = 4,
                                         .plain = "select($1, $2, $3)",
-                                        .generic = "a choice",
+                                        .plain_in_loop = "a choice",
                                         .c = "$1 ? $2 : $3",
                                         .fpcore = "(if $1 $2 $3)"};
     static constexpr std::array<std::size_t, 2> sides{1, 2};
-    static bool takes_first(const auto& judge) { return judge.holds(0); }
+    static bool takes_first(const auto& decider) { return decider.holds(0); }
 };
 
 template <>
 struct Operation<TapeOp::less> {
-    static constexpr OperationText text{.binds = 0, .plain = "$1:1 < $2:1", .c = "$1 < $2", .fpcore = "(< $1 $2)"};
-    static bool holds(const auto& judge) { return judge.less(0, 1); }
+    static constexpr OperationText text{.precedence = 0, .plain = "$1:1 < $2:1", .c = "$1 < $2", .fpcore = "(< $1 $2)"};
+    static bool holds(const auto& decider) { return decider.less(0, 1); }
 };
 
 template <>
 struct Operation<TapeOp::less_equal> {
-    static constexpr OperationText text{.binds = 0, .plain = "$1:1 <= $2:1", .c = "$1 <= $2", .fpcore = "(<= $1 $2)"};
-    static bool holds(const auto& judge) { return judge.less_equal(0, 1); }
+    static constexpr OperationText text{
+        .precedence = 0, .plain = "$1:1 <= $2:1", .c = "$1 <= $2", .fpcore = "(<= $1 $2)"};
+    static bool holds(const auto& decider) { return decider.less_equal(0, 1); }
 };
 
 template <>
 struct Operation<TapeOp::greater> {
-    static constexpr OperationText text{.binds = 0, .plain = "$1:1 > $2:1", .c = "$1 > $2", .fpcore = "(> $1 $2)"};
-    static bool holds(const auto& judge) { return judge.less(1, 0); }
+    static constexpr OperationText text{.precedence = 0, .plain = "$1:1 > $2:1", .c = "$1 > $2", .fpcore = "(> $1 $2)"};
+    static bool holds(const auto& decider) { return decider.less(1, 0); }
 };
 
 template <>
 struct Operation<TapeOp::greater_equal> {
-    static constexpr OperationText text{.binds = 0, .plain = "$1:1 >= $2:1", .c = "$1 >= $2", .fpcore = "(>= $1 $2)"};
-    static bool holds(const auto& judge) { return judge.less_equal(1, 0); }
+    static constexpr OperationText text{
+        .precedence = 0, .plain = "$1:1 >= $2:1", .c = "$1 >= $2", .fpcore = "(>= $1 $2)"};
+    static bool holds(const auto& decider) { return decider.less_equal(1, 0); }
 };
 
 template <>
 struct Operation<TapeOp::logical_and> {
-    static constexpr OperationText text{.binds = 0, .plain = "$1:1 and $2:1", .c = "$1 && $2", .fpcore = "(and $1 $2)"};
-    static bool holds(const auto& judge) { return judge.holds(0) && judge.holds(1); }
+    static constexpr OperationText text{
+        .precedence = 0, .plain = "$1:1 and $2:1", .c = "$1 && $2", .fpcore = "(and $1 $2)"};
+    static bool holds(const auto& decider) { return decider.holds(0) && decider.holds(1); }
 };
 
 template <>
 struct Operation<TapeOp::logical_or> {
-    static constexpr OperationText text{.binds = 0, .plain = "$1:1 or $2:1", .c = "$1 || $2", .fpcore = "(or $1 $2)"};
-    static bool holds(const auto& judge) { return judge.holds(0) || judge.holds(1); }
+    static constexpr OperationText text{
+        .precedence = 0, .plain = "$1:1 or $2:1", .c = "$1 || $2", .fpcore = "(or $1 $2)"};
+    static bool holds(const auto& decider) { return decider.holds(0) || decider.holds(1); }
 };
 
 template <>
 struct Operation<TapeOp::logical_not> {
-    static constexpr OperationText text{.binds = 0, .plain = "not $1:1", .c = "!$1", .fpcore = "(not $1)"};
-    static bool holds(const auto& judge) { return !judge.holds(0); }
+    static constexpr OperationText text{.precedence = 0, .plain = "not $1:1", .c = "!$1", .fpcore = "(not $1)"};
+    static bool holds(const auto& decider) { return !decider.holds(0); }
 };
 
 template <>
 struct Operation<TapeOp::any> {
-    static constexpr OperationText text{.binds = 0, .plain = "any($1)", .c = "$1", .fpcore = "$1"};
-    static bool holds(const auto& judge) { return judge.holds(0); }
+    static constexpr OperationText text{.precedence = 0, .plain = "any($1)", .c = "$1", .fpcore = "$1"};
+    static bool holds(const auto& decider) { return decider.holds(0); }
 };
 
 }  // namespace lostbits::measure::attribution

@@ -61,23 +61,23 @@ static_assert(std::ranges::all_of(tape_operations,
                                       const bool rounds =
                                           row.kind == OperationKind::rounded || row.kind == OperationKind::moved;
                                       const OperationText& text = text_of(row.op);
-                                      return !rounds || !text.c_wide.empty() || !text.c_lacks.empty();
+                                      return !rounds || !text.c_wide.empty() || !text.missing_in_c.empty();
                                   }),
               "explain --c: an operation that rounds has no text for formats that C lacks");
 
 /// True if the decision holds.
-template <class Judge>
-bool holds(TapeOp op, const Judge& judge) {
+template <class Decider>
+bool holds(TapeOp op, const Decider& decider) {
     return visit_operation<OperationKind::comparison, OperationKind::logic>(
-        op, [&]<TapeOp decision>() { return Operation<decision>::holds(judge); });
+        op, [&]<TapeOp decision>() { return Operation<decision>::holds(decider); });
 }
 
 /// The operand that a choice selects.
-template <class Judge>
-NodeId chosen_side(const TapeNode& n, const Judge& judge) {
+template <class Decider>
+NodeId chosen_side(const TapeNode& n, const Decider& decider) {
     return visit_operation<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
         const auto [first, second] = Operation<choice>::sides;
-        return n.operands[Operation<choice>::takes_first(judge) ? first : second];
+        return n.operands[Operation<choice>::takes_first(decider) ? first : second];
     });
 }
 

@@ -35,7 +35,7 @@ public:
     [[nodiscard]] const Number& value(NodeId i) const { return values_[static_cast<std::size_t>(i)]; }
 
 private:
-    struct Judge {
+    struct Decider {
         const Run& run;
         const TapeNode& n;
         [[nodiscard]] bool less(std::size_t k, std::size_t l) const {
@@ -64,9 +64,9 @@ private:
                 const Number size = abs(value(n.operands[0]));
                 return signbit(mode.value(n.operands[1])) != 0 ? Number(-size) : size;
             }
-            case OperationKind::choice: return value(chosen_side(n, Judge{mode, n}));
+            case OperationKind::choice: return value(chosen_side(n, Decider{mode, n}));
             case OperationKind::comparison:
-            case OperationKind::logic: return Number(holds(n.op, Judge{mode, n}) ? 1 : 0);
+            case OperationKind::logic: return Number(holds(n.op, Decider{mode, n}) ? 1 : 0);
         }
         return {};
     }

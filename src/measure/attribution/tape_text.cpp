@@ -198,19 +198,19 @@ std::string TapeText::vector_text(const Triple& v, bool without_brackets) const 
     return bracket(name(v[0]) + ", " + name(v[1]) + ", " + name(v[2]));
 }
 
-std::string TapeText::operand(NodeId i, int binds) const {
+std::string TapeText::operand(NodeId i, int precedence) const {
     const TapeNode& n = tape_[i];
     const std::string& node_name = name(i);
     if (n.op == TapeOp::input || !n.label.empty()) return node_name;
     if (n.op == TapeOp::constant || is_number(i))
-        return node_name.starts_with('-') && binds > 1 ? bracket(node_name) : node_name;
+        return node_name.starts_with('-') && precedence > 1 ? bracket(node_name) : node_name;
     if (!vector_name(name(i)).empty() && !is_simple(i)) return node_name;
-    if (style_ == Style::generic && !text_of(n.op).generic.empty()) return "(...)";
+    if (style_ == Style::generic && !text_of(n.op).plain_in_loop.empty()) return "(...)";
     const std::string text = expression(i);
     Dot dot;
     const bool is_function = style_ == Style::plain && find_dot(i, dot);
     if (text.size() > max_inline_length && !find_dot(i, dot)) return style_ == Style::generic ? "(...)" : node_name;
-    return !is_function && text_of(n.op).binds.level < binds ? bracket(text) : text;
+    return !is_function && text_of(n.op).precedence.value < precedence ? bracket(text) : text;
 }
 
 std::string TapeText::write_out(NodeId i) const {
@@ -218,13 +218,13 @@ std::string TapeText::write_out(NodeId i) const {
     const auto pattern = [this](const OperationText& text) {
         switch (style_) {
             case Style::pretty: return text.pretty.text;
-            case Style::generic: return text.generic.empty() ? text.plain.text : text.generic;
+            case Style::generic: return text.plain_in_loop.empty() ? text.plain.text : text.plain_in_loop;
             case Style::plain: break;
         }
         return text.plain.text;
     };
     return fill_pattern(pattern(text_of(n.op)),
-                        [&](std::size_t k, int binds) { return operand(n.operands[k], binds); });
+                        [&](std::size_t k, int precedence) { return operand(n.operands[k], precedence); });
 }
 
 const std::string& TapeText::expression(NodeId i) const {

@@ -52,7 +52,7 @@ private:
     void find_numbers();
     [[nodiscard]] bool is_simple(NodeId i) const;
     [[nodiscard]] std::string vector_text(const Triple& v, bool without_brackets) const;
-    [[nodiscard]] std::string operand(NodeId i, int binds) const;
+    [[nodiscard]] std::string operand(NodeId i, int precedence) const;
     [[nodiscard]] std::string compose(NodeId i) const;
     [[nodiscard]] std::string write_out(NodeId i) const;
 

@@ -16,7 +16,7 @@ void for_each_source(const Tape& tape, const Attribution& attribution, NodeId i,
     const TapeNode& n = tape[i];
     if (is_given(n.op)) return;
     if (n.op == TapeOp::call) return static_cast<void>(std::ranges::for_each(tape.operands_of(i), f));
-    const Quotients quotients = quotients_of(n, {}, attribution[i].chosen_side);
+    const ErrorFactors quotients = error_factors_of(n, {}, attribution[i].chosen_side);
     for (std::size_t k = 0; k < quotients.size(); ++k) {
         if (quotients[k]) f(n.operands[k]);
     }

@@ -62,7 +62,7 @@ double speed_ratio(const Claim& claim, const TimingSubject& subject, std::size_t
         claim, {{subject.over_form, subject.over_kernel, claim.format}, {claim.form, subject.kernel, claim.format}},
         bytes);
     const auto samples = speed::sample_interleaved(
-        work, {.repetitions = speed::stay_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
+        work, {.repetitions = speed::fits_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 

@@ -4,13 +4,13 @@
 
 namespace lostbits::measure::columns {
 
-RawKernels LOSTBITS_NAME_OF_WIDTH(raw_kernels)() {
-    RawKernels kernels{.errors = errors_of<Width>,
+RawKernels LOSTBITS_WITH_WIDTH_SUFFIX(raw_kernels)() {
+    RawKernels kernels{.errors = errors_of<BuildRegisters>,
                        .residuals = {},
-                       .sizes = add_sizes<Width>,
-                       .hits32 = keep_nearest<float, Width>,
-                       .hits64 = keep_nearest<double, Width>};
-    fill_residuals<Width>(kernels);
+                       .sizes = add_sizes<BuildRegisters>,
+                       .hits32 = keep_nearest<float, BuildRegisters>,
+                       .hits64 = keep_nearest<double, BuildRegisters>};
+    fill_residuals<BuildRegisters>(kernels);
     return kernels;
 }
 

@@ -101,12 +101,12 @@ struct FormKernels {
     intersect::simd::PackedRow native;
 
     /// Uses the kernels for single rays, or those of a register width that this machine has.
-    FormKernels(const intersect::table::Intersector& tested_form, const Format& tested_format,
+    FormKernels(const intersect::table::Intersector& evaluated_form, const Format& evaluated_format,
                 intersect::process::StopToken stop_token = {}, intersect::simd::Isa isa = intersect::simd::Isa::scalar)
-        : form(tested_form),
-          format(tested_format),
+        : form(evaluated_form),
+          format(evaluated_format),
           stop(stop_token),
-          native(intersect::simd::packed_kernels(tested_form, isa)) {}
+          native(intersect::simd::packed_kernels(evaluated_form, isa)) {}
 };
 
 /// Evaluates the form on rays whose numbers and ends are in the format. A single primitive is tested with all rays.

@@ -127,7 +127,7 @@ inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Q
 inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& r, const Question& question) {
     const std::array<double, 2> near_far{r.near, r.far};
     const double end = takes_tmax(contract.shape) ? question.end : std::numeric_limits<double>::infinity();
-    const Hit<double> hit = intersect::external::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
+    const Hit<double> hit = intersect::external::apply_contract(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
     return {hit.hit, hit.t};
 }
 

@@ -81,23 +81,25 @@ public:
         StrategyInput<T> strategy_input{ray,  t,   lift_primitive<T>(departed_primitive()), {}, point, point, point,
                                         T(1), T(1)};
         if (strategy_input.primitive.placed) compute_object_point(strategy_input);
-        else compute_point(strategy_input.ray, strategy_input.primitive, strategy_input.p, strategy_input.n);
+        else compute_point(strategy_input.ray, strategy_input.primitive, strategy_input.point, strategy_input.normal);
         strategy_input_.emplace(std::move(strategy_input));
-        const Vec<T>& p = strategy_input_->p;
+        const Vec<T>& p = strategy_input_->point;
         p_ = as_doubles(p);
-        n_ = as_doubles(strategy_input_->n);
-        const T infinite = T(1) / T(0);
+        n_ = as_doubles(strategy_input_->normal);
+        const T no_target_distance = T(1) / T(0);
         std::optional<Vec<T>> light;
         if (work.light_) light = lift_vec<T>(*work.light_);
         if (!is_finite(p_) || !is_finite(n_)) return;
-        for (const Departure<T>& departure : departures_from<T>(ray, p, strategy_input_->n, infinite, light)) {
-            if (is_finite(as_doubles(departure.w))) departures_[departure.side > T(0) ? 0 : 1].push_back(departure);
+        for (const Departure<T>& departure :
+             departures_from<T>(ray, p, strategy_input_->normal, no_target_distance, light)) {
+            if (is_finite(as_doubles(departure.new_direction)))
+                departures_[departure.side_sign > T(0) ? 0 : 1].push_back(departure);
         }
         for (const Side side : both_sides) {
             FarSides& sides = far_sides_[static_cast<std::size_t>(side)];
             sides.along_normal = far_side_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
             for (const Departure<T>& departure : departures(side))
-                sides.along_rays.push_back(far_side_ahead(side, as_doubles(departure.w)));
+                sides.along_rays.push_back(far_side_ahead(side, as_doubles(departure.new_direction)));
         }
     }
 
@@ -110,11 +112,11 @@ public:
         std::vector<NewRay> new_rays;
         for (const Departure<T>& departure : departures(side)) {
             StrategyInput<T> strategy_input = *strategy_input_;
-            strategy_input.w = departure.w;
-            strategy_input.side = departure.side;
+            strategy_input.new_direction = departure.new_direction;
+            strategy_input.side_sign = departure.side_sign;
             strategy_input.target_distance = departure.target_distance;
             const StrategyOutput<T> r = strategy.respawn<T>(strategy_input);
-            new_rays.push_back({.ray = {as_doubles(r.origin), as_doubles(departure.w)},
+            new_rays.push_back({.ray = {as_doubles(r.origin), as_doubles(departure.new_direction)},
                                 .tmin = as_double(r.tmin),
                                 .tmax = as_double(r.tmax),
                                 .tests_departed_primitive = r.tests_departed_primitive});
@@ -127,13 +129,13 @@ public:
 
     [[nodiscard]] OffsetVerdict verdict_on_offset(Side side, double e, bool by_form) const {
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
-        const Vec<double> origin = as_doubles(add_scaled<T>(strategy_input_->p, signed_e, strategy_input_->n));
+        const Vec<double> origin = as_doubles(add_scaled<T>(strategy_input_->point, signed_e, strategy_input_->normal));
         const FarSide& far = far_sides_of(side).along_normal;
         if (!is_finite(origin) || e > (enters(side) ? far.t_wall : far.t_begin)) return OffsetVerdict::too_much;
         std::vector<NewRay> new_rays;
         for (std::size_t k = 0; k < ray_count(side); ++k) {
             const Departure<T>& departure = departures(side)[k];
-            const Ray<double> ray{origin, as_doubles(departure.w)};
+            const Ray<double> ray{origin, as_doubles(departure.new_direction)};
             if (!is_safe_ray(ray, side, far_sides_of(side).along_rays[k]))
                 return e > far.t_begin ? OffsetVerdict::too_much : OffsetVerdict::too_little;
             if (by_form) new_rays.push_back({.ray = ray, .tmin = 0, .tmax = as_double(departure.target_distance)});
@@ -155,9 +157,10 @@ public:
     }
 
 private:
-    /// Projects p onto the surface if the kind of the points is `HitPoint::projected`, and computes the normal there.
+    /// Projects p onto the surface if the kind of the points is `HitPointKind::projected`, and computes the normal
+    /// there.
     void compute_point(const Ray<T>& ray, const Primitive<T>& primitive, Vec<T>& p, Vec<T>& n) const {
-        if (work_.point_kind_ == HitPoint::projected) p = project_onto_surface<T>(ray, primitive, p);
+        if (work_.point_kind_ == HitPointKind::projected) p = project_onto_surface<T>(ray, primitive, p);
         n = outward_normal<T>(ray, primitive, p);
     }
     /// Computes the point and its normal in object space, by the transform method of the form, and in world space. With
@@ -178,11 +181,12 @@ private:
         const Ray<T> ray{object_ray.ray.origin / object_ray.scale, object_ray.ray.direction / object_ray.scale};
         ObjectPoint<T> object_point{
             ray, t, add_scaled<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world, maps.to_object};
-        compute_point(ray, strategy_input.primitive, object_point.p, object_point.n);
-        if (work_.point_kind_ == HitPoint::projected) strategy_input.p = maps.to_world.point(object_point.p);
+        compute_point(ray, strategy_input.primitive, object_point.point, object_point.normal);
+        if (work_.point_kind_ == HitPointKind::projected)
+            strategy_input.point = maps.to_world.point(object_point.point);
         const auto& rows = maps.to_object.rows;
         const T sign = as_double(object_ray.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
-        strategy_input.n = unit_of<T>(sign * times(rows, object_point.n));
+        strategy_input.normal = unit_of<T>(sign * times(rows, object_point.normal));
         strategy_input.object_point = object_point;
     }
     [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {

@@ -97,7 +97,7 @@ struct FormHit {
 class PointWork {
 public:
     /// `tree` finds the primitives near a point. If it is null, every primitive is tested.
-    PointWork(const evaluate::TestedForm& tested_form, HitPoint point_kind,
+    PointWork(const evaluate::TestedForm& tested_form, HitPointKind point_kind,
               const scene::rays::PrimitiveList<double>& primitives, const culling::BoxTree* tree,
               std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
         : tested_form_(tested_form),
@@ -128,7 +128,7 @@ public:
 
 private:
     const evaluate::TestedForm& tested_form_;
-    HitPoint point_kind_;
+    HitPointKind point_kind_;
     const scene::rays::PrimitiveList<double>& primitives_;
     const culling::BoxTree* tree_;
     std::optional<Vec<double>> light_;

@@ -217,10 +217,11 @@ FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive) {
     return visit_shape(primitive, [&]<template <class> class Of>() {
         if constexpr (!may_be_hit_again<Of>) return FarSide{};
         else
-            return visit_in_object_space<
-                Of>(ray, primitive, [](const Of<double>& shape, const Ray<double>& object_ray) {
-                return far_side_of(shape.span({shape.projected(object_ray, object_ray.origin), object_ray.direction}));
-            });
+            return visit_in_object_space<Of>(
+                ray, primitive, [](const Of<double>& shape, const Ray<double>& object_ray) {
+                    return far_side_of(
+                        shape.span({shape.project_onto_surface(object_ray, object_ray.origin), object_ray.direction}));
+                });
     });
 }
 

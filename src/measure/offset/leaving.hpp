@@ -20,11 +20,11 @@ template <class T>
 struct ObjectPoint {
     Ray<T> ray;
     T t;  ///< t of the hit along this ray
-    Vec<T> p, n;
+    Vec<T> point, normal;
     Affine<T> to_world, to_object;
 };
 
-/// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point in direction w. Everything but
+/// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point. Everything but
 /// `object_point` is in world space. The numbers of a primitive under a matrix are in its object space.
 template <class T>
 struct StrategyInput {
@@ -32,11 +32,11 @@ struct StrategyInput {
     T t;
     Primitive<T> primitive;
     std::optional<ObjectPoint<T>> object_point = {};  ///< for a primitive under a matrix
-    Vec<T> p;                                         ///< the point as computed
-    Vec<T> n;                                         ///< the outward unit normal as computed
-    Vec<T> w;                                         ///< new direction, of unit length up to rounding
-    T side;                                           ///< sign(n·w): +1 away from the primitive, −1 into it
-    T target_distance;                                ///< distance to the target; infinite without one
+    Vec<T> point;                                     ///< as computed
+    Vec<T> normal;                                    ///< the outward unit normal as computed
+    Vec<T> new_direction;                             ///< of unit length up to rounding
+    T side_sign;        ///< sign of normal·new_direction: +1 outward, −1 into the primitive
+    T target_distance;  ///< distance to the target; infinite without one
 };
 
 /// Result of a strategy: the start of the new ray. Only hits at tmin < t < tmax count.
@@ -47,8 +47,8 @@ struct StrategyOutput {
     bool tests_departed_primitive = true;  ///< the ray is also tested against the primitive that it leaves
 };
 
-/// Point from which a strategy starts: as computed, o + t·d, or this point projected onto the surface.
-enum class HitPoint : std::uint8_t { computed, projected };
+/// Kind of the point from which a strategy starts: as computed, o + t·d, or this point projected onto the surface.
+enum class HitPointKind : std::uint8_t { computed, projected };
 
 /// Returns p + k·v, component by component.
 template <Number T>
@@ -69,7 +69,7 @@ Vec<T> outward_normal(const Ray<T>& ray, const Primitive<T>& primitive, const Ve
 
 template <Number T>
 Vec<T> project_onto_surface(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>& p) {
-    return visit(primitive, [&](const auto& shape) { return shape.projected(ray, p); });
+    return visit(primitive, [&](const auto& shape) { return shape.project_onto_surface(ray, p); });
 }
 
 /// Side of the surface to which a ray leaves the hit point: by the sign of n·w as the format computes it.
@@ -81,17 +81,17 @@ inline constexpr std::array both_sides{Side::outside, Side::inside};
 /// Direction in which a new ray leaves the hit point.
 template <class T>
 struct Departure {
-    Vec<T> w;
-    T side, target_distance;  ///< as in `StrategyInput`
+    Vec<T> new_direction;
+    T side_sign, target_distance;  ///< as in `StrategyInput`
 };
 
-/// Denominators of the cosines 1/n of the angles between ray and normal. At the first angle there is one direction, at
+/// The cosines of the angles between new ray and normal are 1 over these. At the first angle there is one direction, at
 /// each other four, a right angle apart.
 inline constexpr std::array cosine_denominators{1, 2, 8, 64, 1024};
-/// Ratio 1/η of a refracted ray that enters from outside: 2/3 for glass of index 3/2.
-inline constexpr std::array glass_ratio{2, 3};
+/// Refractive index of the primitive, as a quotient: 3/2, that of glass.
+inline constexpr std::array glass_index{3, 2};
 
-/// Adds a ray in the unit direction w, unless w lies in the surface or is NaN.
+/// Adds a ray in the unit direction w, unless w lies in the surface or is NaN. n is the normal.
 template <Number T>
 void add_departure(const Vec<T>& w, const Vec<T>& n, const T& target_distance, std::vector<Departure<T>>& departures) {
     const T cosine = dot(n, w);
@@ -100,12 +100,12 @@ void add_departure(const Vec<T>& w, const Vec<T>& n, const T& target_distance, s
 }
 
 /// Returns the directions of all rays that leave a point, in order: to the light, if there is one and it lies outside;
-/// mirrored, d − 2(d·n)n; refracted, unless there is total reflection; 17 over the hemisphere around n, and 17 over the
-/// hemisphere around −n. The frame of a hemisphere is that of Duff et al., Building an Orthonormal Basis, Revisited
-/// (2017). Everything is computed in T.
+/// mirrored, d − 2(d·n)n; refracted, unless there is total reflection; 17 directions in the
+/// hemisphere around n, and 17 in the one around −n. The frame of a hemisphere is that of Duff et al., Building an
+/// Orthonormal Basis, Revisited (2017). Everything is computed in T.
 template <Number T>
-std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
-                                          const std::optional<Vec<T>>& light) {
+std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n,
+                                          const T& no_target_distance, const std::optional<Vec<T>>& light) {
     std::vector<Departure<T>> departures;
     if (light) {
         const Vec<T> to_light = *light - p;
@@ -113,27 +113,29 @@ std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, co
     }
     const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
-    add_departure<T>(add_scaled<T>(d, -(T(2) * facing), n), n, infinite, departures);
+    add_departure<T>(add_scaled<T>(d, -(T(2) * facing), n), n, no_target_distance, departures);
     const bool enters = facing < T(0);
-    const T eta = enters ? T(glass_ratio[0]) / T(glass_ratio[1]) : T(glass_ratio[1]) / T(glass_ratio[0]);
-    const T cosine = abs(facing), radicand = T(1) - eta * eta * (T(1) - cosine * cosine);
+    const T index_ratio = enters ? T(glass_index[1]) / T(glass_index[0]) : T(glass_index[0]) / T(glass_index[1]);
+    const T cosine = abs(facing), radicand = T(1) - index_ratio * index_ratio * (T(1) - cosine * cosine);
     if (radicand > T(0)) {
-        const T normal_part = enters ? eta * cosine - sqrt(radicand) : sqrt(radicand) - eta * cosine;
-        add_departure<T>(add_scaled<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), normal_part, n), n, infinite,
-                         departures);
+        const T normal_part = enters ? index_ratio * cosine - sqrt(radicand) : sqrt(radicand) - index_ratio * cosine;
+        add_departure<T>(add_scaled<T>(Vec<T>(index_ratio * d.x, index_ratio * d.y, index_ratio * d.z), normal_part, n),
+                         n, no_target_distance, departures);
     }
 
     const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
-    const Vec<T> across(T(1) + sign * n.x * n.x * a, sign * b, -(sign * n.x)), up(b, sign + n.y * n.y * a, -n.y);
-    for (const T& side : {T(1), T(-1)}) {
+    const Vec<T> tangent(T(1) + sign * n.x * n.x * a, sign * b, -(sign * n.x)),
+        bitangent(b, sign + n.y * n.y * a, -n.y);
+    for (const T& side_sign : {T(1), T(-1)}) {
         for (const int denominator : cosine_denominators) {
-            const T up_cosine = T(1) / T(denominator), sine = sqrt(T(1) - up_cosine * up_cosine);
+            const T normal_cosine = T(1) / T(denominator), sine = sqrt(T(1) - normal_cosine * normal_cosine);
             T x = T(3) / T(5), y = T(4) / T(5);
             for (int quarter = 0; quarter < (denominator == 1 ? 1 : 4); ++quarter) {
-                const Vec<T> tangent = add_scaled<T>(Vec<T>(x * across.x, x * across.y, x * across.z), y, up);
-                const T height = side * up_cosine;
-                add_departure<T>(add_scaled<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n,
-                                 infinite, departures);
+                const Vec<T> in_plane =
+                    add_scaled<T>(Vec<T>(x * tangent.x, x * tangent.y, x * tangent.z), y, bitangent);
+                const T height = side_sign * normal_cosine;
+                add_departure<T>(add_scaled<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, in_plane), n,
+                                 no_target_distance, departures);
                 const T next_x = -y;
                 y = x;
                 x = next_x;

@@ -19,7 +19,7 @@
 namespace lostbits::measure::offset {
 
 inline constexpr std::array<std::string_view, 2> point_names{"computed", "projected"};
-inline constexpr std::string_view name_of(HitPoint p) { return point_names[static_cast<std::size_t>(p)]; }
+inline constexpr std::string_view name_of(HitPointKind p) { return point_names[static_cast<std::size_t>(p)]; }
 
 /// New ray with a fault, and everything needed to reproduce it.
 struct BadRay {
@@ -67,7 +67,7 @@ LOSTBITS_FIELDS(SideSummary, rays, already_safe_points, never_safe_points, never
 /// A form in a format, and the kind of its hit points.
 struct OffsetRow {
     evaluate::TestedForm tested_form;
-    HitPoint point_kind = HitPoint::computed;
+    HitPointKind point_kind = HitPointKind::computed;
     friend bool operator==(const OffsetRow&, const OffsetRow&) = default;
 };
 

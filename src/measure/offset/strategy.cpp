@@ -35,10 +35,10 @@ int truncate_to_int(const Counted<float>& x) {
     return static_cast<int>(x.value());
 }
 
-/// Returns the normal on the side to which the new ray w goes.
+/// Returns the normal on the side to which the new ray goes.
 template <Number T>
 Vec<T> normal_towards_ray(const StrategyInput<T>& input) {
-    return Vec<T>(input.side * input.n.x, input.side * input.n.y, input.side * input.n.z);
+    return Vec<T>(input.side_sign * input.normal.x, input.side_sign * input.normal.y, input.side_sign * input.normal.z);
 }
 
 /// Returns a new ray from an origin, tested from t = 0 on against every primitive.
@@ -58,7 +58,7 @@ T tenth_power() {
 struct NoOffset {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return ray_from<T>(input.p, input);
+        return ray_from<T>(input.point, input);
     }
 };
 
@@ -66,7 +66,7 @@ template <int k>
 struct Tmin {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return {input.p, tenth_power<T, k>(), input.target_distance, true};
+        return {input.point, tenth_power<T, k>(), input.target_distance, true};
     }
 };
 
@@ -74,7 +74,7 @@ template <int k>
 struct AlongNormal {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return ray_from<T>(add_scaled<T>(input.p, input.side * tenth_power<T, k>(), input.n), input);
+        return ray_from<T>(add_scaled<T>(input.point, input.side_sign * tenth_power<T, k>(), input.normal), input);
     }
 };
 
@@ -82,7 +82,7 @@ template <int k>
 struct AlongNewRay {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return ray_from<T>(add_scaled<T>(input.p, tenth_power<T, k>(), input.w), input);
+        return ray_from<T>(add_scaled<T>(input.point, tenth_power<T, k>(), input.new_direction), input);
     }
 };
 
@@ -91,8 +91,9 @@ template <int k>
 struct Ulps {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        const T size = largest_of<T>(input.p);
-        return ray_from<T>(add_scaled<T>(input.p, input.side * (T(k) * (next_up(size) - size)), input.n), input);
+        const T size = largest_of<T>(input.point);
+        return ray_from<T>(add_scaled<T>(input.point, input.side_sign * (T(k) * (next_up(size) - size)), input.normal),
+                           input);
     }
 };
 
@@ -103,10 +104,10 @@ struct Integer {
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         const Vec<T> n = normal_towards_ray<T>(input);
         const T step = T(256) * unit_roundoff<T>(), near_zero = T(1) / T(32);
-        Vec<T> o = input.p;
+        Vec<T> o = input.point;
         for (int i = 0; i < 3; ++i) {
-            const T stepped = step_by_floats(input.p[i], truncate_to_int(T(256) * n[i]));
-            o[i] = select(abs(input.p[i]) < near_zero, input.p[i] + step * n[i], stepped);
+            const T stepped = step_by_floats(input.point[i], truncate_to_int(T(256) * n[i]));
+            o[i] = select(abs(input.point[i]) < near_zero, input.point[i] + step * n[i], stepped);
         }
         return ray_from<T>(o, input);
     }
@@ -119,10 +120,10 @@ struct Cycles {
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         const Vec<T> n = normal_towards_ray<T>(input);
         const T step = T(4096) * unit_roundoff<T>() * T(4096) / T(1000) / T(100);
-        Vec<T> o = input.p;
+        Vec<T> o = input.point;
         for (int i = 0; i < 3; ++i) {
-            const T stepped = step_by_floats(input.p[i], n[i] < T(0) ? -32 : 32);
-            o[i] = select(abs(input.p[i]) < T(1), input.p[i] + step * n[i], stepped);
+            const T stepped = step_by_floats(input.point[i], n[i] < T(0) ? -32 : 32);
+            o[i] = select(abs(input.point[i]) < T(1), input.point[i] + step * n[i], stepped);
         }
         return ray_from<T>(o, input);
     }
@@ -132,11 +133,12 @@ struct Cycles {
 struct Relative {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        const T e = (T(1) + largest_of<T>(input.p)) * (T(1500) * unit_roundoff<T>());
+        const T e = (T(1) + largest_of<T>(input.point)) * (T(1500) * unit_roundoff<T>());
         const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * input.target_distance;
         const T& distance = input.target_distance;
         const bool has_target = distance + distance > distance;  // false for an infinite distance
-        return {add_scaled<T>(input.p, input.side * e, input.n), T(0), select(has_target, shorter, distance), true};
+        return {add_scaled<T>(input.point, input.side_sign * e, input.normal), T(0),
+                select(has_target, shorter, distance), true};
     }
 };
 
@@ -154,8 +156,8 @@ template <Number T>
 BoundedPoint<T> bounded_point_of(const StrategyInput<T>& input) {
     return visit(input.primitive, [&input](const auto& shape) {
         return input.object_point
-                   ? shape.bounded_point(input.object_point->ray, input.object_point->t, input.object_point->p)
-                   : shape.bounded_point(input.ray, input.t, input.p);
+                   ? shape.bounded_point(input.object_point->ray, input.object_point->t, input.object_point->point)
+                   : shape.bounded_point(input.ray, input.t, input.point);
     });
 }
 
@@ -195,9 +197,9 @@ struct BoundInObject {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         if (!input.object_point) return Bound::respawn(input);
-        const Vec<T>& n = input.object_point->n;
-        const Vec<T> o =
-            beyond_bound<T>(bounded_point_of(input), Vec<T>(input.side * n.x, input.side * n.y, input.side * n.z));
+        const Vec<T>& n = input.object_point->normal;
+        const Vec<T> o = beyond_bound<T>(bounded_point_of(input),
+                                         Vec<T>(input.side_sign * n.x, input.side_sign * n.y, input.side_sign * n.z));
         return ray_from<T>(input.object_point->to_world.point(o), input);
     }
 };
@@ -205,7 +207,7 @@ struct BoundInObject {
 struct ExcludeDeparted {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
-        return {input.p, T(0), input.target_distance, false};
+        return {input.point, T(0), input.target_distance, false};
     }
 };
 
@@ -266,10 +268,10 @@ std::uint64_t Strategy::operations(Shape shape) const {
     const StrategyInput<T> strategy_input{.ray = {vec(1, 9, 8), vec(0.3F, -0.5F, -0.7F)},
                                           .t = T(7.0F),
                                           .primitive = primitive,
-                                          .p = vec(3.5F, 5.5F, 3.5F),
-                                          .n = vec(0.25F, 0.5F, 0.75F),
-                                          .w = vec(0.5F, 0.25F, 0.5F),
-                                          .side = T(1.0F),
+                                          .point = vec(3.5F, 5.5F, 3.5F),
+                                          .normal = vec(0.25F, 0.5F, 0.75F),
+                                          .new_direction = vec(0.5F, 0.25F, 0.5F),
+                                          .side_sign = T(1.0F),
                                           .target_distance = T(9.0F)};
     operation_counts() = {};
     static_cast<void>(respawn_counted(strategy_input));

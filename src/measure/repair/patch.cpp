@@ -252,8 +252,8 @@ private:
     void write_expression(NodeId o, NodeId n, bool shares_values);
     void count_uses(const std::map<NodeId, NodeId>& replacements);
     std::vector<NodeId> nodes_needed_by(NodeId n) const;
-    std::string operand_text(NodeId n, int binds) const;
-    std::string expression_text(NodeId n, int& binds) const;
+    std::string operand_text(NodeId n, int precedence) const;
+    std::string expression_text(NodeId n, int& precedence) const;
     [[nodiscard]] const std::string* name_of(NodeId n) const;
     void collect_visible_names(std::size_t offset);
     std::string make_name(NodeId n);
@@ -319,21 +319,21 @@ std::vector<NodeId> Patcher::Writer::nodes_needed_by(NodeId n) const {
     return {needed.begin(), needed.end()};
 }
 
-std::string Patcher::Writer::operand_text(NodeId n, int binds) const {
+std::string Patcher::Writer::operand_text(NodeId n, int precedence) const {
     if (const std::string* const name = name_of(n)) return *name;
-    int own_binding = 4;
-    const std::string text = expression_text(n, own_binding);
-    return own_binding < binds ? "(" + text + ")" : text;
+    int own_precedence = 4;
+    const std::string text = expression_text(n, own_precedence);
+    return own_precedence < precedence ? "(" + text + ")" : text;
 }
 
-/// Returns an expression for node n; sets `binds` to how tightly it binds.
-std::string Patcher::Writer::expression_text(NodeId n, int& binds) const {
+/// Returns an expression for node n; sets `precedence` to that of the expression.
+std::string Patcher::Writer::expression_text(NodeId n, int& precedence) const {
     const TapeNode& node = (*new_tape_)[n];
     const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
         const std::string digits = digits_in(function_.language, *x, is_wide);
         if (digits.empty()) throw NotWritten("it has a number that is not finite");
-        binds = digits.starts_with('-') ? 3 : 4;
+        precedence = digits.starts_with('-') ? 3 : 4;
         return digits;
     }
     if (node.op == TapeOp::input) throw NotWritten("it needs a number that has no name in the function");
@@ -343,7 +343,7 @@ std::string Patcher::Writer::expression_text(NodeId n, int& binds) const {
                                              : pattern_in(function_.language, node.op, is_of_double);
     if (source_pattern.pattern.empty())
         throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
-    binds = source_pattern.binds;
+    precedence = source_pattern.precedence;
     return attribution::fill_pattern(source_pattern.pattern,
                                      [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
 }
@@ -387,8 +387,8 @@ void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
     for (const NodeId i : nodes_needed_by(n)) {
         const TapeOp op = (*new_tape_)[i].op;
         if (i == n || uses_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr) continue;
-        int binds = 4;
-        const std::string value = expression_text(i, binds), name = make_name(i);
+        int precedence = 4;
+        const std::string value = expression_text(i, precedence), name = make_name(i);
         const bool is_boolean = is_decision(op);
         declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +
                         value + ";" + (begins_line ? "\n" + indent : " ");
@@ -396,11 +396,11 @@ void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
         names_by_value_[value_index] = name;
         if (shares_values) visible_names_.push_back({statement.begin, name, value_index});
     }
-    int binds = 4;
-    std::string text = name_of(n) != nullptr ? *name_of(n) : expression_text(n, binds);
-    const int required_binding =
-        computed_text.is_statement ? -2 : pattern_in(function_.language, old_tape_[o].op, false).binds;
-    if (binds < required_binding) text = "(" + text + ")";
+    int precedence = 4;
+    std::string text = name_of(n) != nullptr ? *name_of(n) : expression_text(n, precedence);
+    const int required_precedence =
+        computed_text.is_statement ? -2 : pattern_in(function_.language, old_tape_[o].op, false).precedence;
+    if (precedence < required_precedence) text = "(" + text + ")";
     if (!declarations.empty()) changes_.push_back({{statement.begin, statement.begin}, declarations});
     changes_.push_back({computed_text.span, text});
 }

@@ -69,7 +69,7 @@ template <class Form, template <class> class S, class T, class F>
 
 #if defined(LOSTBITS_ISA)
 #define LOSTBITS_PLACED_NAME(name) name##_packs
-#define LOSTBITS_PLACED_NUMBER(F) lostbits::Pack<F, lostbits::Width>
+#define LOSTBITS_PLACED_NUMBER(F) lostbits::Pack<F, lostbits::BuildRegisters>
 #else
 #define LOSTBITS_PLACED_NAME(name) name##_alone
 #define LOSTBITS_PLACED_NUMBER(F) F

@@ -9,12 +9,12 @@
 
 namespace lostbits::measure::repair {
 
-/// Pattern of an operation: `$1:2` is the first operand, in brackets if it binds less tightly than 2. Choices bind with
-/// -2, logic with -1, comparisons with 0, sums with 1, products with 2, signs with 3, calls with 4. The pattern is
+/// Pattern of an operation: `$1:2` is the first operand, in parentheses if its precedence is below 2. Choices have
+/// the precedence -2, logic -1, comparisons 0, sums 1, products 2, signs 3, calls 4. The pattern is
 /// empty if the language has no such operation.
 struct SourcePattern {
     std::string_view pattern;
-    int binds;
+    int precedence;
 };
 
 /// Pattern of an operation on floats or doubles.

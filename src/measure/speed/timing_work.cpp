@@ -144,7 +144,7 @@ std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
     return name == "memory" ? std::clamp(2 * caches.last, 64 * mebibyte, 1024 * mebibyte) : 0;
 }
 
-bool stay_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
+bool fits_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
 
 const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_structs() {
     const BoxField<float>& field = *f32();
@@ -155,7 +155,7 @@ const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_stru
 }
 
 std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
-    const bool warms_up = stay_in_cache(bytes_);
+    const bool warms_up = fits_in_cache(bytes_);
     const intersect::simd::PlainRow* const plain =
         k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
     if (plain && k.kernel == "plain-256")
@@ -179,7 +179,7 @@ std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
     const auto isa = intersect::simd::find_isa(k.kernel);
     const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
     if (!row) return std::nullopt;
-    const bool warms_up = stay_in_cache(bytes_);
+    const bool warms_up = fits_in_cache(bytes_);
     const Shape shape =
         intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
     if (row->f32 && k.format == "f32") return packed_work(f32(shape), row->f32, warms_up);

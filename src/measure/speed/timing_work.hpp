@@ -170,7 +170,7 @@ private:
     Stores<double> f64_;
 };
 
-/// True if an untimed pass over so many bytes leaves them in cache.
-bool stay_in_cache(std::size_t bytes);
+/// True if so many bytes fit in cache: an untimed pass over them leaves them there.
+bool fits_in_cache(std::size_t bytes);
 
 }  // namespace lostbits::measure::speed

@@ -4,6 +4,6 @@
 
 namespace lostbits::measure::stages {
 
-void LOSTBITS_NAME_OF_WIDTH(fill_stages)(RawStages& kernels) { fill_stages<Pack<double, Width>>(kernels); }
+void LOSTBITS_WITH_WIDTH_SUFFIX(fill_stages)(RawStages& kernels) { fill_stages<Pack<double, BuildRegisters>>(kernels); }
 
 }  // namespace lostbits::measure::stages

@@ -4,8 +4,8 @@
 
 namespace lostbits::measure::tape {
 
-void LOSTBITS_NAME_OF_WIDTH(run_steps)(const TapeStep* steps, std::size_t count, const StepColumns& columns) {
-    run_steps<Width>(steps, count, columns);
+void LOSTBITS_WITH_WIDTH_SUFFIX(run_steps)(const TapeStep* steps, std::size_t count, const StepColumns& columns) {
+    run_steps<BuildRegisters>(steps, count, columns);
 }
 
 }  // namespace lostbits::measure::tape

@@ -64,7 +64,7 @@ private:
         const TapeNode& node = explanation_.tape[i];
         if (node.op == TapeOp::input) return literal(node.value, is_double(i));
         const measure::attribution::OperationText& text = measure::attribution::text_of(node.op);
-        if (computes_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
+        if (computes_in_double_ && !text.missing_in_c.empty()) refuse(text.missing_in_c);
         const bool is_rounded = computes_in_double_ && !text.c_wide.empty();
         if (is_rounded && needs_remainders_) require_safe_remainder(i);
         const std::string value = measure::attribution::fill_pattern(

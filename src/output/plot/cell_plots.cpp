@@ -225,22 +225,22 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     PlotFrame frame{0, 0, field_extent(spec.x.size(), least_width), field_extent(spec.y.size(), least_height)};
     const PlotAxes axes(x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
-    const int right_space = std::max(axes.right(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
-    const int content_width = axes.left() + frame.width + 1 + right_space;
+    const int right_space = std::max(axes.right_margin(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
+    const int content_width = axes.left_margin() + frame.width + 1 + right_space;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     std::vector<image::LegendEntry> entries = spec.legend;
     if (has_hatched_cell) entries.push_back({spec.hatching_meaning, hatch_paper, {}});
     const image::Legend legend(entries, content_width);
-    frame.x = image::style::margin + axes.left();
-    frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.above();
-    const int foot =
-        1 + axes.below() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) + image::style::margin;
+    frame.x = image::style::margin + axes.left_margin();
+    frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.top_margin();
+    const int foot = 1 + axes.bottom_margin() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) +
+                     image::style::margin;
     Canvas page(content_width + 2 * image::style::margin, frame.y + frame.height + foot);
     page.draw_canvas(image::style::margin, image::style::margin, head);
 
     const auto pixel = [](double position) { return static_cast<int>(std::lround(position)); };
-    const auto column = [&](std::size_t i) { return pixel(frame.across(x.position(x_edges[i]))); };
-    const auto row = [&](std::size_t j) { return pixel(frame.up(y.position(y_edges[j]))); };
+    const auto column = [&](std::size_t i) { return pixel(frame.pixel_x(x.position(x_edges[i]))); };
+    const auto row = [&](std::size_t j) { return pixel(frame.pixel_y(y.position(y_edges[j]))); };
     // One picture of all cells, because there may be more of them than pixels.
     Canvas field(frame.width, frame.height);
     for (std::size_t j = 0; j < spec.y.size(); ++j) {

@@ -124,7 +124,7 @@ public:
     void draw_shades(Canvas& canvas) const {
         for (const PlotShade& shade : spec_.shades) {
             const auto edge = [&](double value) {
-                return static_cast<int>(std::lround(frame_.across(std::clamp(x_.position(value), 0.0, 1.0))));
+                return static_cast<int>(std::lround(frame_.pixel_x(std::clamp(x_.position(value), 0.0, 1.0))));
             };
             if (!x_.can_show(shade.from) || !x_.can_show(shade.to)) continue;
             // A shade that reaches the end of the axis is drawn up to the frame.
@@ -143,7 +143,7 @@ public:
             const auto end = line_end(lines[k], x_, y_);
             const auto label_y = legend.sample_y(k);
             if (!end || !label_y || end->first < least_end_position) continue;
-            const double y = frame_.up(end->second), right = frame_.x + frame_.width + 2.0;
+            const double y = frame_.pixel_y(end->second), right = frame_.x + frame_.width + 2.0;
             const std::array<Point, 3> path{
                 {{right, y}, {legend_x - 6.0, frame_.y + *label_y}, {legend_x - 1.0, frame_.y + *label_y}}};
             stroke.polyline(path, 0.9);
@@ -155,7 +155,7 @@ public:
     void draw_limit(Canvas& canvas) {
         const auto position = y_.limit_position();
         if (!position) return;
-        const double y = frame_.up(*position);
+        const double y = frame_.pixel_y(*position);
         const std::array<Point, 2> ends{{{frame_.x + 0.0, y}, {frame_.x + frame_.width + 0.0, y}}};
         stroke_.polyline(ends, 1.2, limit_dashes);
         stroke_.paint(canvas, image::style::soft_ink);
@@ -202,7 +202,7 @@ public:
         image::MarkData data{{}, {}};
         if (spec_.series.empty()) return data;
         for (const double x : spec_.series.front().x)
-            data.x.push_back(is_on_axis(x_, x) ? frame_.across(x_.position(x))
+            data.x.push_back(is_on_axis(x_, x) ? frame_.pixel_x(x_.position(x))
                                                : std::numeric_limits<double>::quiet_NaN());
         data.y = {static_cast<double>(frame_.y), static_cast<double>(frame_.y + frame_.height)};
         return data;
@@ -264,7 +264,7 @@ private:
         for (std::size_t i = begin; i < end; ++i) {
             // The lower end of a band may be below a log axis.
             const double position = y_.can_show(y[i]) ? y_.position(y[i]) : 0;
-            result.push_back({frame_.across(x_.position(series.x[i])), frame_.up(position)});
+            result.push_back({frame_.pixel_x(x_.position(series.x[i])), frame_.pixel_y(position)});
         }
         return result;
     }
@@ -317,20 +317,20 @@ Canvas line_plot(const LinePlotSpec& spec) {
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
     const PlotAxes axes(x, y, content_width - right_space - 60, nominal_height);
 
-    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
-    frame.width = spec.width - image::style::margin - std::max(right_space, axes.right()) - 1 - frame.x;
+    PlotFrame frame{image::style::margin + axes.left_margin(), 0, 1, 1, frame_pad};
+    frame.width = spec.width - image::style::margin - std::max(right_space, axes.right_margin()) - 1 - frame.x;
     UndrawnCounts undrawn;
     std::vector<MarkLabels::Mark> marks;
     for (const auto& mark : spec.marks) {
         const double position = x.can_show(mark.x) && std::isfinite(mark.x) ? x.position(mark.x) : -1;
         if (position >= 0 && position <= 1) {
-            marks.push_back({frame.across(position), mark.label});
+            marks.push_back({frame.pixel_x(position), mark.label});
         } else {
             ++undrawn.marks;
         }
     }
     const MarkLabels labels(marks, spec.width - image::style::margin);
-    frame.y = top + std::max(labels.height(), axes.above());
+    frame.y = top + std::max(labels.height(), axes.top_margin());
     LinePlotter counting_plotter(spec, x, y, frame);
     for (const auto& series : spec.series) counting_plotter.count_undrawn(series, undrawn);
     if (spec.envelope) counting_plotter.count_undrawn(*spec.envelope, undrawn);
@@ -341,7 +341,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading({}, footnotes, content_width);
     const int foot =
-        1 + axes.below() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
+        1 + axes.bottom_margin() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal_height / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
@@ -371,7 +371,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     std::vector<double> ends;
     for (const auto& line : lines_by_end_height) {
         const auto end = line_end(line, x, y);
-        ends.push_back(end ? frame.up(end->second) - frame.y : std::numeric_limits<double>::quiet_NaN());
+        ends.push_back(end ? frame.pixel_y(end->second) - frame.y : std::numeric_limits<double>::quiet_NaN());
     }
     legend.align(ends, frame.height);
     const int legend_x = spec.width - image::style::margin - legend.width();

@@ -220,11 +220,11 @@ TextBitmap rotate_left(const TextBitmap& text) {
     return result;
 }
 
-double PlotFrame::across(double position) const noexcept {
+double PlotFrame::pixel_x(double position) const noexcept {
     return pad > 0 ? x + pad + 0.5 + position * (width - 2 * pad - 1) : x + position * width;
 }
 
-double PlotFrame::up(double position) const noexcept {
+double PlotFrame::pixel_y(double position) const noexcept {
     return pad > 0 ? y + pad + 0.5 + (1 - position) * (height - 2 * pad - 1) : y + (1 - position) * height;
 }
 
@@ -242,31 +242,31 @@ PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height
     int widest = 0, highest = 0;
     for (const auto& tick : y_ticks_) {
         widest = std::max(widest, tick.label.width);
-        above_ = std::max(above_, tick.label.height / 2 + 2);
+        top_margin_ = std::max(top_margin_, tick.label.height / 2 + 2);
     }
     for (const auto& tick : x_ticks_) {
         highest = std::max(highest, tick.label.height);
-        right_ = std::max(right_, tick.label.width / 2 + 2);
+        right_margin_ = std::max(right_margin_, tick.label.width / 2 + 2);
     }
-    left_ = std::max(1 + tick_length + label_gap + widest, right_);
-    below_ = 1 + tick_length + label_gap + highest;
+    left_margin_ = std::max(1 + tick_length + label_gap + widest, right_margin_);
+    bottom_margin_ = 1 + tick_length + label_gap + highest;
     if (!x.title().empty()) {
         x_title_ = image::fit_text(x.title(), image::style::text_size, false, width);
-        below_ += title_gap + x_title_.height;
+        bottom_margin_ += title_gap + x_title_.height;
     }
     if (!y.title().empty()) {
         y_title_ = rotate_left(image::fit_text(y.title(), image::style::text_size, false, height));
-        left_ += title_gap + y_title_.width;
+        left_margin_ += title_gap + y_title_.width;
     }
 }
 
 void PlotAxes::draw_grid(image::Canvas& canvas, const PlotFrame& frame) const {
     for (const auto& tick : x_ticks_) {
-        const int x = static_cast<int>(std::floor(frame.across(tick.position)));
+        const int x = static_cast<int>(std::floor(frame.pixel_x(tick.position)));
         if (tick.label.width > 0) canvas.fill(x, frame.y, 1, frame.height, grid_colour);
     }
     for (const auto& tick : y_ticks_) {
-        const int y = static_cast<int>(std::floor(frame.up(tick.position)));
+        const int y = static_cast<int>(std::floor(frame.pixel_y(tick.position)));
         if (tick.label.width > 0) canvas.fill(frame.x, y, frame.width, 1, grid_colour);
     }
 }
@@ -276,13 +276,13 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
     const int foot = frame.y + frame.height + 1, label_y = foot + tick_length + label_gap;
     int highest = 0;
     for (const auto& tick : x_ticks_) {
-        const int x = static_cast<int>(std::floor(frame.across(tick.position)));
+        const int x = static_cast<int>(std::floor(frame.pixel_x(tick.position)));
         canvas.fill(x, foot, 1, tick.label.width > 0 ? tick_length : minor_length, image::style::soft_ink);
         canvas.text(x - tick.label.width / 2, label_y, tick.label, image::style::ink);
         highest = std::max(highest, tick.label.height);
     }
     for (const auto& tick : y_ticks_) {
-        const int y = static_cast<int>(std::floor(frame.up(tick.position)));
+        const int y = static_cast<int>(std::floor(frame.pixel_y(tick.position)));
         const int length = tick.label.width > 0 ? tick_length : minor_length;
         canvas.fill(frame.x - 1 - length, y, length, 1, image::style::soft_ink);
         canvas.text(frame.x - 1 - tick_length - label_gap - tick.label.width,
@@ -291,7 +291,7 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
     }
     canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_,
                 image::style::ink);
-    canvas.text(frame.x - left_, frame.y + (frame.height - y_title_.height) / 2, y_title_, image::style::ink);
+    canvas.text(frame.x - left_margin_, frame.y + (frame.height - y_title_.height) / 2, y_title_, image::style::ink);
 }
 
 }  // namespace lostbits::output::plot

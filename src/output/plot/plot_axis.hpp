@@ -62,7 +62,7 @@ private:
     [[nodiscard]] double fit_high_end(double highest) const noexcept;
     void label_limit(std::vector<Tick>& ticks, int tick_budget) const;
     [[nodiscard]] std::vector<Tick> exponent_ticks(int tick_budget) const;
-    /// Ticks for less than two powers between the ends.
+    /// Ticks for a log axis with fewer than two powers of its base between the ends.
     [[nodiscard]] std::vector<Tick> short_range_ticks(int tick_budget) const;
 
     std::string title_;
@@ -82,8 +82,8 @@ struct PlotFrame {
 
     /// Pixel of a position from 0 to 1 along an axis. With a pad, 0 and 1 are the middles of pixels; without a pad,
     /// their outer edges.
-    [[nodiscard]] double across(double position) const noexcept;
-    [[nodiscard]] double up(double position) const noexcept;
+    [[nodiscard]] double pixel_x(double position) const noexcept;
+    [[nodiscard]] double pixel_y(double position) const noexcept;
 };
 
 /// Ticks and titles of two axes, rendered once, because the frame's position depends on their sizes.
@@ -93,11 +93,11 @@ public:
     PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height);
 
     /// Pixels that ticks, labels and title need to the left of the frame and below it.
-    [[nodiscard]] int left() const noexcept { return left_; }
-    [[nodiscard]] int below() const noexcept { return below_; }
+    [[nodiscard]] int left_margin() const noexcept { return left_margin_; }
+    [[nodiscard]] int bottom_margin() const noexcept { return bottom_margin_; }
     /// Pixels that half a label needs above and to the right of the frame, at the high ends of the axes.
-    [[nodiscard]] int above() const noexcept { return above_; }
-    [[nodiscard]] int right() const noexcept { return right_; }
+    [[nodiscard]] int top_margin() const noexcept { return top_margin_; }
+    [[nodiscard]] int right_margin() const noexcept { return right_margin_; }
 
     /// Draws light lines at the labelled ticks.
     void draw_grid(image::Canvas& canvas, const PlotFrame& frame) const;
@@ -114,7 +114,7 @@ private:
 
     std::vector<Tick> x_ticks_, y_ticks_;
     image::TextBitmap x_title_, y_title_;
-    int left_ = 0, below_ = 0, above_ = 0, right_ = 0;
+    int left_margin_ = 0, bottom_margin_ = 0, top_margin_ = 0, right_margin_ = 0;
 };
 
 }  // namespace lostbits::output::plot

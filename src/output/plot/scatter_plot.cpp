@@ -161,7 +161,7 @@ public:
 
 private:
     [[nodiscard]] Point point_at(double x, double y) const {
-        return {frame_.across(x_.position(x)), frame_.up(y_.position(y))};
+        return {frame_.pixel_x(x_.position(x)), frame_.pixel_y(y_.position(y))};
     }
 
     void draw_label(Canvas& canvas, Point point, const Box2& box, const TextBitmap& text, Rgb8 colour) {
@@ -205,10 +205,11 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
                                                          "points have no value and are not drawn."));
     const Canvas notes = image::heading({}, footnotes, content_width);
 
-    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_margin};
-    frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
-    frame.y = image::style::margin + head.height() + image::style::gap + axes.above();
-    const int foot = 1 + axes.below() + image::style::gap + legend.height() + notes.height() + image::style::margin;
+    PlotFrame frame{image::style::margin + axes.left_margin(), 0, 1, 1, point_margin};
+    frame.width = spec.width - image::style::margin - axes.right_margin() - 1 - frame.x;
+    frame.y = image::style::margin + head.height() + image::style::gap + axes.top_margin();
+    const int foot =
+        1 + axes.bottom_margin() + image::style::gap + legend.height() + notes.height() + image::style::margin;
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     Canvas page(spec.width, frame.y + frame.height + foot);
@@ -220,7 +221,7 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     plotter.draw_points(page, false);
     plotter.draw_labels(page);
     axes.draw(page, frame);
-    legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
+    legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);
     page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
     return page;
 }

@@ -65,7 +65,7 @@ private:
     }
     [[nodiscard]] int precedence(NodeId i) const override {
         const TapeNode& n = tape_[i];
-        return n.op == TapeOp::convert || is_square(n) ? 4 : measure::attribution::text_of(n.op).binds.level;
+        return n.op == TapeOp::convert || is_square(n) ? 4 : measure::attribution::text_of(n.op).precedence.value;
     }
     // C++ evaluates a sum or product without parentheses from left to right.
     [[nodiscard]] std::string expression(NodeId i) const override {
@@ -75,8 +75,8 @@ private:
             return fmt::format("{}({})", is_wide(i) ? "wide" : "narrow", operand(n.operands[0], 0));
         if (is_square(n)) return fmt::format("square({})", operand(n.operands[0], 0));
         return measure::attribution::fill_pattern(
-            measure::attribution::text_of(n.op).plain.text, [&](std::size_t k, int binds) {
-                return operand(n.operands[k], n.op == TapeOp::add && k == 1 ? 2 : is_decision(n.op) ? 1 : binds);
+            measure::attribution::text_of(n.op).plain.text, [&](std::size_t k, int precedence) {
+                return operand(n.operands[k], n.op == TapeOp::add && k == 1 ? 2 : is_decision(n.op) ? 1 : precedence);
             });
     }
 };

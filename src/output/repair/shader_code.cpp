@@ -198,15 +198,15 @@ private:
         const TapeNode& n = tape_[i];
         const bool is_pair_choice = (n.op == TapeOp::min || n.op == TapeOp::max) && is_pair(i);
         if (n.op == TapeOp::select || is_pair_choice) return -1;
-        return n.op == TapeOp::convert ? 4 : measure::attribution::text_of(n.op).binds.level;
+        return n.op == TapeOp::convert ? 4 : measure::attribution::text_of(n.op).precedence.value;
     }
     [[nodiscard]] std::string expression(NodeId i) const override {
         const TapeNode& n = tape_[i];
         if (n.op == TapeOp::any) return operand(n.operands[0], 0);
         const bool is_logic = kind_of(n.op) == OperationKind::logic;
         return measure::attribution::fill_pattern(
-            is_logic ? measure::attribution::text_of(n.op).c.text : pattern(i), [&](std::size_t k, int binds) {
-                return operand(n.operands[k], is_logic || is_comparison(n.op) ? 1 : binds);
+            is_logic ? measure::attribution::text_of(n.op).c.text : pattern(i), [&](std::size_t k, int precedence) {
+                return operand(n.operands[k], is_logic || is_comparison(n.op) ? 1 : precedence);
             });
     }
     [[nodiscard]] std::string_view pattern(NodeId i) const {

@@ -46,7 +46,7 @@ protected:
     [[nodiscard]] virtual std::string statement(NodeId i) const = 0;
     [[nodiscard]] virtual std::string expression(NodeId i) const = 0;
     [[nodiscard]] virtual std::string constant(NodeId i) const = 0;
-    /// Precedence of the node's expression; a larger number binds more tightly.
+    /// Precedence of the node's expression: larger for products than for sums.
     [[nodiscard]] virtual int precedence(NodeId i) const = 0;
 
     [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != form_format_; }

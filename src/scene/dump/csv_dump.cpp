@@ -27,18 +27,18 @@ public:
     /// Reads the next cell. Returns false after the last cell. `fault` is the error in the quotes of the cell, or null.
     bool next(std::string_view& cell, const char*& fault) {
         if (at_end_) return false;
-        begin_ = static_cast<std::size_t>(rest_.data() - line_);
+        cell_start_ = static_cast<std::size_t>(rest_.data() - line_);
         fault = nullptr;
         const std::size_t blanks = std::min(rest_.find_first_not_of(" \t"), rest_.size());
         if (blanks < rest_.size() && rest_[blanks] == '"') return next_quoted(blanks, cell, fault);
         const std::size_t comma = std::min(rest_.find(','), rest_.size());
         cell = rest_.substr(0, comma);
         if (cell.find('"') != std::string_view::npos) fault = "a quote is inside a cell that does not begin with one";
-        pass(comma);
+        skip_past(comma);
         return true;
     }
-    /// Position of the last cell in the line, from 0.
-    [[nodiscard]] std::size_t begin() const { return begin_; }
+    /// Position in the line, from 0, at which the cell begins that was read last.
+    [[nodiscard]] std::size_t cell_start() const { return cell_start_; }
 
 private:
     bool next_quoted(std::size_t blanks, std::string_view& cell, const char*& fault) {
@@ -57,10 +57,11 @@ private:
         if (fault == nullptr && !trim_blanks(rest_.substr(position + 1, comma - position - 1)).empty())
             fault = "text follows the quote that closes a cell";
         cell = text_;
-        pass(comma);
+        skip_past(comma);
         return true;
     }
-    void pass(std::size_t comma) {
+    /// Goes on behind the comma, or to the end of the line if there is no comma.
+    void skip_past(std::size_t comma) {
         at_end_ = comma == rest_.size();
         rest_.remove_prefix(at_end_ ? comma : comma + 1);
     }
@@ -68,7 +69,7 @@ private:
     std::string_view rest_;
     const char* line_;
     std::string text_;
-    std::size_t begin_ = 0;
+    std::size_t cell_start_ = 0;
     bool at_end_ = false;
 };
 
@@ -94,7 +95,7 @@ std::string CsvDump::position_text(std::uint64_t line, std::size_t column) const
     return fmt::format("{}:{}:{}", source_.name(), line, column + 1);
 }
 
-std::size_t CsvDump::find_end(std::size_t begin) {
+std::size_t CsvDump::find_record_end(std::size_t begin) {
     std::size_t counted_end = begin;  // the quotes before this position are counted
     bool is_in_quotes = false;
     for (;;) {
@@ -112,16 +113,16 @@ std::size_t CsvDump::find_end(std::size_t begin) {
                              ": is longer than a million characters; is this a CSV file? Raw numbers "
                              "are read with --columns");
         if (line_break) continue;
-        if (is_complete_) return counted_end > begin ? counted_end : 0;
-        is_complete_ = source_.read(buffer_, block_bytes) < block_bytes;
+        if (at_end_of_file_) return counted_end > begin ? counted_end : 0;
+        at_end_of_file_ = source_.read(buffer_, block_bytes) < block_bytes;
     }
 }
 
 void CsvDump::read_header(const DumpOptions& options) {
-    if (source_.read(buffer_, block_bytes) < block_bytes) is_complete_ = true;
+    if (source_.read(buffer_, block_bytes) < block_bytes) at_end_of_file_ = true;
     if (buffer_.starts_with("\xEF\xBB\xBF")) used_bytes_ = 3;
     std::vector<std::string> names;
-    std::vector<std::size_t> begins;
+    std::vector<std::size_t> cell_starts;
     if (!options.columns.empty()) {
         CellReader cells(options.columns);
         const char* fault = nullptr;
@@ -134,7 +135,7 @@ void CsvDump::read_header(const DumpOptions& options) {
     std::size_t end = used_bytes_;
     do {
         const std::size_t begin = end;
-        end = find_end(begin);
+        end = find_record_end(begin);
         if (end == 0)
             throw InputError(source_.name() + ":1:1: is empty; a CSV of rays begins with the names of its columns");
         line = trim_line_break(std::string_view(buffer_).substr(begin, end - begin));
@@ -145,9 +146,9 @@ void CsvDump::read_header(const DumpOptions& options) {
     const char* fault = nullptr;
     for (std::string_view cell; cells.next(cell, fault);) {
         if (fault != nullptr)
-            throw InputError(position_text(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+            throw InputError(position_text(header, cells.cell_start()) + ": " + fault + "; write \"\" for a quote");
         names.emplace_back(trim_blanks(cell));
-        begins.push_back(cells.begin());
+        cell_starts.push_back(cells.cell_start());
     }
     if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
         throw InputError(position_text(header, line.find_first_of(";\t")) +
@@ -158,7 +159,7 @@ void CsvDump::read_header(const DumpOptions& options) {
                          "\" is a number, but the names of the columns are expected here; name them with --columns "
                          "ox,oy,oz,dx,dy,dz,… if the file has no header");
     layout_.emplace(std::move(names), [&](std::size_t c, const std::string& why) {
-        throw InputError(position_text(header, begins[c]) + ": " + why);
+        throw InputError(position_text(header, cell_starts[c]) + ": " + why);
     });
     used_bytes_ = end;
 }
@@ -171,7 +172,7 @@ bool CsvDump::next(std::size_t max_records, Records& records) {
     records.line = line_;
     std::size_t end = 0;
     while (records.count < max_records) {
-        const std::size_t record_end = find_end(end);
+        const std::size_t record_end = find_record_end(end);
         if (record_end == 0) break;
         const std::string_view line(buffer_.data() + end, record_end - end);
         if (!is_blank(trim_line_break(line))) ++records.count;
@@ -208,13 +209,13 @@ Chunk CsvDump::decode(const Records& records) const {
     return chunk;
 }
 
-std::string CsvDump::write_number(std::string_view text, std::size_t slot, ChunkWriter& writer) const {
-    if (text.empty()) return {};
+std::optional<std::string> CsvDump::store_number(std::string_view text, std::size_t slot, ChunkWriter& writer) const {
+    if (text.empty()) return std::nullopt;
     const NumberParser::Parsed parsed = parser_->read(text);
     switch (parsed.kind) {
         case NumberParser::Kind::number:
             writer.put(slot, parsed.value, parsed.is_representable, parsed.digits);
-            return {};
+            return std::nullopt;
         case NumberParser::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
@@ -229,25 +230,26 @@ std::string CsvDump::write_number(std::string_view text, std::size_t slot, Chunk
     else
         return "is not a number; write a decimal such as 4100 or 1e-3, a hexadecimal float such as 0x1.004p+12, nan or "
                "inf";
-    return {};
+    return std::nullopt;
 }
 
 void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const {
     const auto& columns = layout_->columns();
-    std::size_t begins[slot::count] = {};
+    std::size_t starts_by_slot[slot::count] = {};
     CellReader cells(line);
     const char* fault = nullptr;
     std::size_t c = 0;
     for (std::string_view cell; cells.next(cell, fault); ++c) {
         if (fault != nullptr)
-            throw InputError(position_text(line_number, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+            throw InputError(position_text(line_number, cells.cell_start()) + ": " + fault +
+                             "; write \"\" for a quote");
         if (c >= columns.size()) continue;
         if (columns[c].slot) {
-            begins[*columns[c].slot] = cells.begin();
+            starts_by_slot[*columns[c].slot] = cells.cell_start();
             const std::string_view text = trim_blanks(cell);
-            if (const std::string why = write_number(text, *columns[c].slot, writer); !why.empty())
-                throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.begin()),
-                                             columns[c].name, text, why));
+            if (const auto why_not = store_number(text, *columns[c].slot, writer))
+                throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.cell_start()),
+                                             columns[c].name, text, *why_not));
         }
         if (!columns[c].slot && !columns[c].is_skipped && settings().keep) chunk.kept.emplace_back(cell);
     }
@@ -257,7 +259,7 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
                         "if it has no value{}",
                         position_text(line_number, 0), toml::count_with_noun(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
-    writer.end_record([&](std::size_t s) { return position_text(line_number, begins[s]); });
+    writer.end_record([&](std::size_t s) { return position_text(line_number, starts_by_slot[s]); });
 }
 
 }  // namespace lostbits::scene::dump

@@ -21,19 +21,20 @@ public:
 private:
     /// Returns the end of the record that begins at `begin` of the buffer, after its line break. Reads more of the file
     /// if necessary. Returns 0 at the end of the file.
-    std::size_t find_end(std::size_t begin);
+    std::size_t find_record_end(std::size_t begin);
     void read_header(const DumpOptions& options);
     void decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const;
-    /// Writes the text of a cell to a slot as a number. Returns the reason if this is not possible; else an empty text.
-    [[nodiscard]] std::string write_number(std::string_view text, std::size_t slot, ChunkWriter& writer) const;
+    /// Stores the text of a cell in a slot as a number. Returns the reason if this is not possible.
+    [[nodiscard]] std::optional<std::string> store_number(std::string_view text, std::size_t slot,
+                                                          ChunkWriter& writer) const;
     [[nodiscard]] std::string position_text(std::uint64_t line, std::size_t column) const;
 
     toml::ByteSource source_;
     std::optional<Layout> layout_;
     std::optional<NumberParser> parser_;
     std::string buffer_;
-    std::size_t used_bytes_ = 0;  ///< number of bytes of the buffer that were returned
-    bool is_complete_ = false;    ///< true if the buffer holds the last bytes of the file
+    std::size_t used_bytes_ = 0;   ///< number of bytes of the buffer that were returned
+    bool at_end_of_file_ = false;  ///< true if the buffer holds the last bytes of the file
     std::uint64_t line_ = 1, record_ = 0;
 };
 

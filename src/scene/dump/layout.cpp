@@ -312,7 +312,7 @@ std::vector<std::string> columns_of_name(std::string_view name, std::size_t coun
             std::size_t first_number = 0;
             for (const Key& key : shape_row.keys) {
                 const auto part = names.subspan(first_number, key.count());
-                for (const std::string_view group_name : {key.name, key.letter, key.aliases[0], key.aliases[1]})
+                for (const std::string_view group_name : {key.name, key.short_name, key.aliases[0], key.aliases[1]})
                     known_groups.push_back({std::string(group_name), {part.begin(), part.end()}});
                 first_number += key.count();
             }

@@ -128,7 +128,7 @@ std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<
     const Vec<Real> object_viewpoint =
         primitive.placed ? point_to_object_space(viewpoint, *primitive.placed) : viewpoint;
     auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
-        return shape.scaled_about(object_viewpoint, k);
+        return shape.scaled_about_nearest(object_viewpoint, k);
     });
     if (result) result->placed = primitive.placed;
     return result;

@@ -58,7 +58,7 @@ public:
     /// drawn where the ray passes them at the same t, and the other planes at the ends of their ranges.
     bool at_edge = false;
     /// Part of the primitive at which rays are aimed, by the `aims` of the shape's ray distribution: a rim, an apex, a
-    /// line of the side. If absent, rays are aimed at any point of the primitive.
+    /// line in the side. If absent, rays are aimed at any point of the primitive.
     std::optional<int> aim;
     /// From the eye to the part that `aim` names, in halves of the primitive's size.
     SearchedRange distance{0x1p-10, 0x1p20};

@@ -26,7 +26,8 @@ struct Box {
                                       .degenerate = "a box that is a point",
                                       .anchor_points = "corners"};
     static constexpr std::array<Key, 2> keys{
-        {{.name = "lo", .letter = "lo"}, {.name = "hi", .letter = "hi", .limit = Key::Limit::at_least_previous}}};
+        {{.name = "lo", .short_name = "lo"},
+         {.name = "hi", .short_name = "hi", .limit = Key::Limit::at_least_previous}}};
 
     static Box around(const Vec<T>& point, const T& half) {
         return {{point.x - half, point.y - half, point.z - half}, {point.x + half, point.y + half, point.z + half}};
@@ -42,12 +43,12 @@ struct Box {
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         return {lo.x + u.x * (hi.x - lo.x), lo.y + u.y * (hi.y - lo.y), lo.z + u.z * (hi.z - lo.z)};
     }
-    [[nodiscard]] std::optional<Box> scaled_about(const Vec<T>& fixed, const T& k) const {
+    [[nodiscard]] std::optional<Box> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         Box result;
         for (int i = 0; i < 3; ++i) {
-            const T fixed_coordinate = min(max(fixed[i], lo[i]), hi[i]);
-            result.lo[i] = fixed_coordinate + k * (lo[i] - fixed_coordinate);
-            result.hi[i] = fixed_coordinate + k * (hi[i] - fixed_coordinate);
+            const T fixed_coordinate = min(max(viewpoint[i], lo[i]), hi[i]);
+            result.lo[i] = fixed_coordinate + factor * (lo[i] - fixed_coordinate);
+            result.hi[i] = fixed_coordinate + factor * (hi[i] - fixed_coordinate);
         }
         return result;
     }
@@ -131,7 +132,7 @@ struct Box {
         return n;
     }
     /// Moves the hit point of a ray onto the surface: the coordinate of the face replaces the computed one.
-    [[nodiscard]] Vec<T> projected(const Ray<T>& ray, const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>& ray, const Vec<T>& p) const {
         const Face face = hit_face(ray);
         Vec<T> surface_point = p;
         surface_point[face.axis] = face.is_high ? hi[face.axis] : lo[face.axis];

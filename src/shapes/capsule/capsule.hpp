@@ -28,9 +28,9 @@ struct Capsule {
                                       .degenerate = "a radius of 0",
                                       .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
-        {{.name = "start", .letter = "s"},
-         {.name = "end", .letter = "e", .limit = Key::Limit::differs_from_previous},
-         {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
+        {{.name = "start", .short_name = "s"},
+         {.name = "end", .short_name = "e", .limit = Key::Limit::differs_from_previous},
+         {.name = "radius", .short_name = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     /// Builds a capsule along z. The ball at each end is a quarter of its length.
     static Capsule around(const Vec<T>& p, const T& half) {
@@ -50,12 +50,12 @@ struct Capsule {
     }
     /// Returns the capsule scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Capsule> scaled_about(const Vec<T>& fixed, const T& k) const {
-        const Vec<T> w = fixed - nearest_on_axis(fixed);
+    [[nodiscard]] std::optional<Capsule> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        const Vec<T> w = viewpoint - nearest_on_axis(viewpoint);
         if (length(w) == 0) return std::nullopt;
-        const Vec<T> nearest_point = project_onto_surface(fixed);
-        return Capsule{nearest_point + k * (start - nearest_point), nearest_point + k * (end - nearest_point),
-                       k * radius};
+        const Vec<T> nearest_point = project_onto_surface(viewpoint);
+        return Capsule{nearest_point + factor * (start - nearest_point), nearest_point + factor * (end - nearest_point),
+                       factor * radius};
     }
 
     /// The line crosses the planes at the two ends in some order, and enters the infinite cylinder of the side once. If
@@ -108,7 +108,7 @@ struct Capsule {
         const T k = T(1) / length(w);
         return {k * w.x, k * w.y, k * w.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - start)) + radius;

@@ -31,10 +31,10 @@ struct Cone {
                                       .degenerate = "a radius of 0 at the base",
                                       .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 4> keys{
-        {{.name = "base", .letter = "b"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
-         {.name = "base_radius", .letter = "rb", .kind = Key::Kind::length, .limit = Key::Limit::positive},
-         {.name = "top_radius", .letter = "rt", .kind = Key::Kind::length, .limit = Key::Limit::not_negative}}};
+        {{.name = "base", .short_name = "b"},
+         {.name = "top", .short_name = "t", .limit = Key::Limit::differs_from_previous},
+         {.name = "base_radius", .short_name = "rb", .kind = Key::Kind::length, .limit = Key::Limit::positive},
+         {.name = "top_radius", .short_name = "rt", .kind = Key::Kind::length, .limit = Key::Limit::not_negative}}};
 
     static Cone around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {p.x, p.y, p.z + half}, half, half / T(2)};
@@ -53,11 +53,11 @@ struct Cone {
     }
     /// Returns the cone scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Cone> scaled_about(const Vec<T>& fixed, const T& k) const {
-        if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = project_onto_surface(fixed);
-        return Cone{nearest_point + k * (base - nearest_point), nearest_point + k * (top - nearest_point),
-                    k * base_radius, k * top_radius};
+    [[nodiscard]] std::optional<Cone> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        if (length(perpendicular_to_axis(viewpoint)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = project_onto_surface(viewpoint);
+        return Cone{nearest_point + factor * (base - nearest_point), nearest_point + factor * (top - nearest_point),
+                    factor * base_radius, factor * top_radius};
     }
 
     /// Let v = top − base, f = o − base, s = top_radius − base_radius, m = v × f and n = v × d. The radius of the cone
@@ -106,7 +106,7 @@ struct Cone {
         return {axis_factor * v.x + radial_factor * w.x, axis_factor * v.y + radial_factor * w.y,
                 axis_factor * v.z + radial_factor * w.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound. The bound is that of the cylinder, with two more roundings of
     /// the position along the side. They move the point along the surface, except for the rounding of the radius there.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {

@@ -29,9 +29,9 @@ struct Cylinder {
                                       .degenerate = "a radius of 0",
                                       .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
-        {{.name = "base", .letter = "b"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
-         {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
+        {{.name = "base", .short_name = "b"},
+         {.name = "top", .short_name = "t", .limit = Key::Limit::differs_from_previous},
+         {.name = "radius", .short_name = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     static Cylinder around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {p.x, p.y, p.z + half}, half};
@@ -49,11 +49,11 @@ struct Cylinder {
     }
     /// Returns the cylinder scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Cylinder> scaled_about(const Vec<T>& fixed, const T& k) const {
-        if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = project_onto_surface(fixed);
-        return Cylinder{nearest_point + k * (base - nearest_point), nearest_point + k * (top - nearest_point),
-                        k * radius};
+    [[nodiscard]] std::optional<Cylinder> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        if (length(perpendicular_to_axis(viewpoint)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = project_onto_surface(viewpoint);
+        return Cylinder{nearest_point + factor * (base - nearest_point), nearest_point + factor * (top - nearest_point),
+                        factor * radius};
     }
 
     /// With v = top − base, f = o − base, m = v × f and n = v × d, the side is |m + t n|² ≤ r²|v|²: h = m·n, c = m² −
@@ -89,7 +89,7 @@ struct Cylinder {
         };
         return {component(w.x, v.x), component(w.y, v.y), component(w.z, v.z)};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound. The position along the axis is off by γ(8)|p − base|/|v|,
     /// which only moves the point along the surface. The vector across the axis, the foot of the perpendicular and the
     /// sum add about ten more roundings of no more than |p − base| + r.

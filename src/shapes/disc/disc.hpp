@@ -31,11 +31,11 @@ struct Disc {
                                       .degenerate = "an outer radius of 0",
                                       .anchor_points = "centres"};
     static constexpr std::array<Key, 4> keys{
-        {{.name = "centre", .letter = "c", .aliases = {"center"}},
-         {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
-         {.name = "outer_radius", .letter = "ro", .kind = Key::Kind::length, .limit = Key::Limit::positive},
+        {{.name = "centre", .short_name = "c", .aliases = {"center"}},
+         {.name = "normal", .short_name = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
+         {.name = "outer_radius", .short_name = "ro", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "inner_radius",
-          .letter = "ri",
+          .short_name = "ri",
           .kind = Key::Kind::length,
           .limit = Key::Limit::non_negative_below_previous,
           .is_optional = true}}};
@@ -58,10 +58,11 @@ struct Disc {
         if (size == 0) return centre + r * axes.first;
         return centre + (r * x / size) * axes.first + (r * y / size) * axes.second;
     }
-    [[nodiscard]] std::optional<Disc> scaled_about(const Vec<T>& fixed, const T& k) const {
-        if (length(Vec<T>(project_onto_plane(fixed) - centre)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = nearest(fixed);
-        return Disc{nearest_point + k * (centre - nearest_point), normal, k * outer_radius, k * inner_radius};
+    [[nodiscard]] std::optional<Disc> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        if (length(Vec<T>(project_onto_plane(viewpoint) - centre)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = nearest(viewpoint);
+        return Disc{nearest_point + factor * (centre - nearest_point), normal, factor * outer_radius,
+                    factor * inner_radius};
     }
 
     /// With f = o − centre, n the normal and m = d·n, t = −(f·n)/m. The vector from the centre to that point, times m,
@@ -100,7 +101,7 @@ struct Disc {
         const T size = length(normal);
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
     /// Returns the projected point p − (n·f/n²) n, f = p − centre, with its error bound: the subtracted term is off by
     /// γ(10)|f|, and f and the difference by one rounding each.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {

@@ -26,9 +26,9 @@ struct Ellipsoid {
                                       .touching_ray = "a ray that touches",
                                       .degenerate = "radii of 0",
                                       .anchor_points = "centres"};
-    static constexpr std::array<Key, 2> keys{{{.name = "centre", .letter = "c", .aliases = {"center"}},
+    static constexpr std::array<Key, 2> keys{{{.name = "centre", .short_name = "c", .aliases = {"center"}},
                                               {.name = "radii",
-                                               .letter = "r",
+                                               .short_name = "r",
                                                .kind = Key::Kind::lengths,
                                                .limit = Key::Limit::positive,
                                                .aliases = {"semiaxes"}}}};
@@ -46,11 +46,11 @@ struct Ellipsoid {
     }
     /// Returns the ellipsoid scaled by k so that its surface point between the centre and `fixed` does not move.
     /// Returns nothing if `fixed` is the centre.
-    [[nodiscard]] std::optional<Ellipsoid> scaled_about(const Vec<T>& fixed, const T& k) const {
-        const Vec<T> towards = fixed - centre;
+    [[nodiscard]] std::optional<Ellipsoid> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        const Vec<T> towards = viewpoint - centre;
         const T distance = length(divide_by_radii(towards));
         if (distance == 0) return std::nullopt;
-        return Ellipsoid{centre - ((k - 1) / distance) * towards, k * radii};
+        return Ellipsoid{centre - ((factor - 1) / distance) * towards, factor * radii};
     }
 
     /// With f = o − G, R = rx ry rz and s = R/r = (ry rz, rz rx, rx ry), in each component: h = (s f)·(s d),
@@ -86,7 +86,7 @@ struct Ellipsoid {
         return {n.x / size, n.y / size, n.z / size};
     }
     /// Moves the point of a ray onto the surface, along the line to the centre: G + v/|v/r|.
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T k = T(1) / length(divide_by_radii(v));
         return {centre.x + k * v.x, centre.y + k * v.y, centre.z + k * v.z};

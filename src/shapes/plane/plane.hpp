@@ -28,8 +28,8 @@ struct Plane {
                                       .degenerate = "a normal of 0",
                                       .anchor_points = "points"};
     static constexpr std::array<Key, 2> keys{
-        {{.name = "through", .letter = "q"},
-         {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero}}};
+        {{.name = "through", .short_name = "q"},
+         {.name = "normal", .short_name = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero}}};
 
     static Plane around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}}; }
 
@@ -42,7 +42,7 @@ struct Plane {
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         return project_onto_plane(through + Vec<T>(4 * u.x - 2, 4 * u.y - 2, 4 * u.z - 2));
     }
-    [[nodiscard]] std::optional<Plane> scaled_about(const Vec<T>&, const T&) const { return *this; }
+    [[nodiscard]] std::optional<Plane> scaled_about_nearest(const Vec<T>&, const T&) const { return *this; }
 
     /// t = n·(through − o)/(n·d): dyadic polynomials of degree two, for doubles 2 (1024 + 1074) + 3 < 4200 bits.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
@@ -65,7 +65,7 @@ struct Plane {
         const T size = length(normal);
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
     /// Returns the projected point with its error bound, which is that of the disc with f = p − through.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - through));

@@ -26,8 +26,8 @@ struct Sphere {
                                       .degenerate = "a radius of 0",
                                       .anchor_points = "centres"};
     static constexpr std::array<Key, 2> keys{
-        {{.name = "centre", .letter = "c", .aliases = {"center"}},
-         {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
+        {{.name = "centre", .short_name = "c", .aliases = {"center"}},
+         {.name = "radius", .short_name = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     /// Builds a sphere around a point. It extends `half` from the point on each axis.
     static Sphere around(const Vec<T>& point, const T& half) { return {point, half}; }
@@ -44,11 +44,11 @@ struct Sphere {
     }
     /// Returns the sphere scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Sphere> scaled_about(const Vec<T>& fixed, const T& k) const {
-        const Vec<T> towards = fixed - centre;
+    [[nodiscard]] std::optional<Sphere> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        const Vec<T> towards = viewpoint - centre;
         const T distance = length(towards);
         if (distance == 0) return std::nullopt;
-        return Sphere{centre - ((k - 1) * radius / distance) * towards, k * radius};
+        return Sphere{centre - ((factor - 1) * radius / distance) * towards, factor * radius};
     }
 
     /// With f = o − G: h = f·d, c = f·f − r², a = d·d, and q = a r² − |f × d|². No step subtracts numbers of similar
@@ -76,7 +76,7 @@ struct Sphere {
         return Vec<T>((p.x - centre.x) / radius, (p.y - centre.y) / radius, (p.z - centre.z) / radius);
     }
     /// Moves the point of a ray onto the surface: G + f (r/|f|) with f = p − G.
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;
         const T k = radius / length(f);
         return {centre.x + k * f.x, centre.y + k * f.y, centre.z + k * f.z};

@@ -31,11 +31,11 @@ struct Torus {
                                       .degenerate = "a minor radius of 0",
                                       .anchor_points = "centres"};
     static constexpr std::array<Key, 4> keys{
-        {{.name = "centre", .letter = "c", .aliases = {"center"}},
-         {.name = "axis", .letter = "a", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
-         {.name = "major_radius", .letter = "rm", .kind = Key::Kind::length, .limit = Key::Limit::positive},
+        {{.name = "centre", .short_name = "c", .aliases = {"center"}},
+         {.name = "axis", .short_name = "a", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
+         {.name = "major_radius", .short_name = "rm", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "minor_radius",
-          .letter = "rn",
+          .short_name = "rn",
           .kind = Key::Kind::length,
           .limit = Key::Limit::positive_below_previous}}};
 
@@ -60,11 +60,12 @@ struct Torus {
     }
     /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Torus> scaled_about(const Vec<T>& fixed, const T& k) const {
-        const RelativeToCircle relative(*this, fixed);
+    [[nodiscard]] std::optional<Torus> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        const RelativeToCircle relative(*this, viewpoint);
         if (length(relative.across_axis) == 0 || relative.circle_distance == 0) return std::nullopt;
-        const Vec<T> nearest_point = project_onto_surface(fixed);
-        return Torus{nearest_point + k * (centre - nearest_point), axis, k * major_radius, k * minor_radius};
+        const Vec<T> nearest_point = project_onto_surface(viewpoint);
+        return Torus{nearest_point + factor * (centre - nearest_point), axis, factor * major_radius,
+                     factor * minor_radius};
     }
 
     /// With f = o − centre, n the axis, w = f × d, a = d·d and x = a t + d·f, the vector from the centre to a point of
@@ -113,7 +114,7 @@ struct Torus {
         const T k = T(1) / relative.circle_distance;
         return {k * relative.from_circle.x, k * relative.from_circle.y, k * relative.from_circle.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point q + v (r/|v|) with its error bound. With c the centre, w is the part of f = p − c
     /// across the axis, off by γ(11)|f| at most, q = c + w (R/|w|) and v = p − q. The error of q is that of w times
     /// R/|w|, and γ(6)R more. An error of v only turns the point about q, except for the error γ(6)r of its length.

@@ -29,9 +29,9 @@ struct Triangle {
                                       .degenerate = "a triangle without area",
                                       .anchor_points = "vertices"};
     static constexpr std::array<Key, 3> keys{
-        {{.name = "a", .letter = "v0", .aliases = {"v0", "p0"}},
-         {.name = "b", .letter = "v1", .aliases = {"v1", "p1"}},
-         {.name = "c", .letter = "v2", .limit = Key::Limit::not_collinear_with_previous, .aliases = {"v2", "p2"}}}};
+        {{.name = "a", .short_name = "v0", .aliases = {"v0", "p0"}},
+         {.name = "b", .short_name = "v1", .aliases = {"v1", "p1"}},
+         {.name = "c", .short_name = "v2", .limit = Key::Limit::not_collinear_with_previous, .aliases = {"v2", "p2"}}}};
 
     /// Builds a triangle in the plane z = p.z − half, from p − half to p + half in x and y. A triangle is flat, so it
     /// cannot extend that far on all sides.
@@ -54,10 +54,10 @@ struct Triangle {
         const bool is_outside = u.x + u.y > 1;
         return a + (is_outside ? 1 - u.x : u.x) * (b - a) + (is_outside ? 1 - u.y : u.y) * (c - a);
     }
-    [[nodiscard]] std::optional<Triangle> scaled_about(const Vec<T>& fixed, const T& k) const {
-        const Vec<T> nearest_point = nearest(fixed);
-        return Triangle{nearest_point + k * (a - nearest_point), nearest_point + k * (b - nearest_point),
-                        nearest_point + k * (c - nearest_point)};
+    [[nodiscard]] std::optional<Triangle> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        const Vec<T> nearest_point = nearest(viewpoint);
+        return Triangle{nearest_point + factor * (a - nearest_point), nearest_point + factor * (b - nearest_point),
+                        nearest_point + factor * (c - nearest_point)};
     }
 
     /// With a, b, c relative to o, the signs of d·(b × c), d·(c × a) and d·(a × b) say on which sides the line passes
@@ -105,7 +105,7 @@ struct Triangle {
         const T size = length(n);
         return (T(1) / (dot(n, ray.direction) > T(0) ? -size : size)) * n;
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
     /// Returns the projected point u a + v b + w c, by the barycentric coordinates of p, with its error bound: each
     /// component is off by at most γ(7)(|u a| + |v b| + |w c|). Source: pbrt-v4, section 6.8.4.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {

@@ -30,18 +30,18 @@ struct Tube {
                                       .degenerate = "a radius of 0",
                                       .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
-        {{.name = "bottom", .letter = "lo"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
-         {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
+        {{.name = "bottom", .short_name = "lo"},
+         {.name = "top", .short_name = "t", .limit = Key::Limit::differs_from_previous},
+         {.name = "radius", .short_name = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    /// Builds a tube along x. The rays at the plainest primitives run along z, and such a ray meets its wall.
+    /// Builds a tube along x. Tests of a shape's plainest primitive use rays along z, and such a ray meets its wall.
     static Tube around(const Vec<T>& p, const T& half) {
         return {{p.x - half, p.y, p.z}, {p.x + half, p.y, p.z}, half};
     }
 
-    [[nodiscard]] Vec<T> middle() const { return primitive().middle(); }
-    [[nodiscard]] T half_extent() const { return primitive().half_extent(); }
-    [[nodiscard]] Sphere<T> ball_around() const { return primitive().ball_around(); }
+    [[nodiscard]] Vec<T> middle() const { return capped_cylinder().middle(); }
+    [[nodiscard]] T half_extent() const { return capped_cylinder().half_extent(); }
+    [[nodiscard]] Sphere<T> ball_around() const { return capped_cylinder().ball_around(); }
     /// Returns the point of the wall at the fraction u.x of its height, in the direction of u.y and u.z across the
     /// axis.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
@@ -50,16 +50,16 @@ struct Tube {
         if (size == 0) return bottom + u.x * axis() + radius * axes.first;
         return bottom + u.x * axis() + (radius * x / size) * axes.first + (radius * y / size) * axes.second;
     }
-    [[nodiscard]] std::optional<Tube> scaled_about(const Vec<T>& fixed, const T& k) const {
-        if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = project_onto_surface(fixed);
-        return Tube{nearest_point + k * (bottom - nearest_point), nearest_point + k * (top - nearest_point),
-                    k * radius};
+    [[nodiscard]] std::optional<Tube> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
+        if (length(perpendicular_to_axis(viewpoint)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = project_onto_surface(viewpoint);
+        return Tube{nearest_point + factor * (bottom - nearest_point), nearest_point + factor * (top - nearest_point),
+                    factor * radius};
     }
 
     /// Returns the t at which the line crosses the wall, from the span of the cylinder.
     [[nodiscard]] WallSpan<T> span(const Ray<T>& ray) const {
-        const CappedSpan<T> span = primitive().span(ray);
+        const CappedSpan<T> span = capped_cylinder().span(ray);
         return {span, span.d2};
     }
     /// Returns the distance of a point from the wall, in units of `unit()`; it is positive inside the tube too.
@@ -73,7 +73,7 @@ struct Tube {
         const T k = T(1) / length(w), signed_k = select(dot(w, ray.direction) > T(0), -k, k);
         return {signed_k * w.x, signed_k * w.y, signed_k * w.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - bottom)) + radius;
@@ -83,7 +83,7 @@ struct Tube {
     }
 
 private:
-    [[nodiscard]] Cylinder<T> primitive() const { return {bottom, top, radius}; }
+    [[nodiscard]] Cylinder<T> capped_cylinder() const { return {bottom, top, radius}; }
     [[nodiscard]] Vec<T> axis() const { return top - bottom; }
     /// Returns the position of a point along the axis, as a fraction of its length.
     [[nodiscard]] T axis_fraction(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }

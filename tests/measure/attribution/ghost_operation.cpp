@@ -6,10 +6,10 @@ namespace lostbits::measure::attribution {
 #ifdef GHOST_IS_DESCRIBED
 template <>
 struct Operation<TapeOp::ghost> {
-    static constexpr OperationText text{.binds = 4,
+    static constexpr OperationText text{.precedence = 4,
                                         .plain = "ghost($1, $2)",
                                         .c = "ghost$f($1, $2)",
-                                        .c_lacks = "a ghost",
+                                        .missing_in_c = "a ghost",
 #ifdef GHOST_HAS_ALL_TEXTS
                                         .fpcore = "(ghost $1 $2)"
 #endif

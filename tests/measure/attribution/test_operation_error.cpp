@@ -66,15 +66,15 @@ TEST_CASE("a difference passes through an operation by its exact difference quot
     for (const TapeOp op :
          {TapeOp::add, TapeOp::sub, TapeOp::mul, TapeOp::div, TapeOp::sqrt, TapeOp::abs, TapeOp::neg, TapeOp::fma})
         for (int i = 0; i < 2000; ++i) {
-            std::array<measure::attribution::Step, 3> x;
-            for (measure::attribution::Step& o : x) {
+            std::array<measure::attribution::OperandError, 3> x;
+            for (measure::attribution::OperandError& o : x) {
                 o.to = std::ldexp(random.sign() * (1 + random.unit()), static_cast<int>(random.between(-3, 3)));
                 o.from = o.to * (1 + 0.4 * (2 * random.unit() - 1));  // not first order by far
                 if (op == TapeOp::sqrt) o = {std::fabs(o.from), std::fabs(o.to)};
             }
             if (op == TapeOp::abs && random.one_in(2)) x[0].from = -x[0].from / 3;
-            const measure::attribution::Quotients by =
-                measure::attribution::quotients_of(TapeNode{.op = op}, x, no_node);
+            const measure::attribution::ErrorFactors by =
+                measure::attribution::error_factors_of(TapeNode{.op = op}, x, no_node);
             BasicReal<400> through(0);
             for (std::size_t k = 0; k < 3; ++k) {
                 if (by[k]) through += BasicReal<400>(*by[k]) * (BasicReal<400>(x[k].to) - BasicReal<400>(x[k].from));

@@ -115,7 +115,7 @@ TEST_CASE("every computation stops where its own request says so") {
         {"offsets",
          [&] {
              m::study::run_study(m::offset::OffsetStudy{.scene = scene,
-                                                        .rows = {{row, m::offset::HitPoint::computed}},
+                                                        .rows = {{row, m::offset::HitPointKind::computed}},
                                                         .strategies = m::offset::all_strategies(),
                                                         .limit = limit});
          }},

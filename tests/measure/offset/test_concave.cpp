@@ -31,7 +31,7 @@ struct Measured {
         const measure::evaluate::TestedForm of = row(form, format);
         const scene::rays::PrimitiveList<double> primitives(std::vector{primitive});
         const auto strategies = all_strategies();
-        const PointWork work(of, HitPoint::computed, primitives, nullptr, light, strategies);
+        const PointWork work(of, HitPointKind::computed, primitives, nullptr, light, strategies);
         REQUIRE(work.measure({ray, t, 0}, sides, at));
     }
     [[nodiscard]] const SideOfPoint& side_of_point(Side side) const { return sides[static_cast<std::size_t>(side)]; }
@@ -200,7 +200,7 @@ TEST_CASE("offsets: an exit skipped by t_min is lost, even if the ray then start
     const scene::rays::PrimitiveList<double> primitives(std::vector{small});
     const measure::evaluate::TestedForm of = row("torus.closest_approach", "f64");
     const auto strategies = all_strategies();
-    const PointWork work(of, HitPoint::computed, primitives, nullptr, std::nullopt, strategies);
+    const PointWork work(of, HitPointKind::computed, primitives, nullptr, std::nullopt, strategies);
     const double rim = 0x1p-11 + 0x1p-12;
     const auto tmin = std::ranges::find(strategies, "offset.tmin", &Strategy::name);
     bool asked = false;

@@ -59,7 +59,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
         for (const char* format : {"f32", "f64", "p14"}) {
             if (!test::form_named(form).exists_in(*find_format(format))) continue;
             const ScenePoints points(scene, form, format);
-            for (const HitPoint point : {HitPoint::computed, HitPoint::projected}) {
+            for (const HitPointKind point : {HitPointKind::computed, HitPointKind::projected}) {
                 const auto strategies = all_strategies();
                 const PointWork work(points.of, point, points.primitives, nullptr, Vec<double>(3, 9, 4), strategies);
                 for (std::size_t k = 0; k < points.met.size(); k += 7) {
@@ -104,7 +104,7 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
     for (const auto& [scene, form] : scenes) {
         const ScenePoints points(scene, form, "f32");
         const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::computed, points.primitives, nullptr, std::nullopt, strategies);
+        const PointWork work(points.of, HitPointKind::computed, points.primitives, nullptr, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 9) {
             const Primitive<double> own = points.primitives[points.met[k].primitive];
             for (const Strategy* s : strategies) {
@@ -133,7 +133,7 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
 
 TEST_CASE("the strategies reported as cheapest are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
-    const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
+    const OffsetRow of{row("sphere.half_b", "f32"), HitPointKind::computed};
     const OffsetStudy request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
     const auto summaries = measure::study::run_study(request);
     const OffsetSummary& summary = summaries.front();

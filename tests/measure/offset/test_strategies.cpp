@@ -26,12 +26,12 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
     StrategyInput<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},
                            .t = 8,
                            .primitive = Sphere<float>{{0, 0, 0}, 1},
-                           .p = {0.01F, -3, 1},
-                           .n = {0.5F, -0.5F, 0.70710678F},
-                           .w = {0, 0, 1},
-                           .side = 1,
+                           .point = {0.01F, -3, 1},
+                           .normal = {0.5F, -0.5F, 0.70710678F},
+                           .new_direction = {0, 0, 1},
+                           .side_sign = 1,
                            .target_distance = 7};
-    CHECK(rule("offset.none").respawn_in_float(l).origin == l.p);
+    CHECK(rule("offset.none").respawn_in_float(l).origin == l.point);
     CHECK_FALSE(rule("offset.exclude").respawn_in_float(l).tests_departed_primitive);
     CHECK(rule("offset.tmin").respawn_in_float(l).tmin == 1e-3F);
     CHECK(rule("offset.epsilon").respawn_in_float(l).origin ==
@@ -46,25 +46,25 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
     const auto relative = rule("offset.relative").respawn_in_float(l);
     CHECK(relative.origin.y == -3 - 4 * (1500 * 0x1p-24F) * 0.5F);
     CHECK(relative.tmax == Approx(7 * (1 - 15000 * 0x1p-24)).epsilon(1e-7));
-    l.side = -1;
+    l.side_sign = -1;
     CHECK(rule("offset.integer").respawn_in_float(l).origin.y ==
           std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) - 128));
     // One float beyond the bound, away from the surface on either side.
     const auto in = rule("offset.bound").respawn_in_float(l).origin;
-    l.side = 1;
+    l.side_sign = 1;
     const auto out = rule("offset.bound").respawn_in_float(l).origin;
-    CHECK(length(in) < length(l.p) / std::sqrt(1 + 8.0F));
-    CHECK(dot(Vec<float>(out - in), l.n) > 0);
+    CHECK(length(in) < length(l.point) / std::sqrt(1 + 8.0F));
+    CHECK(dot(Vec<float>(out - in), l.normal) > 0);
 }
 
 TEST_CASE("strategies: constants for double scale those for float by the unit roundoff", "[measure][offset]") {
     StrategyInput<double> l{.ray = {{0, 0, 9}, {0, 0, -1}},
                             .t = 8,
                             .primitive = Sphere<double>{{0, 0, 0}, 1},
-                            .p = {0.01, -3, 1},
-                            .n = {0.5, -0.5, 0.7},
-                            .w = {0, 0, 1},
-                            .side = 1,
+                            .point = {0.01, -3, 1},
+                            .normal = {0.5, -0.5, 0.7},
+                            .new_direction = {0, 0, 1},
+                            .side_sign = 1,
                             .target_distance = 7};
     const auto at = [&](std::string_view name) {
         return std::ranges::find(strategies(), name, &Strategy::name)->respawn_in_double(l).origin;
@@ -90,31 +90,31 @@ TEST_CASE("next rays leave a point to the light, mirrored, refracted by Snell's 
         const Vec<double> d = along - slope * n;  // from outside, of no unit length
         const auto ways = ways_of(d, std::nullopt);
         REQUIRE(ways.size() == 36);
-        CHECK(angle(ways[0].w) == Approx(-angle(d)));
-        CHECK(dot(along, ways[0].w) == Approx(dot(along, d) / length(d)));
+        CHECK(angle(ways[0].new_direction) == Approx(-angle(d)));
+        CHECK(dot(along, ways[0].new_direction) == Approx(dot(along, d) / length(d)));
         // sin θ' = 2/3 sin θ, on the other side, in the same plane.
-        CHECK(dot(along, ways[1].w) == Approx(2.0 / 3 * dot(along, d) / length(d)));
-        CHECK(ways[1].side == -1);
+        CHECK(dot(along, ways[1].new_direction) == Approx(2.0 / 3 * dot(along, d) / length(d)));
+        CHECK(ways[1].side_sign == -1);
         for (const auto& way : ways) {
-            CHECK(length(way.w) == Approx(1).epsilon(1e-14));
-            CHECK(way.side == (angle(way.w) > 0 ? 1 : -1));
+            CHECK(length(way.new_direction) == Approx(1).epsilon(1e-14));
+            CHECK(way.side_sign == (angle(way.new_direction) > 0 ? 1 : -1));
             CHECK(std::isinf(way.target_distance));
         }
         for (std::size_t k = 0; k < 17; ++k) {
             const double cosine = k == 0 ? 1 : 1.0 / cosine_denominators[(k + 3) / 4];
-            CHECK(angle(ways[2 + k].w) == Approx(cosine));
-            CHECK(angle(ways[19 + k].w) == Approx(-cosine));
+            CHECK(angle(ways[2 + k].new_direction) == Approx(cosine));
+            CHECK(angle(ways[19 + k].new_direction) == Approx(-cosine));
         }
     }
     // From inside: out of the glass where that is possible, mirrored totally where it is not.
     CHECK(ways_of(along + 5.0 * n, std::nullopt).size() == 36);
-    CHECK(dot(along, ways_of(along + 5.0 * n, std::nullopt)[1].w) == Approx(1.5 / std::sqrt(26.0)));
+    CHECK(dot(along, ways_of(along + 5.0 * n, std::nullopt)[1].new_direction) == Approx(1.5 / std::sqrt(26.0)));
     CHECK(ways_of(along + 0.1 * n, std::nullopt).size() == 35);
     // The light comes first, where it is above the surface.
     const auto lit = ways_of(along - n, p + 2.5 * n);
     REQUIRE(lit.size() == 37);
     CHECK(lit[0].target_distance == Approx(2.5));
-    CHECK(angle(lit[0].w) == Approx(1));
+    CHECK(angle(lit[0].new_direction) == Approx(1));
     CHECK(ways_of(along - n, p - 2.5 * n).size() == 36);
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("a small sphere above another is skipped, entered or seen, depending o
     const auto count = [&](double above, double radius, std::string_view name, Fault fault) {
         const scene::rays::PrimitiveList<double> primitives(
             std::vector<Primitive<double>>{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{0, 0, above}, radius}});
-        const PointWork work(of, HitPoint::computed, primitives, nullptr, std::nullopt, strategies);
+        const PointWork work(of, HitPointKind::computed, primitives, nullptr, std::nullopt, strategies);
         const auto rays = work.rays(pole, named(name), Side::outside);
         CHECK(rays.size() == 18);
         return std::ranges::count_if(rays, [&](const NewRay& r) { return r.has(fault); });

@@ -71,7 +71,7 @@ Problems rays_from_surface(Seeded& rng, int count, Way way) {
         torus.major_radius = static_cast<F>(torus.major_radius),
         torus.minor_radius = static_cast<F>(torus.minor_radius);
         const Vec<double> near = torus.point_at({rng.unit(), rng.unit(), rng.unit()});
-        const Vec<double> p = torus.projected({}, near), n = torus.outward_normal({}, p);
+        const Vec<double> p = torus.project_onto_surface({}, near), n = torus.outward_normal({}, p);
         Vec<double> d = rng.vec(-1, 1);
         if (way == Way::tangent) d = d - dot(d, n) * n;
         const double aside = rng.index(8) == 0 ? torus.minor_radius * rng.sign() * std::ldexp(1.0, -rng.index(30)) : 0;

@@ -95,7 +95,7 @@ TEST_CASE("a horizontal line has its colour in the row of its value", "[line_plo
     for (const double value : {0.0, 5.0, 10.0, 26.5, 31.0, 42.0, 53.0}) {
         const auto image = plotted(folder, spec_of({level("schoolbook", value)}));
         const auto frame = frame_of(image);
-        // Without PlotFrame::up: its ends are the middles of the tenth pixels from the frame.
+        // Without PlotFrame::pixel_y: its ends are the middles of the tenth pixels from the frame.
         const double place = frame.y + 9.5 + (1 - value / 53) * (frame.height - 19);
         const int row = static_cast<int>(std::floor(place));
         INFO(value << " in row " << row);
@@ -119,15 +119,15 @@ TEST_CASE("a NaN leaves a gap in a line", "[line_plot]") {
     series.y[20] = no_value;
     const auto image = plotted(folder, spec_of({series}));
     const auto frame = frame_of(image);
-    const int row = static_cast<int>(std::floor(frame.up(21.0 / 53)));
+    const int row = static_cast<int>(std::floor(frame.pixel_y(21.0 / 53)));
     const auto missing = [&](double from, double to) {
         int n = 0;
-        for (int x = static_cast<int>(frame.across(from / 40)) + 2; x < frame.across(to / 40) - 2; ++x) {
+        for (int x = static_cast<int>(frame.pixel_x(from / 40)) + 2; x < frame.pixel_x(to / 40) - 2; ++x) {
             n += !tinted(pixel_at(image, x, row));
         }
         return n;
     };
-    CHECK(missing(19, 21) >= std::floor(frame.across(21.0 / 40) - frame.across(19.0 / 40)) - 4);
+    CHECK(missing(19, 21) >= std::floor(frame.pixel_x(21.0 / 40) - frame.pixel_x(19.0 / 40)) - 4);
     CHECK(missing(10, 19) == 0);
     CHECK(missing(21, 30) == 0);
 }
@@ -176,8 +176,8 @@ TEST_CASE("names are at the ends of their lines, moved as little as possible, wi
         return -1;
     };
     constexpr image::Rgb8 third_colour{0, 158, 115};
-    CHECK(std::fabs(sample_row(second_colour) - frame.up(3.0 / 53)) < 30);  // above the one without a line
-    CHECK(std::fabs(sample_row(third_colour) - frame.up(50.0 / 53)) < 12);
+    CHECK(std::fabs(sample_row(second_colour) - frame.pixel_y(3.0 / 53)) < 30);  // above the one without a line
+    CHECK(std::fabs(sample_row(third_colour) - frame.pixel_y(50.0 / 53)) < 12);
     CHECK(sample_row(second_colour) < sample_row(first_colour));
     CHECK(rim_is_blank(png));
 }
@@ -190,7 +190,7 @@ TEST_CASE("a shaded range is behind the lines on its part of the axis, and the l
     const auto png = plotted(folder, spec);
     const auto frame = frame_of(png);
     const auto is_shaded = [&](double position) {
-        return pixel_at(png, static_cast<int>(frame.across(position)), frame.y + frame.height / 3) == shade_fill;
+        return pixel_at(png, static_cast<int>(frame.pixel_x(position)), frame.y + frame.height / 3) == shade_fill;
     };
     CHECK_FALSE(is_shaded(22.5 / 40));
     CHECK(is_shaded(25.5 / 40));
@@ -228,7 +228,7 @@ TEST_CASE("marks are at their positions and their labels do not overlap", "[line
     spec.marks = {{std::exp2(12), "onset"}};
     const auto image = plotted(folder, spec);
     const auto frame = frame_of(image);
-    const int x = static_cast<int>(std::floor(frame.across(12.0 / 40)));
+    const int x = static_cast<int>(std::floor(frame.pixel_x(12.0 / 40)));
     int dark = 0;
     for (int y = frame.y; y < frame.y + frame.height; ++y) dark += pixel_at(image, x, y) == image::style::soft_ink;
     CHECK(dark > frame.height / 3);
@@ -263,7 +263,7 @@ TEST_CASE("the envelope is grey below its line and page-coloured above", "[line_
     spec.envelope = level("conditioning", 25);
     const auto image = plotted(folder, spec);
     const auto frame = frame_of(image);
-    const int x = static_cast<int>(frame.across(0.52)), edge = static_cast<int>(frame.up(25.0 / 53));
+    const int x = static_cast<int>(frame.pixel_x(0.52)), edge = static_cast<int>(frame.pixel_y(25.0 / 53));
     CHECK(pixel_at(image, x, edge - 5) == image::style::page);
     CHECK(pixel_at(image, x, edge + 5) == envelope_fill);
     CHECK(pixel_at(image, x, frame.y + frame.height - 1) == envelope_fill);
@@ -297,7 +297,7 @@ TEST_CASE("degenerate series are drawn as far as possible", "[line_plot]") {
     // A triangle at the edge; nothing of the kind for a finite value.
     const auto up = draw({"up", {1, 2, 3}, {1, inf, 1}, {}, {}}, Scale::linear, Scale::linear);
     const auto frame = frame_of(up);
-    const int x = static_cast<int>(frame.across(0.5));
+    const int x = static_cast<int>(frame.pixel_x(0.5));
     CHECK(pixel_at(up, x, frame.y + 4) == first_colour);
     // A value that a log axis cannot show becomes a gap and a footnote, which makes the frame lower.
     const auto gap = draw({"zero", {1, 2, 3}, {1, 0, 1}, {}, {}}, Scale::linear, Scale::log2);

@@ -56,7 +56,7 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
     check_parts(measure::consistency::ConsistencyStudy{
         .scene = touching, .rows = rows, .checks = measure::consistency::checks_for(touching, rows)});
     check_parts(measure::offset::OffsetStudy{.scene = touching,
-                                             .rows = {{rows[0]}, {rows[1], measure::offset::HitPoint::projected}},
+                                             .rows = {{rows[0]}, {rows[1], measure::offset::HitPointKind::projected}},
                                              .strategies = {&measure::offset::strategies().front()},
                                              .finds_quiet_offset = false});
     const auto acne = load("raycast-acne", 8, 4200);  // two bands

@@ -19,7 +19,7 @@ struct HalfSpace {
                                       .degenerate = "a normal of 0",
                                       .anchor_points = "points and normals"};
     static constexpr std::array<Key, 2> keys{
-        {{.name = "point", .letter = "a"}, {.name = "normal", .letter = "v", .kind = Key::Kind::direction}}};
+        {{.name = "point", .short_name = "a"}, {.name = "normal", .short_name = "v", .kind = Key::Kind::direction}}};
 
     static HalfSpace around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}}; }
 
@@ -28,7 +28,7 @@ struct HalfSpace {
     [[nodiscard]] T unit() const { return T(1); }
     [[nodiscard]] Sphere<T> ball_around() const { return {point, T(0x1p100)}; }
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const { return onto(point + T(2) * u); }
-    [[nodiscard]] std::optional<HalfSpace> scaled_about(const Vec<T>&, const T&) const { return *this; }
+    [[nodiscard]] std::optional<HalfSpace> scaled_about_nearest(const Vec<T>&, const T&) const { return *this; }
 
     /// From t = n·(P − o)/(n·d) on if n·d < 0, up to it if n·d > 0. A parallel line lies in it entirely or not at all.
     [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
@@ -45,7 +45,7 @@ struct HalfSpace {
     [[nodiscard]] T relative_distance(const Vec<T>& p) const { return dot(normal, p - point) / length(normal); }
     [[nodiscard]] T distance(const Vec<T>& p) const { return relative_distance(p); }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>&) const { return (T(1) / length(normal)) * normal; }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto(p); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return onto(p); }
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {
         BoundedPoint<T> b{p, p};
         for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(9) * (abs(t * ray.direction[i]) + abs(p[i]));

@@ -8,16 +8,16 @@ namespace lostbits::scene::capsule {
 /// `size` is about half of the length of the axis. The radius is between a sixteenth of `size` and all of it.
 struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
     static constexpr std::string_view table = "capsule_rays";
-    enum Aim { inside, seam, generator, axis };
+    enum Aim { inside, seam, side_line, axis };
     static constexpr std::pair<std::string_view, int> aims[] = {
-        {"inside", inside}, {"seam", seam}, {"generator", generator}, {"axis", axis}};
+        {"inside", inside}, {"seam", seam}, {"generator", side_line}, {"axis", axis}};
 
     static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
         return Capsule<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
     /// Draws a target: a point within half a radius of the axis, a point of the circle in which a ball and the side
-    /// meet, a line of the side, or the axis.
+    /// meet, a line in the side, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         const Capsule<double> c = primitive.capsule();
         if (aim != inside) {

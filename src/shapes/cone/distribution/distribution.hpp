@@ -9,9 +9,9 @@ namespace lostbits::scene::cone {
 /// radius at the top is below that, and 0 for one cone in four.
 struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
     static constexpr std::string_view table = "cone_rays";
-    enum Aim { inside, rim, apex, generator, axis };
+    enum Aim { inside, rim, apex, side_line, axis };
     static constexpr std::pair<std::string_view, int> aims[] = {
-        {"inside", inside}, {"rim", rim}, {"apex", apex}, {"generator", generator}, {"axis", axis}};
+        {"inside", inside}, {"rim", rim}, {"apex", apex}, {"generator", side_line}, {"axis", axis}};
 
     static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
@@ -19,7 +19,7 @@ struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
         return Cone<double>{middle - half, middle + half, radius, fraction > 0 ? fraction * radius : 0};
     }
     /// Draws a target: a point of the largest square frustum inside, a point of the circle in which a cap and the side
-    /// meet, the apex (or the middle of the top of a cone without apex), a line of the side, or the axis.
+    /// meet, the apex (or the middle of the top of a cone without apex), a line in the side, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim != inside) {
             const Cone<double> c = primitive.cone();
@@ -30,7 +30,7 @@ struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
             switch (aim) {
                 case apex: return c.top;
                 case axis: return {at_top ? c.top : c.base, axis_direction};
-                case generator: return {at_top ? above : below, random.sign() * (above - below)};
+                case side_line: return {at_top ? above : below, random.sign() * (above - below)};
                 default: return at_top && c.top_radius > 0 ? above : below;
             }
         }

@@ -8,16 +8,16 @@ namespace lostbits::scene::cylinder {
 /// `size` is about half of the height. The radius is between a sixteenth of `size` and all of it.
 struct CylinderDistribution : rays::AimedDistribution<CylinderDistribution> {
     static constexpr std::string_view table = "cylinder_rays";
-    enum Aim { inside, rim, generator, axis };
+    enum Aim { inside, rim, side_line, axis };
     static constexpr std::pair<std::string_view, int> aims[] = {
-        {"inside", inside}, {"rim", rim}, {"generator", generator}, {"axis", axis}};
+        {"inside", inside}, {"rim", rim}, {"generator", side_line}, {"axis", axis}};
 
     static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
         return Cylinder<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
     /// Draws a target: a point of the largest square bar inside, a point of the circle in which a cap and the side
-    /// meet, a line of the side, or the axis.
+    /// meet, a line in the side, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim != inside) {
             const Cylinder<double> c = primitive.cylinder();
