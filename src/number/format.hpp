@@ -34,6 +34,9 @@ struct Format {
     std::string name;
     FloatFormat parameters;
     Engine engine;
+
+    /// True if software rounds every operation to the format. A time in it says nothing about a machine.
+    [[nodiscard]] bool is_emulated() const { return engine == Engine::rounded; }
     friend bool operator==(const Format&, const Format&) = default;
 };
 
