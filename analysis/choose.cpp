@@ -108,9 +108,10 @@ private:
     std::set<std::string> proposed_codes_;
 };
 
-/// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles each
-/// repaired form that meets the requirement, and writes it as a file into `folder`. Equal repairs of two forms count
-/// once. Throws EnvironmentError if nothing can be compiled. `command` is the command line that asks for the repairs.
+/// Repairs every tested form of the request that does not meet its requirement and whose operations are known. Compiles
+/// each repaired form that meets the requirement, and writes it as a file into `folder`. Equal repairs of two forms
+/// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command line that asks for the
+/// repairs.
 LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
                            const std::filesystem::path& folder, const std::string& command) {
     FormRepairer repairer(request, command);
@@ -140,19 +141,19 @@ struct ChooseOptions : selection::RayFileOptions {
     bool single = false, bulk = false, quick = false, mend = false;
 };
 
-/// Selects the rows that can be timed on the subject called `id`. `meets` says which forms can test it.
-std::vector<measure::evaluate::TestedForm> select_rows(const ChooseOptions& options, const std::string& id, bool quiet,
-                                                       const selection::ShapePredicate& meets) {
+/// Selects the forms that can be timed on the subject called `id`. `can_test` says which forms can test it.
+std::vector<measure::evaluate::TestedForm> select_tested_forms(const ChooseOptions& options, const std::string& id,
+                                                               bool quiet, const selection::ShapePredicate& can_test) {
     const auto formats = selection::select_formats(options.formats);
     if (std::ranges::all_of(formats, &Format::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; choose compares only f32 and f64. Name one "
             "of them",
             formats.front().name));
-    auto candidates = selection::cross(selection::select_forms(options.forms), formats);
+    auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
     selection::refuse_generators(candidates, "choose");
     selection::refuse_contracted(candidates, "choose");
-    auto rows = selection::select_timed_rows(id, {candidates, options.forms, quiet}, meets);
+    auto rows = selection::select_timed_forms(id, {candidates, options.forms, quiet}, can_test);
     selection::note_unmeasured(options.forms, rows, quiet);
     return rows;
 }
@@ -211,7 +212,8 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     selection::refuse_generated_rays({scene}, "choose");
     ChoiceRequest request = make_request(options, common.stop);
     request.scene = &scene;
-    request.rows = select_rows(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
+    request.rows =
+        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
         [](const measure::evaluate::TestedForm& tested_form) { return !tested_form.format.is_emulated(); });
@@ -239,7 +241,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     const std::string& id = opened_rays.id;
     const Shapes shapes = opened_rays.shapes;
     ChoiceRequest request = make_request(options, common.stop);
-    request.rows = select_rows(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
+    request.rows = select_tested_forms(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
         std::erase_if(request.rows, [](const auto& tested_form) { return tested_form.format.is_emulated(); });
     if (emulated > 0 && !common.quiet)

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "analysis/selection/external.hpp"
-#include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "analysis/shell/text_table.hpp"
@@ -124,10 +124,10 @@ private:
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders_ = {};  ///< none in a shard
 };
 
-/// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
-/// prints which scenes and forms are left out. `command` is the name of the command. Throws InputError for a ray
-/// generator, that is a scene or a form that makes the rays in each format. Also throws whatever `require_scene` throws
-/// for a scene.
+/// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the tested forms that the scenes
+/// need, and prints which scenes and forms are left out. `command` is the name of the command. Throws InputError for a
+/// ray generator, that is a scene or a form that makes the rays in each format. Also throws whatever `require_scene`
+/// throws for a scene.
 [[nodiscard]] std::vector<scene::file::Scene> load_primitive_scenes(
     const selection::SharedOptions& shared, std::vector<measure::evaluate::TestedForm>& tested_forms,
     const char* command, const CommonOptions& common, void (*require_scene)(const scene::file::Scene&));
@@ -168,12 +168,12 @@ void require_writable(const std::filesystem::path& file);
 /// message about these rays on stderr.
 [[nodiscard]] Exit report_unproved(std::uint64_t rays, int bits = measure::truth::ProofLimit{}.max_bits);
 
-/// Prints a line on stderr for each row of an external intersector whose contract seems to be wrong. `suspicion`
-/// returns the text for a row, empty if nothing seems wrong.
+/// Prints a line on stderr for each tested form of an external intersector whose contract seems to be wrong.
+/// `suspicion` returns the text for a tested form, empty if nothing seems wrong.
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
-/// Prints a line on stdout for each row that is compared with another form: how often the two agree.
+/// Prints a line on stdout for each tested form that is compared with another form: how often the two agree.
 void print_comparisons(const std::vector<measure::evaluate::TestedForm>& tested_forms,
                        const std::vector<const measure::metric::Metric*>& metrics,
                        const std::vector<measure::evaluate::FormSummary>& summaries);

@@ -169,7 +169,7 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
     const Format format = select_one("-f", options.format, "format", selection::select_formats);
     if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", options.form,
-                                     options.format, selection::formats_of(form), form.native32 ? "f32" : "f64"));
+                                     options.format, selection::formats_text(form), form.native32 ? "f32" : "f64"));
     if (!form.is_template() && (options.json || options.fpcore || options.c))
         throw InputError(fmt::format(
             "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
@@ -187,7 +187,7 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
     const selection::SelectedRay selected =
         selection::find_ray(options.ray_options, {&form, format}, selection::data_folder(common.data));
     const measure::answer::OneRay& ray = selected.ray;
-    if (selected.scene && !common.quiet) selection::note_lost_numbers(*selected.scene, {{&form, format}});
+    if (selected.scene && !common.quiet) selection::note_unrepresentable_numbers(*selected.scene, {{&form, format}});
     if (!options.ray_options.ray.empty() && !common.quiet &&
         ray.inputs(form, format).ray(*form.info).direction == Vec<double>(0, 0, 0))
         fmt::print(stderr,

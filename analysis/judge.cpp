@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "analysis/selection/external.hpp"
-#include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
@@ -40,7 +40,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
     std::erase_if(tested_rows, [&request](const measure::evaluate::TestedForm& tested_form) {
         return request.is_file_row(tested_form);
     });
-    if (tested_rows.empty()) return selection::measured_metrics(drawn_metrics, request.rows);
+    if (tested_rows.empty()) return selection::with_default_metrics(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
@@ -48,9 +48,9 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
         group.primitives.front().shape = tested_rows.front().form->shape;
     }
     for (Primitive<double>& primitive : group.primitives)
-        if (has_matrices) primitive.placed = selection::any_matrix();
+        if (has_matrices) primitive.placed = selection::placeholder_matrix();
     group.march = request.march;
-    return metric_set.adapt_to_forms(selection::measured_metrics(drawn_metrics, request.rows),
+    return metric_set.adapt_to_forms(selection::with_default_metrics(drawn_metrics, request.rows),
                                      measure::evaluate::forms_of(tested_rows),
                                      [&group] { return measure::attribution::OwnedSetting(group); });
 }
@@ -118,12 +118,12 @@ void print_results(const JudgeRequest& request, const JudgeResult& result, const
     table.print();
 }
 
-/// The rows to judge: first the row of the file, if the file has answers, then the rows of -i. Prints a note if
+/// The tested forms to judge: first the answers of the file, if it has some, then the forms of -i. Prints a note if
 /// external intersectors were loaded but -i names no form.
-std::vector<measure::evaluate::TestedForm> select_rows(const JudgeOptions& options, const Dump& dump,
-                                                       const selection::ShapePredicate& meets,
-                                                       const intersect::table::Intersector* answers,
-                                                       const CommonOptions& common) {
+std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOptions& options, const Dump& dump,
+                                                               const selection::ShapePredicate& can_test,
+                                                               const intersect::table::Intersector* answers,
+                                                               const CommonOptions& common) {
     std::vector<measure::evaluate::TestedForm> tested_forms;
     if (answers) tested_forms.push_back({answers, dump.format()});
     if (options.forms.empty()) {
@@ -138,17 +138,18 @@ std::vector<measure::evaluate::TestedForm> select_rows(const JudgeOptions& optio
         if (!tested_forms.empty()) return tested_forms;
         throw NothingSelected(fmt::format(
             "{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", options.file,
-            selection::globs_of([&meets](Shapes s) { return selection::are_primitives(s) && meets(s); })));
+            selection::patterns_for([&can_test](Shapes s) { return selection::are_primitives(s) && can_test(s); })));
     }
     const auto formats =
         options.formats.empty() ? std::vector{dump.format()} : selection::select_formats(options.formats);
-    auto candidates = selection::cross(selection::select_forms(options.forms), formats);
+    auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
     selection::refuse_generators(candidates, "judge");
-    const auto matching_rows = selection::rows_meeting({candidates, options.forms, common.quiet}, options.file, meets);
-    if (matching_rows.empty())
+    const auto handling_forms =
+        selection::tested_forms_handling({candidates, options.forms, common.quiet}, options.file, can_test);
+    if (handling_forms.empty())
         throw NothingSelected(options.file + ": no selected form handles its primitives" +
-                              selection::fitting_forms_advice(candidates, meets));
-    tested_forms.insert(tested_forms.end(), matching_rows.begin(), matching_rows.end());
+                              selection::forms_advice(candidates, can_test));
+    tested_forms.insert(tested_forms.end(), handling_forms.begin(), handling_forms.end());
     return tested_forms;
 }
 
@@ -187,7 +188,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
     const auto dump = selection::open_file(options, options.file, selection::shared_shape(options, scene),
-                                           options.rows || !options.by.empty());
+                                           options.writes_rows || !options.by.empty());
     if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)
         return run_mesh_judge(options, scene, *dump, common);
     JudgeRequest request{.primitives = selection::shared_primitives(options, scene, dump->format()),
@@ -198,7 +199,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
         scene::rays::representatives_of(request.primitives, request.mesh.get());
     selection::put_under_matrices(*dump, representatives);
     const Shapes shapes = selection::shapes_of_rays(dump->layout(), representatives);
-    const selection::ShapePredicate meets = [&](Shapes forms) {
+    const selection::ShapePredicate can_test = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
     const std::string stem = scene::toml::result_name(options.file);
@@ -210,16 +211,15 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_answers_form = &answers.form();
     request.group_column = selection::group_column(options, dump->layout());
-    request.rows = select_rows(options, *dump, meets, request.file_answers_form, common);
+    request.rows = select_tested_forms(options, *dump, can_test, request.file_answers_form, common);
     if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.rows, common.quiet);
 
     if (!options.against.empty()) {
         const auto against_forms = selection::select_forms({options.against}, "--against");
-        const auto mixed_shapes = selection::several_shapes(meets);
+        const auto mixed_shapes = selection::several_shapes(can_test);
         if (mixed_shapes && !(against_forms.front()->shapes() == *mixed_shapes))
-            throw InputError(
-                fmt::format("--against {}: {}{}", options.against, options.file,
-                            selection::fitting_forms_advice({{against_forms.front(), dump->format()}}, meets)));
+            throw InputError(fmt::format("--against {}: {}{}", options.against, options.file,
+                                         selection::forms_advice({{against_forms.front(), dump->format()}}, can_test)));
         selection::compare_against(request.rows, options.against, common.quiet);
         if (request.file_answers_form && !request.file_row_index())
             throw InputError(
@@ -244,7 +244,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
                                                  : selection::select_metrics(options.metrics, metric_set);
     drawn_metrics = selection::applicable_metrics(drawn_metrics, request.rows, options.file);
     if (!options.against.empty()) selection::add_comparison_metrics(drawn_metrics);
-    selection::note_without_formula(drawn_metrics, request.rows, common.quiet);
+    selection::note_forms_without_formula(drawn_metrics, request.rows, common.quiet);
     auto measured_metrics = drawn_metrics;
     selection::add_requirement(options, metric_set, measured_metrics);
     request.metrics = make_metrics(measured_metrics, request, dump->layout().has_matrix(), metric_set);
@@ -271,12 +271,12 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
                                      .command = common.typed_command.text(),
                                      .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
                                      .single_pictures = options.pictures == "all",
-                                     .writes_rows = options.rows,
-                                     .worst_count = options.worst,
+                                     .writes_rows = options.writes_rows,
+                                     .worst_count = options.worst_count,
                                      .keep_piece = shard::piece_recorder(division, "judge")});
     const auto judgement = judge_rays(*dump, request, files, division, [&] {
         return selection::open_file(options, options.file, selection::shared_shape(options, scene),
-                                    options.rows || !options.by.empty());
+                                    options.writes_rows || !options.by.empty());
     });
     finish_run(run_division, common);
     if (!judgement) {
@@ -339,9 +339,9 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
     command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", options->size, "Draw the rays as a picture of WxH pixels, row by row");
     selection::add_pictures(command, options->pictures);
-    command.add("--rows", options->rows, "Also write one row per ray, with the columns of the file");
+    command.add("--rows", options->writes_rows, "Also write one row per ray, with the columns of the file");
     command.add(
-        "--worst-rays", options->worst,
+        "--worst-rays", options->worst_count,
         "Number of rays of each kind in worst.toml: correct hits with the largest errors, and each kind of wrong "
         "decision (default: 10)");
     add_shard(command, options->shard);

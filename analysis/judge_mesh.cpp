@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/selection/judge_options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
@@ -127,7 +127,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
          .format = std::string(dump.format().name),
          .title = "answers of " + std::filesystem::path(options.file).filename().string(),
          .kind = kind,
-         .writes_rows = options.rows});
+         .writes_rows = options.writes_rows});
     const MeshAnswersResult result =
         measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { files.add(answers); });
     files.finish(result);

@@ -84,7 +84,7 @@ Listing intersectors(const CommonOptions& /*common*/) {
                                            ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
                                            : "none",
                                        intersect::yields_next_crossing(info, form.shape) ? "yes" : "no",
-                                       selection::formats_of(form),
+                                       selection::formats_text(form),
                                        std::string(info.source)};
                         });
 }

@@ -1,3 +1,4 @@
+// `lostbits map`: measures forms on every pixel of scenes, and writes pictures, tables and EXR files.
 #include "measure/evaluate/map.hpp"
 
 #include <fmt/format.h>
@@ -56,7 +57,7 @@ std::string canonical_command(const Scene& scene, const MapOptions& options) {
         options.bits_needed > 0 ? fmt::format(" --bits {}", options.bits_needed) : "", scene_options_text(options));
 }
 
-/// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are none.
+/// The forms that exist in every width, as --bits requires. Throws NothingSelected if there are none.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& tested_forms) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const TestedForm& tested_form : tested_forms)
@@ -71,41 +72,42 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
 /// The work on one scene.
 struct SceneWork {
     measure::evaluate::MapStudy map;
-    std::optional<BitsNeededStudy> needed;
+    std::optional<BitsNeededStudy> bits_needed;
 
-    [[nodiscard]] std::uint64_t units() const {
-        return map.scene->pixels() * map.rows.size() + (needed ? needed->units() : 0);
+    [[nodiscard]] std::uint64_t work_units() const {
+        return map.scene->pixels() * map.rows.size() + (bits_needed ? bits_needed->units() : 0);
     }
 };
 
 SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& tested_forms,
                      const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
-    auto scene_rows = selection::fitting_rows(tested_forms, [&](Shapes forms) { return scene.meets(forms); });
-    SceneWork work{study::map_study(scene, std::move(scene_rows), metrics, metric_set, options.scenes.stop), {}};
-    if (options.bits_needed > 0) selection::refuse_generators(tested_forms, "--bits");
-    if (options.bits_needed > 0)
-        work.needed.emplace(BitsNeededStudy{.scene = scene,
-                                            .rows = forms_of_any_width(work.map.rows),
-                                            .bits = options.bits_needed,
-                                            .limit = work.map.limit});
+    auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.meets(forms); });
+    SceneWork work{study::map_study(scene, std::move(scene_forms), metrics, metric_set, options.scenes.stop), {}};
+    if (options.bits_needed > 0) {
+        selection::refuse_generators(tested_forms, "--bits");
+        work.bits_needed.emplace(BitsNeededStudy{.scene = scene,
+                                                 .rows = forms_of_any_width(work.map.rows),
+                                                 .bits = options.bits_needed,
+                                                 .limit = work.map.limit});
+    }
     return work;
 }
 
 /// Prints which forms `--bits` leaves out.
-void note_skipped(const std::vector<SceneWork>& scene_works) {
-    std::set<std::string_view> named_forms;
+void note_forms_without_every_width(const std::vector<SceneWork>& scene_works) {
+    std::set<std::string_view> noted_names;
     for (const SceneWork& work : scene_works) {
         for (const TestedForm& tested_form : work.map.rows) {
             const intersect::Info& info = *tested_form.form->info;
-            if (tested_form.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
+            if (tested_form.form->rounded != nullptr || !noted_names.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
-                       selection::formats_of(*tested_form.form));
+                       selection::formats_text(*tested_form.form));
         }
     }
 }
 
-/// The metrics of every pixel in the EXR, in addition to the answer and its outcome: lost bits, the drawn metrics and,
-/// for an envelope, excess bits.
+/// The metrics that the EXR stores for every pixel beside the answer and its outcome: lost bits, the drawn metrics and,
+/// for an envelope, excess bits. Metrics that the map of this scene does not measure are left out.
 std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& options,
                                       std::vector<const Metric*> drawn_metrics) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
@@ -119,31 +121,31 @@ std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o
 /// The summaries of a scene at the end.
 struct SceneSummaries {
     std::vector<measure::evaluate::FormSummary> map;
-    std::vector<measure::evaluate::BitsNeededSummary> needed;
+    std::vector<measure::evaluate::BitsNeededSummary> bits_needed;
 };
 
 /// Prints which forms missed hits because they return one crossing and the range of the rays excludes it.
-void note_lost_crossings(const SceneWork& work, const std::vector<measure::evaluate::FormSummary>& summaries) {
+void note_missed_crossings(const SceneWork& work, const std::vector<measure::evaluate::FormSummary>& summaries) {
     const Range<double>& range = work.map.scene->range;
     if (!range.open.tmin && !(range.tmin > 0)) return;
-    std::string losing_forms;
+    std::string missing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const TestedForm& tested_form = work.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
         if (missed == 0 || tested_form.form->is_set() ||
             intersect::yields_next_crossing(*tested_form.form->info, tested_form.form->shape))
             continue;
-        losing_forms +=
-            fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", tested_form.form->info->name,
+        missing_forms +=
+            fmt::format("{}{} {} ({} of {})", missing_forms.empty() ? "" : ", ", tested_form.form->info->name,
                         tested_form.format.name, missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
     }
-    if (losing_forms.empty()) return;
+    if (missing_forms.empty()) return;
     fmt::print(
         stderr,
         "lostbits: scene {}: its rays begin {} t = {:g}. These forms return only one crossing, and miss the next "
         "one if the range excludes the first: {}. Forms with next_crossing = yes in `lostbits list forms` return "
         "both\n",
-        work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, losing_forms);
+        work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, missing_forms);
 }
 
 void print_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
@@ -151,11 +153,11 @@ void print_results(const SceneWork& work, const SceneSummaries& summaries, const
     fmt::print("{}: {}\n", work.map.scene->id, scene::toml::count_with_noun(work.map.scene->pixels(), "ray"));
     print_table(work.map, summaries.map);
     print_comparisons(work.map.rows, work.map.metrics, summaries.map);
-    if (work.needed) print_table(*work.needed, summaries.needed);
+    if (work.bits_needed) print_table(*work.bits_needed, summaries.bits_needed);
     if (verbose) print_stages(*work.map.stages);
     print_figures(folder / "contact.png");
-    if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
-    note_lost_crossings(work, summaries.map);
+    if (work.bits_needed) fmt::print("{}\n", (folder / "needed.csv").string());
+    note_missed_crossings(work, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();
     if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())
         fmt::print(stderr,
@@ -170,7 +172,7 @@ struct MapContext {
     output::file::Progress& progress;
     RunDivision& run_division;
     const SceneFolders::CompleteCallback& complete;
-    std::string explaining_sheet;  ///< see `MapFilesOptions`
+    std::string sheet_with_explanations;  ///< see `MapFilesOptions`
 };
 
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
@@ -190,12 +192,12 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
                          output::map::MapExrRequest{.map = work.map,
                                                     .layers = exr_layers(work, options, drawn_metrics),
                                                     .command = canonical_command(scene, options),
-                                                    .needed = work.needed ? &*work.needed : nullptr});
+                                                    .needed = work.bits_needed ? &*work.bits_needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
     std::optional<output::map::NeededFiles> needed_files;
-    if (work.needed)
+    if (work.bits_needed)
         needed_files.emplace(
-            *work.needed,
+            *work.bits_needed,
             output::map::NeededFilesOptions{folder, writes_pixels, exr, shard::piece_recorder(division, needed_job)});
     output::map::MapFiles files(
         work.map, {.folder = folder,
@@ -204,7 +206,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
                    .pixels_csv = writes_pixels,
                    .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) +
                                       scene_options_text(options),
-                   .explaining_sheet = context.explaining_sheet,
+                   .sheet_with_explanations = context.sheet_with_explanations,
                    .draws_envelope = options.envelope,
                    .exr = exr,
                    .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
@@ -214,17 +216,17 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
     SceneSummaries summaries;
     auto map_summaries = shard::run_divided(work.map, files, division, job);
     if (map_summaries) summaries.map = std::move(*map_summaries);
-    if (work.needed) {
+    if (work.bits_needed) {
         // --bits tests the rays in many widths, so the time of the map does not predict its time.
-        output::file::Estimate estimate(progress, scene.id + " --bits", work.needed->units() / division.share().count,
-                                        common.quiet);
-        BitsNeededStudy needed = *work.needed;
-        needed.progress = advance_callback(progress, &estimate);
-        if (auto needed_summaries = shard::run_divided(needed, *needed_files, division, needed_job))
-            summaries.needed = std::move(*needed_summaries);
+        output::file::Estimate estimate(progress, scene.id + " --bits",
+                                        work.bits_needed->units() / division.share().count, common.quiet);
+        BitsNeededStudy study = *work.bits_needed;
+        study.progress = advance_callback(progress, &estimate);
+        if (auto needed_summaries = shard::run_divided(study, *needed_files, division, needed_job))
+            summaries.bits_needed = std::move(*needed_summaries);
     }
     if (!map_summaries) return 0;
-    if (work.needed) needed_files->finish(summaries.needed);
+    if (work.bits_needed) needed_files->finish(summaries.bits_needed);
     files.finish(summaries.map);
     context.complete();
     if (!common.quiet) progress.print_without_bar([&] { print_results(work, summaries, folder, common.verbose); });
@@ -241,7 +243,8 @@ std::vector<const Metric*> measured_metrics_of(std::vector<const Metric*> drawn_
 
 Exit run(MapOptions options, const CommonOptions& common) {
     require_folder(options.out);
-    auto rows = selection::cross(selection::select_forms(options.forms), selection::select_formats(options.formats));
+    auto rows = selection::pair_forms_with_formats(selection::select_forms(options.forms),
+                                                   selection::select_formats(options.formats));
     if (!options.against.empty()) selection::compare_against(rows, options.against, common.quiet);
     measure::metric::MetricSet metric_set;
     auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
@@ -255,37 +258,38 @@ Exit run(MapOptions options, const CommonOptions& common) {
         measured_metrics.push_back(measure::metric::find_metric("excess_bits"));
     }
     auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
-    const auto usable_rows = selection::drop_unfitting(
+    const auto handling_forms = selection::drop_unhandled(
         scenes, {rows, options.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    selection::note_unmeasured(options.forms, usable_rows, common.quiet);
-    static_cast<void>(selection::parse_range(options.range, drawn_metrics));  // an error ends the run before any work
+    selection::note_unmeasured(options.forms, handling_forms, common.quiet);
+    // Called here and below only for their errors, which end the run before any work.
+    static_cast<void>(selection::parse_range(options.range, drawn_metrics));
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> scene_works;
     for (const auto& scene : scenes)
         scene_works.push_back(plan_scene(scene, options, rows, measured_metrics, metric_set));
     for (const SceneWork& work : scene_works)
-        selection::applicable_metrics(drawn_metrics, work.map.rows, "scene " + work.map.scene->id);
+        static_cast<void>(selection::applicable_metrics(drawn_metrics, work.map.rows, "scene " + work.map.scene->id));
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
     auto run_division = divide_run(options.shard, options.out, files, common);
     std::vector<std::string> jobs;
     for (const SceneWork& work : scene_works) {
         jobs.push_back("map " + work.map.scene->id);
-        if (work.needed) jobs.push_back("needed " + work.map.scene->id);
+        if (work.bits_needed) jobs.push_back("needed " + work.map.scene->id);
     }
     run_division.division.expect(jobs);
     options.out = run_division.out.string();
     SceneFolders folders(scenes, run_division, common);
     for (const SceneWork& work : scene_works)
-        selection::note_without_formula(drawn_metrics, work.map.rows, common.quiet);
-    if (options.bits_needed > 0 && !common.quiet) note_skipped(scene_works);
+        selection::note_forms_without_formula(drawn_metrics, work.map.rows, common.quiet);
+    if (options.bits_needed > 0 && !common.quiet) note_forms_without_every_width(scene_works);
     for (const SceneWork& work : scene_works)
         selection::note_numbers(*work.map.scene, options.scenes.set, work.map.rows, common.quiet);
 
     std::uint64_t units = 0;
-    for (const SceneWork& work : scene_works) units += work.units();
+    for (const SceneWork& work : scene_works) units += work.work_units();
     output::file::Progress progress(units / run_division.division.share().count, "map", common.progress, common.quiet);
     const std::uint64_t unresolved =
         folders.for_each(scene_works.size(), progress, [&](std::size_t scene_index, const auto& complete) {

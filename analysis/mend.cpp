@@ -34,8 +34,8 @@ struct MendOptions {
 };
 
 /// The form and format to repair. Throws an error if the form is not for the primitives of `id`.
-measure::evaluate::TestedForm select_row(const MendOptions& options, const std::string& id,
-                                         const selection::ShapePredicate& meets) {
+measure::evaluate::TestedForm select_tested_form(const MendOptions& options, const std::string& id,
+                                                 const selection::ShapePredicate& can_test) {
     const auto forms = selection::select_forms({options.form});
     const auto formats = selection::select_formats({options.format});
     if (std::ranges::any_of(formats, &Format::is_emulated))
@@ -45,15 +45,14 @@ measure::evaluate::TestedForm select_row(const MendOptions& options, const std::
                                      options.form, options.format));
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", options.format,
-                                     options.form, selection::formats_of(*forms.front())));
+                                     options.form, selection::formats_text(*forms.front())));
     selection::refuse_generators(forms, "mend");
     const auto* form = forms.front();
-    if (meets(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
+    if (can_test(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
         form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
-    if (!meets(form->shapes()))
-        throw NothingSelected(
-            fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
-                        selection::fitting_forms_advice({{form, *find_format(options.format)}}, meets)));
+    if (!can_test(form->shapes()))
+        throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
+                                          selection::forms_advice({{form, *find_format(options.format)}}, can_test)));
     return {.form = form, .format = formats.front()};
 }
 
@@ -190,9 +189,9 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     std::optional<RayFiles> rays;
     if (selection::are_ray_files(options.rays, options.subjects)) rays.emplace(options, common);
     else scene = load_subject_scene(options, data);
-    const auto meets = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
+    const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
     RepairRequest request{.scene = scene ? &*scene : nullptr,
-                          .row = select_row(options, scene ? scene->id : rays->id(), meets),
+                          .row = select_tested_form(options, scene ? scene->id : rays->id(), can_test),
                           .two_words = options.wider == "two-words"};
     if (options.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
         throw InputError("--emit " + options.emit +

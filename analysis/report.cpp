@@ -118,20 +118,20 @@ bool is_about_sweep(const Claim& c, const std::string& id) {
     return c.subject_if<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
 }
 
-bool has_row(const std::vector<TestedForm>& tested_forms, const Claim& c) {
-    const auto row = measure::claim::claim_row(c);
+bool has_tested_form(const std::vector<TestedForm>& tested_forms, const Claim& c) {
+    const auto row = measure::claim::tested_form_of(c);
     return std::ranges::any_of(tested_forms,
                                [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
 }
 
-/// Returns the selected rows and, if `with_claims`, those of the claims about the subject. External forms come first,
+/// Returns the selected forms and, if `with_claims`, those of the claims about the subject. External forms come first,
 /// then the others in the order of the catalogue.
-std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> tested_forms,
-                                 const std::vector<Claim>& claims, bool with_claims) {
+std::vector<TestedForm> tested_forms_for(const std::string& subject, std::vector<TestedForm> tested_forms,
+                                         const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
-        if (!has_row(tested_forms, c))
-            tested_forms.push_back({measure::claim::claim_row(c).form, measure::claim::claim_row(c).format});
+        if (!has_tested_form(tested_forms, c))
+            tested_forms.push_back({measure::claim::tested_form_of(c).form, measure::claim::tested_form_of(c).format});
     }
     const auto sort_key = [](const TestedForm& tested_form) {
         if (tested_form.form->is_set()) return std::pair{true, PTRDIFF_MAX};
@@ -160,21 +160,21 @@ struct ReportWork {
 };
 
 void plan_sweep(ReportWork& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const selection::SelectedRows& chosen, intersect::process::StopToken stop) {
-    std::vector<TestedForm> fitting_rows;
+                const selection::SelectedForms& chosen, intersect::process::StopToken stop) {
+    std::vector<TestedForm> handling_forms;
     const auto kind = scene::sweep::sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        fitting_rows =
-            selection::rows_meeting(chosen, path.stem().string(),
-                                    [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
+        handling_forms = selection::tested_forms_handling(
+            chosen, path.stem().string(),
+            [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
     else
-        fitting_rows = selection::rows_meeting(
+        handling_forms = selection::tested_forms_handling(
             chosen, path.stem().string(),
             [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.meets(forms); });
-    if (!fitting_rows.empty()) work.sweeps.push_back({path, data, fitting_rows});
+    if (!handling_forms.empty()) work.sweeps.push_back({path, data, handling_forms});
 }
 
 /// True if the page shows a claim. With --claims, these are the claims that it names. Without it they are all claims
@@ -182,10 +182,12 @@ void plan_sweep(ReportWork& work, const std::filesystem::path& path, const std::
 bool is_chosen(const Claim& c, const ReportOptions& options, const ReportWork& work) {
     if (!options.claims.empty()) return selection::matches_any(options.claims, c.id);
     if (options.subjects.empty()) return true;
-    return std::ranges::any_of(work.maps,
-                               [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_row(m.rows, c); }) ||
-           std::ranges::any_of(
-               work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()) && has_row(s.rows, c); });
+    return std::ranges::any_of(
+               work.maps,
+               [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_tested_form(m.rows, c); }) ||
+           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
+               return is_about_sweep(c, s.path.stem()) && has_tested_form(s.rows, c);
+           });
 }
 
 /// The patterns of -i; without -i, all forms.
@@ -193,10 +195,10 @@ std::vector<std::string> form_patterns_of(const ReportOptions& options) {
     return options.forms.empty() ? std::vector<std::string>{"*"} : options.forms;
 }
 
-/// The rows to time: the forms of -i in f32 and f64.
-std::vector<TestedForm> timed_rows(const ReportOptions& options) {
-    return selection::cross(selection::select_forms(form_patterns_of(options)),
-                            selection::select_formats({"f32", "f64"}));
+/// The tested forms to time: the forms of -i in f32 and f64.
+std::vector<TestedForm> timeable_forms(const ReportOptions& options) {
+    return selection::pair_forms_with_formats(selection::select_forms(form_patterns_of(options)),
+                                              selection::select_formats({"f32", "f64"}));
 }
 
 ReportWork plan_report(const ReportOptions& options, const std::filesystem::path& data) {
@@ -209,45 +211,46 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
                 "--claims " + glob +
                 ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
     }
-    const auto rows =
-        selection::cross(selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)),
-                         selection::select_formats(options.formats.empty() ? defaults.formats : options.formats));
+    const auto rows = selection::pair_forms_with_formats(
+        selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)),
+        selection::select_formats(options.formats.empty() ? defaults.formats : options.formats));
     ReportWork work;
     const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, work.metric_set);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
         if (!options.size.empty()) load_options.size = selection::parse_size(options.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
-            auto candidate_rows = rows_for(scene.id, rows, claims, options.forms.empty());
-            auto fitting_rows = selection::rows_meeting({candidate_rows, form_patterns_of(options), true}, scene.id,
-                                                        [&scene](Shapes forms) { return scene.meets(forms); });
-            if (fitting_rows.empty()) continue;
+            auto candidates = tested_forms_for(scene.id, rows, claims, options.forms.empty());
+            auto handling_forms =
+                selection::tested_forms_handling({candidates, form_patterns_of(options), true}, scene.id,
+                                                 [&scene](Shapes forms) { return scene.meets(forms); });
+            if (handling_forms.empty()) continue;
             std::vector<const Metric*> metrics = extra_metrics;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 metrics.push_back(measure::metric::find_metric(metric));
             if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
             auto form_metrics = work.metric_set.adapt_to_forms(
-                selection::measured_metrics(metrics, fitting_rows), measure::evaluate::forms_of(fitting_rows),
+                selection::with_default_metrics(metrics, handling_forms), measure::evaluate::forms_of(handling_forms),
                 [&scene] { return measure::attribution::OwnedSetting(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
             std::erase_if(form_metrics, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(extra_metrics, m) == extra_metrics.end();
             });
-            work.units += scene.pixels() * fitting_rows.size();
+            work.units += scene.pixels() * handling_forms.size();
             std::string scene_arguments = selection::name_of_scene(scene, data),
                         name_in_claims = selection::scene_name_in_claims(scene, data);
             if (!options.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
-            work.maps.push_back({std::move(scene), std::move(fitting_rows), std::move(form_metrics),
+            work.maps.push_back({std::move(scene), std::move(handling_forms), std::move(form_metrics),
                                  options.size.empty(), std::move(scene_arguments), std::move(name_in_claims)});
         }
     }
     for (const auto& path : subjects.sweeps) {
-        auto candidate_rows = rows_for(path.stem().string(), rows, claims, options.forms.empty());
-        plan_sweep(work, path, data, {candidate_rows, form_patterns_of(options), true}, options.stop);
+        auto candidates = tested_forms_for(path.stem().string(), rows, claims, options.forms.empty());
+        plan_sweep(work, path, data, {candidates, form_patterns_of(options), true}, options.stop);
     }
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = options.seeds;
     for (const std::string& text : options.choices) {
-        auto timed = timed_rows(options);
+        auto timed = timeable_forms(options);
         work.choices.push_back(
             report::parse_choice(text, options.size, {timed, form_patterns_of(options), true}, data, options.stop));
     }
@@ -324,8 +327,8 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
     if (options.trade) {
         for (const ShapeRow& primitive : shape_rows) {
             const Shape shape = primitive.shape;
-            const auto rows =
-                selection::fitting_rows(timed_rows(options), [shape](Shapes forms) { return forms == shape; });
+            const auto rows = selection::filter_tested_forms(timeable_forms(options),
+                                                             [shape](Shapes forms) { return forms == shape; });
             if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, common.stop));
         }
     }

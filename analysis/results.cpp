@@ -86,11 +86,11 @@ std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOpt
     selection::refuse_generated_rays(scenes, command);
     selection::refuse_generators(tested_forms, command);
     for (const Scene& scene : scenes) require_scene(scene);
-    const auto usable_rows = selection::drop_unfitting(
+    const auto handling_forms = selection::drop_unhandled(
         scenes, {tested_forms, shared.forms, common.quiet},
         [](const Scene& s, Shapes forms) { return selection::are_primitives(forms) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    selection::note_unmeasured(shared.forms, usable_rows, common.quiet);
+    selection::note_unmeasured(shared.forms, handling_forms, common.quiet);
     return scenes;
 }
 

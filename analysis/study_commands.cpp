@@ -179,9 +179,9 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
 template <class Adapter>
 Exit run_command(const StudyOptions& options, const CommonOptions& common) {
     require_folder(options.out);
-    auto rows =
-        selection::cross(selection::select_forms(selection::form_patterns_or(options.forms, Adapter::usual_forms())),
-                         selection::select_formats(options.formats));
+    auto rows = selection::pair_forms_with_formats(
+        selection::select_forms(selection::form_patterns_or(options.forms, Adapter::usual_forms())),
+        selection::select_formats(options.formats));
     std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
     auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
@@ -192,9 +192,9 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
     std::vector<std::filesystem::path> input_files;
     std::uint64_t units = 0;
     for (const scene::file::Scene& scene : scenes) {
-        const auto meets = [&](Shapes forms) { return scene.meets(forms); };
+        const auto can_test = [&](Shapes forms) { return scene.meets(forms); };
         studies.push_back(
-            Adapter::make_study(scene, selection::fitting_rows(rows, meets), options.values, common.stop));
+            Adapter::make_study(scene, selection::filter_tested_forms(rows, can_test), options.values, common.stop));
         if constexpr (requires { Adapter::note(scene, options.values); })
             if (!common.quiet) Adapter::note(scene, options.values);
         jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));

@@ -52,10 +52,10 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
+    const auto rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
-        selection::measured_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
+        selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm tested_form : rows) {
         for (const auto& convention : file.conventions) {
@@ -63,7 +63,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
             request.rows.push_back(tested_form);
         }
     }
-    if (!chosen.common.quiet) selection::note_lost_numbers(file, rows);
+    if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, rows);
     const auto folder = chosen.folder_of(file.id);
     const auto result_folder = chosen.take_sweep_folder(file.id, path);
     std::optional<output::sweep::CaseFiles> files;
@@ -82,12 +82,12 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.options), common.stop);
     sweep.title += chosen.options.title_suffix();
     auto request = study::sweep_request(
-        sweep, selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+        sweep, selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
         chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
-    selection::note_without_formula(chosen.extra_metrics, request.rows, common.quiet);
+    selection::note_forms_without_formula(chosen.extra_metrics, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
-    if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);
+    if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.rows, common.stop);
     const auto folder = chosen.folder_of(sweep.id);
     const auto result_folder = chosen.take_sweep_folder(sweep.id, path);
     const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
@@ -176,14 +176,14 @@ Exit run(SweepOptions options, const CommonOptions& common) {
     measure::metric::MetricSet metric_set;
     RunDivision run_division;
     const std::vector<std::string> default_formats{"f32", "f64"};
-    SweepSelection chosen{
-        selection::cross(selection::select_forms(options.forms),
-                         selection::select_formats(options.formats.empty() ? default_formats : options.formats)),
-        {},
-        metric_set,
-        run_division,
-        options,
-        common};
+    SweepSelection chosen{selection::pair_forms_with_formats(
+                              selection::select_forms(options.forms),
+                              selection::select_formats(options.formats.empty() ? default_formats : options.formats)),
+                          {},
+                          metric_set,
+                          run_division,
+                          options,
+                          common};
     if (!options.against.empty()) selection::compare_against(chosen.rows, options.against, common.quiet);
     // The plots of a sweep have the envelope, which is the error that the problem itself costs.
     if (!options.metrics.empty()) chosen.extra_metrics = selection::select_metrics(options.metrics, metric_set);
@@ -196,7 +196,7 @@ Exit run(SweepOptions options, const CommonOptions& common) {
     struct Sweep {
         std::filesystem::path path;
         SweepKind kind;
-        ShapePredicate meets;
+        ShapePredicate can_test;
     };
     std::vector<Sweep> sweeps;
     for (const std::string& name : options.sweeps) {
@@ -214,10 +214,11 @@ Exit run(SweepOptions options, const CommonOptions& common) {
                 " is not a sweep over every float, and other sweeps cannot be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, options, data, common.stop)});
     }
-    const auto usable_rows = selection::drop_unfitting(
-        sweeps, {chosen.rows, options.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
+    const auto handling_forms = selection::drop_unhandled(
+        sweeps, {chosen.rows, options.forms, common.quiet},
+        [](const Sweep& s, Shapes forms) { return s.can_test(forms); },
         [](const Sweep& s) { return s.path.stem().string(); });
-    selection::note_unmeasured(options.forms, usable_rows, common.quiet);
+    selection::note_unmeasured(options.forms, handling_forms, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
         std::ranges::move(selection::files_of(sweep.path, sweep.kind, options, data, common.stop),
@@ -234,7 +235,7 @@ Exit run(SweepOptions options, const CommonOptions& common) {
     }
     if (options.resume) resume_stopped(exhaustive_runs);
     const selection::ThreadLimit limit(common.threads);
-    for (const auto& [path, kind, meets] : sweeps) {
+    for (const auto& [path, kind, can_test] : sweeps) {
         try {
             if (kind == SweepKind::cases) run_case_file(path, chosen);
             else if (kind == SweepKind::axes) run_axes(path, chosen);

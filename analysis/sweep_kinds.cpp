@@ -49,7 +49,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
     for (TestedForm tested_form :
-         selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+         selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (tested_form.format.engine != Format::Engine::native32) continue;
         tested_form.touching = sweep_.convention;
         request_.rows.push_back(tested_form);
@@ -154,13 +154,13 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
     search.title += chosen.options.title_suffix();
     measure::sweep::WorstRequest request{
         .search = search,
-        .rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
+        .rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = chosen.common.stop}};
     Primitive<double> example;  // labels do not depend on its numbers
     example.shape = search.shape;
     request.metrics = chosen.metric_set.adapt_to_forms(
-        selection::measured_metrics({chosen.metric_set.find(search.metric)}, request.rows),
+        selection::with_default_metrics({chosen.metric_set.find(search.metric)}, request.rows),
         measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
@@ -200,7 +200,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     search.title += chosen.options.title_suffix();
     measure::edges::EdgeRequest request{
         .search = search,
-        .rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
+        .rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = chosen.common.stop}};
     if (chosen.takes_all_forms()) add_contracted(request.rows);
     for (const TestedForm& tested_form : request.rows)

@@ -41,7 +41,8 @@ measure::speed::TimingPlan timing_plan(const TradeOptions& options) {
 
 Exit run(const TradeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
-    auto rows = selection::cross(selection::select_forms(options.forms), selection::select_formats(options.formats));
+    auto rows = selection::pair_forms_with_formats(selection::select_forms(options.forms),
+                                                   selection::select_formats(options.formats));
     const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;
     if (!options.scene.empty())
@@ -49,8 +50,8 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
             selection::load_one_scene({{options.scene}, options.size, options.variant, options.set, common.stop}, data);
     TradeRequest request =
         study::trade_request(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
-    const auto fits = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
-    selection::note_unmeasured(options.forms, selection::fitting_rows(rows, fits), common.quiet);
+    const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
+    selection::note_unmeasured(options.forms, selection::filter_tested_forms(rows, can_test), common.quiet);
     request.plan = timing_plan(options);
     request.limit.stop = request.plan.stop = common.stop;
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));

@@ -32,35 +32,37 @@ TapeOp parse_operation(const char* name) {
                      scene::toml::did_you_mean(name ? name : "", names));
 }
 
-/// Updates both rows after a formula was added.
-void update_rows(lostbits_form& form) {
-    form.row = form.written_row = form.foreign_row->row();
+/// Updates both forms after a formula was added.
+void update_forms(lostbits_form& form) {
+    form.form = form.written_form = form.foreign_form->row();
     if (!form.formulas[0] && !form.formulas[1]) return;
     form.written.emplace(form.formulas[0], form.formulas[1]);
-    form.written->fill(form.row);
-    form.written_row = form.written->row(form.foreign_row->info);
+    form.written->fill(form.form);
+    form.written_form = form.written->row(form.foreign_form->info);
 }
 
 }  // namespace
 
-Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
-    forms = to_strings(choice.forms, "forms");
-    std::vector<std::string> formats = to_strings(choice.formats, "formats");
+CallSelection::CallSelection(const lostbits_choice* given, bool may_be_empty)
+    : arguments(given ? *given : lostbits_choice{}) {
+    forms = to_strings(arguments.forms, "forms");
+    std::vector<std::string> formats = to_strings(arguments.formats, "formats");
     if (formats.empty()) formats = {"f32", "f64"};
-    if (forms.empty() && choice.own_count == 0 && !may_be_empty) forms = {"*"};
+    if (forms.empty() && arguments.own_count == 0 && !may_be_empty) forms = {"*"};
     std::vector<const intersect::table::Intersector*> selected;
-    for (const lostbits_form* const own_form : to_span(choice.own, choice.own_count, "own")) {
+    for (const lostbits_form* const own_form : to_span(arguments.own, arguments.own_count, "own")) {
         require(own_form, "a form of `own`");
-        selected.push_back(choice.written != 0 ? &own_form->written_row : &own_form->row);
+        selected.push_back(arguments.written != 0 ? &own_form->written_form : &own_form->form);
     }
     if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(selected));
-    if (!selected.empty()) rows = selection::cross(selected, selection::select_formats(formats, "formats"));
-    extra_metrics = selection::select_metrics(to_strings(choice.metrics, "metrics"), metric_set);
+    if (!selected.empty())
+        tested_forms = selection::pair_forms_with_formats(selected, selection::select_formats(formats, "formats"));
+    extra_metrics = selection::select_metrics(to_strings(arguments.metrics, "metrics"), metric_set);
 }
 
-void Selection::keep_rows_for(const std::string& name, const selection::ShapePredicate& meets) {
-    rows = selection::rows_meeting({rows, forms, true}, name, meets);
-    if (rows.empty())
+void CallSelection::keep_forms_for(const std::string& name, const selection::ShapePredicate& can_test) {
+    tested_forms = selection::tested_forms_handling({tested_forms, forms, true}, name, can_test);
+    if (tested_forms.empty())
         throw NothingSelected(name +
                               ": has primitives that no chosen form takes in a chosen format; choose other "
                               "forms or formats");
@@ -79,9 +81,9 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
         require(form, "form");
         if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
         auto created = std::make_unique<lostbits_form>();
-        created->foreign_row = std::make_unique<intersect::external::ForeignRow>(make_foreign_form(forms[0]));
-        if (count == 2) created->foreign_row->add(make_foreign_form(forms[1]));
-        update_rows(*created);
+        created->foreign_form = std::make_unique<intersect::external::ForeignRow>(make_foreign_form(forms[0]));
+        if (count == 2) created->foreign_form->add(make_foreign_form(forms[1]));
+        update_forms(*created);
         *form = created.release();
         return Exit::done;
     });
@@ -92,13 +94,13 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
     return run_guarded(error, [&] {
         require(form, "form");
         require(operations, "operations");
-        if (form->foreign_row == nullptr)
+        if (form->foreign_form == nullptr)
             throw InputError(
                 "form: the operations of this form come from its source file; call lostbits_form_write only for a "
                 "form that was made without a file");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
-        WrittenFormula formula{.name = std::string(form->foreign_row->info.name),
-                               .shape = form->row.shape,
+        WrittenFormula formula{.name = std::string(form->foreign_form->info.name),
+                               .shape = form->form.shape,
                                .operations = {},
                                .hit = hit,
                                .t = t};
@@ -110,7 +112,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                  .label = operation.label ? operation.label : ""});
         require_valid(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
-        update_rows(*form);
+        update_forms(*form);
         return Exit::done;
     });
 }
@@ -124,8 +126,8 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         auto created = std::make_unique<lostbits_form>();
         created->function = intersect::function::load_function(named, {.stop = CallSettings(run).stop()});
         const auto& function = *created->function;
-        created->row = function.row;
-        created->written_row = function.written->row(function.answers->info);
+        created->form = function.row;
+        created->written_form = function.written->row(function.answers->info);
         auto signature_result = std::make_unique<lostbits_result>();
         signature_result->tables
             .emplace_back("function",

@@ -75,7 +75,7 @@ public:
 
 private:
     ResultTable& table_;
-    const measure::evaluate::TestedForm& row_;
+    const measure::evaluate::TestedForm& tested_form_;
     const std::vector<const measure::metric::Metric*>& metrics_;
 };
 
@@ -84,9 +84,9 @@ scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>>
                                                   std::shared_ptr<const scene::rays::MeshColumns> mesh);
 
 /// The primitives of a scene in the numbers of a format, and the index that finds those that a ray can meet.
-class StoredScene {
+class SceneInFormat {
 public:
-    StoredScene(const scene::file::Scene& scene, const FloatFormat& format);
+    SceneInFormat(const scene::file::Scene& scene, const FloatFormat& format);
     /// The index, which is made on first use. Several threads may call this at once.
     [[nodiscard]] const measure::culling::Culler& culler() const;
 
@@ -98,16 +98,16 @@ private:
     mutable std::optional<measure::culling::Culler> culler_;
 };
 
-/// Keeps the stored scenes with meshes that calls have made until the scene changes, since making an index over a
+/// Keeps the scenes with meshes that calls have converted to a format, until the scene changes: making an index over a
 /// million triangles takes a second. Several threads may call `get` at once.
-class StoredScenes {
+class SceneCache {
 public:
-    std::shared_ptr<const StoredScene> get(const scene::file::Scene& scene, const FloatFormat& format);
+    std::shared_ptr<const SceneInFormat> get(const scene::file::Scene& scene, const FloatFormat& format);
     void forget() { scenes_.clear(); }
 
 private:
     std::mutex mutex_;
-    std::map<std::tuple<int, int, int>, std::shared_ptr<const StoredScene>> scenes_;  ///< by the numbers of the format
+    std::map<std::tuple<int, int, int>, std::shared_ptr<const SceneInFormat>> scenes_;  ///< by precision, emin and emax
 };
 
 }  // namespace lostbits::analysis::library
@@ -128,18 +128,18 @@ struct lostbits_scene {
     std::string explain_arguments;      ///< arguments of `lostbits explain` that name this scene; empty if none can
     bool has_array_primitives = false;  ///< arrays gave the primitives, and replaced those that the scene was read with
     /// The scene in the numbers of each format that was asked for. A call that changes the scene clears this.
-    std::unique_ptr<lostbits::analysis::library::StoredScenes> stored =
-        std::make_unique<lostbits::analysis::library::StoredScenes>();
+    std::unique_ptr<lostbits::analysis::library::SceneCache> stored =
+        std::make_unique<lostbits::analysis::library::SceneCache>();
 };
 
 struct lostbits_form {
-    std::unique_ptr<lostbits::intersect::external::ForeignRow> foreign_row = {};
-    /// A function of C, C++ or Rust; set if `foreign_row`, `formulas` and `written` are not.
+    std::unique_ptr<lostbits::intersect::external::ForeignRow> foreign_form = {};
+    /// A function of C, C++ or Rust; set if `foreign_form`, `formulas` and `written` are not.
     std::unique_ptr<lostbits::intersect::function::UserFunction> function = {};
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::table::WrittenForm> written = {};
-    lostbits::intersect::table::Intersector row{};  ///< the function in its formats, the written operations elsewhere
-    lostbits::intersect::table::Intersector written_row{};  ///< only the written operations; `row` if there are none
+    lostbits::intersect::table::Intersector form{};  ///< the function in its formats, the written operations elsewhere
+    lostbits::intersect::table::Intersector written_form{};  ///< only the written operations; `form` if there are none
 };
 
 namespace lostbits::analysis::library {
@@ -258,17 +258,18 @@ private:
     std::uint64_t done_ = 0;
 };
 
-/// The rows (form and format) that a call chooses: first those of the caller's forms, then those of the table.
-struct Selection {
-    lostbits_choice choice;
+/// What a call selects: its arguments, and the forms in formats and the metrics that they name. The caller's own forms
+/// come before those of the catalogue.
+struct CallSelection {
+    lostbits_choice arguments;       ///< as the caller gave them
     std::vector<std::string> forms;  ///< as given, for messages and for sets
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     measure::metric::MetricSet metric_set = {};
     std::vector<const measure::metric::Metric*> extra_metrics = {};
 
-    explicit Selection(const lostbits_choice* given, bool may_be_empty = false);
-    /// Keeps the rows that take the subject called `name`. Throws NothingSelected if none is left.
-    void keep_rows_for(const std::string& name, const selection::ShapePredicate& meets);
+    explicit CallSelection(const lostbits_choice* given, bool may_be_empty = false);
+    /// Keeps the tested forms that can test the subject called `name`. Throws NothingSelected if none is left.
+    void keep_forms_for(const std::string& name, const selection::ShapePredicate& can_test);
 };
 
 /// A file in memory that holds a text, as long as this object lives.

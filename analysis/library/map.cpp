@@ -12,14 +12,14 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, Selection& chosen,
+std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
                                             CallSettings& settings) {
     const scene::file::Scene& scene = scene_handle.scene;
-    chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
-    static_cast<void>(selection::applicable_metrics(metrics, chosen.rows, "scene " + scene.id));
-    auto request = study::map_study(scene, chosen.rows, metrics, chosen.metric_set, settings.stop());
+    static_cast<void>(selection::applicable_metrics(metrics, chosen.tested_forms, "scene " + scene.id));
+    auto request = study::map_study(scene, chosen.tested_forms, metrics, chosen.metric_set, settings.stop());
     request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();
@@ -27,7 +27,7 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> ray_tables;
     for (const TestedForm& tested_form : request.rows) {
-        if (chosen.choice.rows == 0) break;
+        if (chosen.arguments.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
             std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             RayTable::columns(request.metrics));
@@ -61,7 +61,7 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
     return run_guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        Selection chosen(choice);
+        CallSelection chosen(choice);
         CallSettings settings(run);
         return hand_over(map_result(*scene, chosen, settings), result);
     });

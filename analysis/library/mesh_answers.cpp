@@ -2,7 +2,7 @@
 #include "measure/judge/mesh_answers.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
-#include "analysis/selection/judge_options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 #include "measure/judge/judge.hpp"
 #include "output/judge/mesh_answer_files.hpp"
 

@@ -2,7 +2,7 @@
 #include "scene/rays/rays.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
-#include "analysis/selection/judge_options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 #include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
@@ -33,8 +33,8 @@ struct GivenRays {
     std::vector<Primitive<double>> primitives = {};
     /// The triangles of the mesh come after `primitives`; null: no mesh.
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
-    std::shared_ptr<const StoredScene> stored = {};  ///< the scene with these primitives; null: they are from arrays
-    Shape shape{};                                   ///< of the first primitive
+    std::shared_ptr<const SceneInFormat> stored = {};  ///< the scene with these primitives; null: they are from arrays
+    Shape shape{};                                     ///< of the first primitive
     [[nodiscard]] std::vector<Primitive<double>> representatives() const {
         return scene::rays::representatives_of(primitives, mesh.get());
     }
@@ -144,7 +144,7 @@ selection::ShapePredicate shape_filter(const GivenRays& given_rays) {
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Selection& chosen,
+std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, CallSelection& chosen,
                                                   CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     measure::judge::JudgeRequest request{
@@ -153,24 +153,24 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
     intersect::Info contract = read_contract(rays, given_rays.shape);
     if (given_rays.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given_rays.shape, contract);
-    if (!chosen.rows.empty()) chosen.keep_rows_for(rays_name, shape_filter(given_rays));
+    if (!chosen.tested_forms.empty()) chosen.keep_forms_for(rays_name, shape_filter(given_rays));
     else if (!given_rays.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (given_rays.dump->layout().has_answers()) {
         request.file_answers_form = &answers.form();
         request.rows.push_back({request.file_answers_form, given_rays.dump->format()});
     }
-    request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
+    request.rows.insert(request.rows.end(), chosen.tested_forms.begin(), chosen.tested_forms.end());
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
-    request.metrics = selection::measured_metrics(metrics, request.rows);
-    if (!chosen.rows.empty()) {
+    request.metrics = selection::with_default_metrics(metrics, request.rows);
+    if (!chosen.tested_forms.empty()) {
         RayGroup group;
         group.primitives = given_rays.representatives();
         if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
-        if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
+        if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::placeholder_matrix();
         request.metrics =
-            chosen.metric_set.adapt_to_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
+            chosen.metric_set.adapt_to_forms(request.metrics, measure::evaluate::forms_of(chosen.tested_forms),
                                              [&group] { return measure::attribution::OwnedSetting(group); });
     }
     const auto advance = settings.advance_callback(rays.count);
@@ -192,7 +192,7 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Sel
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     for (const TestedForm& tested_form : request.rows) {
-        if (chosen.choice.rows == 0) break;
+        if (chosen.arguments.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
             std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             RayTable::columns(request.metrics));
@@ -256,11 +256,12 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
         });
 }
 
-std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, Selection& chosen, CallSettings& settings) {
+std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, CallSelection& chosen,
+                                                CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
-    chosen.keep_rows_for(rays_name, shape_filter(given_rays));
+    chosen.keep_forms_for(rays_name, shape_filter(given_rays));
     auto result = std::make_unique<lostbits_result>();
-    for (const TestedForm& tested_form : chosen.rows) {
+    for (const TestedForm& tested_form : chosen.tested_forms) {
         ResultTable& table = result->tables.emplace_back(
             std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             std::vector<output::file::Column>{{"hit", "boolean", "", "1 if the form answers that the ray hits"},
@@ -269,8 +270,8 @@ std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, Selec
     }
     for_each_piece(given_rays, settings, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
-        for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
-            const TestedForm& tested_form = chosen.rows[r];
+        for (std::size_t r = 0; r < chosen.tested_forms.size(); ++r) {
+            const TestedForm& tested_form = chosen.tested_forms[r];
             const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
             const auto answers = measure::answer::evaluate(*tested_form.form, inputs);
             ResultTable& table = result->tables[r];
@@ -441,7 +442,7 @@ extern "C" {
 int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                    lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        Selection chosen(choice, true);
+        CallSelection chosen(choice, true);
         CallSettings settings(run);
         return judgement_result(*rays, chosen, settings);
     });
@@ -450,7 +451,7 @@ int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, con
 int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                      lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        Selection chosen(choice);
+        CallSelection chosen(choice);
         CallSettings settings(run);
         return answers_result(*rays, chosen, settings);
     });

@@ -70,7 +70,7 @@ std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics)
 
 RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& tested_form,
                    const std::vector<const Metric*>& metrics)
-    : table_(table), row_(tested_form), metrics_(metrics) {
+    : table_(table), tested_form_(tested_form), metrics_(metrics) {
     append_names(table["outcome"], measure::answer::outcome_names);
     table["outcome"].colours = &output::image::outcome_colours.front().r;
     for (const Metric* m : metrics) append_names(table[measure::evaluate::column_name(*m)], m->categories);
@@ -87,8 +87,9 @@ void RayTable::add_band(const measure::evaluate::BandResult& result) {
         columns[2].numbers.push_back(truth.is_hit() ? truth.primitive : measure::truth::missing);
         columns[3].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
         columns[4].numbers.push_back(
-            truth.is_hit() ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
-                           : measure::truth::missing);
+            truth.is_hit()
+                ? result.band->rounded_truth(i, binary64, tested_form_.form->info->direction, result.convention)
+                : measure::truth::missing);
     }
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
         ResultColumn& column = columns[5 + m];

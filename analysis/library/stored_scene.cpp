@@ -13,20 +13,20 @@ scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>>
     return scene::rays::primitive_list_of(group);
 }
 
-StoredScene::StoredScene(const Scene& scene, const FloatFormat& format)
+SceneInFormat::SceneInFormat(const Scene& scene, const FloatFormat& format)
     : primitives_beside_mesh(scene::rays::stored_beside_mesh(scene, format)),
       mesh(scene::rays::stored_mesh(scene, format)) {}
 
-const measure::culling::Culler& StoredScene::culler() const {
+const measure::culling::Culler& SceneInFormat::culler() const {
     std::call_once(culler_made_, [this] { culler_.emplace(primitive_list(primitives_beside_mesh, mesh)); });
     return *culler_;
 }
 
-std::shared_ptr<const StoredScene> StoredScenes::get(const Scene& scene, const FloatFormat& format) {
-    if (!scene.mesh) return std::make_shared<const StoredScene>(scene, format);
+std::shared_ptr<const SceneInFormat> SceneCache::get(const Scene& scene, const FloatFormat& format) {
+    if (!scene.mesh) return std::make_shared<const SceneInFormat>(scene, format);
     const std::scoped_lock lock(mutex_);
     auto& stored = scenes_[{format.precision, format.emin, format.emax}];
-    if (!stored) stored = std::make_shared<const StoredScene>(scene, format);
+    if (!stored) stored = std::make_shared<const SceneInFormat>(scene, format);
     return stored;
 }
 

@@ -25,16 +25,17 @@ using measure::evaluate::TestedForm;
 namespace {
 
 std::unique_ptr<lostbits_result> sweep_result(const std::filesystem::path& path, const std::string& data,
-                                              Selection& chosen, CallSettings& settings) {
+                                              CallSelection& chosen, CallSettings& settings) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
     const scene::sweep::SweepFile sweep(path, data, {}, settings.stop());
-    chosen.keep_rows_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
+    chosen.keep_forms_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
     std::vector<const measure::metric::Metric*> metrics = chosen.extra_metrics;
     for (const char* name : {"inherent_bits", "excess_bits"}) metrics.push_back(measure::metric::find_metric(name));
-    auto request = study::sweep_request(sweep, chosen.rows, std::move(metrics), chosen.metric_set, settings.stop());
+    auto request =
+        study::sweep_request(sweep, chosen.tested_forms, std::move(metrics), chosen.metric_set, settings.stop());
     output::sweep::SweepFiles::require_own_columns(request);
     request.progress = settings.advance_callback(measure::sweep::sweep_units(request));
     const auto measured_sweep = measure::sweep::measure_sweep(request);
@@ -45,22 +46,23 @@ std::unique_ptr<lostbits_result> sweep_result(const std::filesystem::path& path,
     return result;
 }
 
-/// The only chosen row. Throws InputError, which begins with `context`, if there are several, or if the operations of
-/// its form are not known.
-const TestedForm& only_row(const Selection& chosen, const std::string& context) {
-    if (chosen.rows.size() != 1)
-        throw InputError(context + ", and " + std::to_string(chosen.rows.size()) +
+/// The only chosen form in a format. Throws InputError, which begins with `context`, if there are several, or if the
+/// operations of its form are not known.
+const TestedForm& only_tested_form(const CallSelection& chosen, const std::string& context) {
+    if (chosen.tested_forms.size() != 1)
+        throw InputError(context + ", and " + std::to_string(chosen.tested_forms.size()) +
                          " pairs of form and format are chosen; name one form and one format");
-    const TestedForm& tested_form = chosen.rows.front();
+    const TestedForm& tested_form = chosen.tested_forms.front();
     if (!tested_form.form->is_template())
         throw InputError("form " + std::string(tested_form.form->info->name) +
                          ": its operations are not known; give them with lostbits_form_write");
     return tested_form;
 }
 
-std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
-    chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    const TestedForm& tested_form = only_row(chosen, "explain looks at one ray in one form and format");
+std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& scene, int x, int y,
+                                                    CallSelection& chosen) {
+    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    const TestedForm& tested_form = only_tested_form(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*tested_form.form);
     const scene::file::Scene generated = generator ? with_ray_generator(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
@@ -83,15 +85,16 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     std::ranges::transform(default_forms, forms.begin(), &std::string::c_str);
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
-    Selection chosen(&given);
-    std::erase_if(chosen.rows, [](const TestedForm& tested_form) { return !Adapter::can_measure(*tested_form.form); });
-    selection::refuse_generators(chosen.rows, Adapter::name);
+    CallSelection chosen(&given);
+    std::erase_if(chosen.tested_forms,
+                  [](const TestedForm& tested_form) { return !Adapter::can_measure(*tested_form.form); });
+    selection::refuse_generators(chosen.tested_forms, Adapter::name);
     selection::refuse_generated_rays({scene}, Adapter::name);
     Adapter::require(scene);
-    chosen.keep_rows_for("scene " + scene.id,
-                         [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
-    auto study =
-        Adapter::make_study(scene, chosen.rows, study::study_values(Adapter::options(), options), settings.stop());
+    chosen.keep_forms_for("scene " + scene.id,
+                          [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
+    auto study = Adapter::make_study(scene, chosen.tested_forms, study::study_values(Adapter::options(), options),
+                                     settings.stop());
     study.progress = settings.advance_callback(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
@@ -100,8 +103,8 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
 }
 
 std::unique_ptr<lostbits_result> trade_result(const scene::file::Scene* scene, const std::string& shape, bool quick,
-                                              Selection& chosen, CallSettings& settings) {
-    auto request = study::trade_request(scene, shape, {chosen.rows, chosen.forms, true});
+                                              CallSelection& chosen, CallSettings& settings) {
+    auto request = study::trade_request(scene, shape, {chosen.tested_forms, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = settings.stop();
     request.plan.progress = settings.advance_callback(measure::speed::trade_units(request));
@@ -129,14 +132,14 @@ measure::choice::Requirement parse_requirement(const lostbits_requirement& requi
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
-               const measure::choice::Requirement& requirement, bool two_words, Selection& chosen,
+               const measure::choice::Requirement& requirement, bool two_words, CallSelection& chosen,
                CallSettings& settings) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
-    chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
-    const TestedForm& tested_form = only_row(chosen, "mend repairs one form in one format");
+    const TestedForm& tested_form = only_tested_form(chosen, "mend repairs one form in one format");
     if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({tested_form.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
@@ -159,13 +162,13 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
-                 const measure::choice::Requirement& requirement, Selection& chosen, CallSettings& settings) {
+                 const measure::choice::Requirement& requirement, CallSelection& chosen, CallSettings& settings) {
     measure::choice::ChoiceRequest request;
     request.requirement = requirement;
     request.limit.stop = request.plan.stop = settings.stop();
     request.scene = &scene;
-    request.rows = selection::select_timed_rows(scene.id, {chosen.rows, chosen.forms, true},
-                                                [&scene](Shapes forms) { return scene.meets(forms); });
+    request.rows = selection::select_timed_forms(scene.id, {chosen.tested_forms, chosen.forms, true},
+                                                 [&scene](Shapes forms) { return scene.meets(forms); });
     std::erase_if(request.rows, [](const TestedForm& tested_form) { return tested_form.format.is_emulated(); });
     if (request.rows.empty())
         throw InputError(
@@ -195,7 +198,7 @@ Exit run_with_requirement(const RequirementArguments& arguments, const char* def
     require(arguments.scene, "scene");
     require(arguments.requirement, "requirement");
     require(result, "result");
-    Selection chosen(arguments.choice);
+    CallSelection chosen(arguments.choice);
     CallSettings settings(arguments.run);
     auto answer = std::make_unique<lostbits_result>();
     const bool meets_requirement =
@@ -217,7 +220,7 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
     return run_guarded(error, [&] {
         require(sweep, "sweep");
         require(result, "result");
-        Selection chosen(choice);
+        CallSelection chosen(choice);
         CallSettings settings(run);
         const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
@@ -233,7 +236,7 @@ int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_c
     return run_guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        Selection chosen(choice);
+        CallSelection chosen(choice);
         return hand_over(explanation_result(scene->scene, x, y, chosen), result);
     });
 }
@@ -261,7 +264,7 @@ int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick, co
         if (scene != nullptr && shape != nullptr)
             throw InputError("shape: a scene is given, which has its own shapes; pass NULL for one of the two");
         if (shape != nullptr && *shape == '\0') throw InputError("shape is empty; name one, or pass NULL for a sphere");
-        Selection chosen(choice);
+        CallSelection chosen(choice);
         CallSettings settings(run);
         return hand_over(
             trade_result(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, settings), result);
@@ -281,7 +284,7 @@ int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requi
     return run_guarded(error, [&] {
         return run_with_requirement({scene, requirement, choice, run}, "max", result,
                                     [&](auto& filled_result, const auto& target_scene, const auto& asked_requirement,
-                                        Selection& chosen, CallSettings& settings) {
+                                        CallSelection& chosen, CallSettings& settings) {
                                         return mend_into(filled_result, target_scene, asked_requirement, two_words != 0,
                                                          chosen, settings);
                                     });

@@ -46,7 +46,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     measure::sweep::CaseRequest request{
         .file = file,
         .rows = {},
-        .metrics = selection::measured_metrics(
+        .metrics = selection::with_default_metrics(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm tested_form : work.rows) {
@@ -111,7 +111,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     measure::sweep::SweepRequest request{
         .sweep = sweep,
         .rows = work.rows,
-        .metrics = selection::measured_metrics(
+        .metrics = selection::with_default_metrics(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
@@ -218,11 +218,12 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
         .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
-    auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
-    const selection::ShapePredicate meets = [&scene](Shapes shapes) {
+    auto all =
+        selection::pair_forms_with_formats(forms, selection::select_formats({std::string(offset::usual_format)}));
+    const selection::ShapePredicate can_test = [&scene](Shapes shapes) {
         return selection::are_primitives(shapes) && scene.meets(shapes);
     };
-    const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
+    const auto rows = selection::tested_forms_handling({all, {}, true}, scene.id, can_test);
     if (rows.empty()) return std::nullopt;
     study.rows = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it

@@ -18,7 +18,7 @@ namespace lostbits::analysis::report {
 
 using intersect::process::StopToken;
 
-/// A scene and the rows that can test it.
+/// A scene and the forms that can test it.
 struct MapWork {
     scene::file::Scene scene;
     std::vector<measure::evaluate::TestedForm> rows;
@@ -33,7 +33,7 @@ struct MapWork {
 output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                                const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
-/// A sweep along one axis, over a plane, or over named cases, and the rows that can test it.
+/// A sweep along one axis, over a plane, or over named cases, and the forms that can test it.
 struct SweepWork {
     std::filesystem::path path, data;
     std::vector<measure::evaluate::TestedForm> rows;
@@ -41,7 +41,7 @@ struct SweepWork {
 };
 output::page::SweepPart sweep_part(const SweepWork& work, StopToken stop);
 
-/// A scene, a requirement, and the rows that can be timed on the scene.
+/// A scene, a requirement, and the forms that can be timed on the scene.
 struct ChoiceWork {
     scene::file::Scene scene;
     measure::choice::Requirement requirement;
@@ -49,7 +49,7 @@ struct ChoiceWork {
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other texts.
-ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
+ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
                         const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
@@ -88,7 +88,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 /// in `usual_format`. Returns nothing if none of these forms fits.
 std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop);
 
-/// Measures speed and accuracy of the rows of one shape, with short measurements.
+/// Measures speed and accuracy of the forms of one shape, with short measurements.
 output::page::TradePart trade_part(Shape shape, const std::vector<measure::evaluate::TestedForm>& tested_forms,
                                    StopToken stop);
 

@@ -70,11 +70,11 @@ private:
 
 }  // namespace
 
-ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
+ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
                         const std::filesystem::path& data, StopToken stop) {
     const RequirementText parsed("--choose", "a scene", "near-benign", text, {});
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
-    auto timed_rows = selection::select_timed_rows(scene, rows);
+    auto timed_rows = selection::select_timed_forms(scene, rows);
     return {std::move(scene), parsed.requirement, std::move(timed_rows)};
 }
 
@@ -84,8 +84,9 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     const std::string form = parsed.take_last();
     if (parsed.rest.empty()) parsed.refuse("the scene or the form is missing");
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
-    auto candidates = selection::cross(selection::select_forms({form}), selection::select_formats({"f32"}));
-    const auto rows = selection::rows_meeting({candidates, {form}, true}, scene.id, [&scene](Shapes shapes) {
+    auto candidates =
+        selection::pair_forms_with_formats(selection::select_forms({form}), selection::select_formats({"f32"}));
+    const auto rows = selection::tested_forms_handling({candidates, {form}, true}, scene.id, [&scene](Shapes shapes) {
         return selection::are_primitives(shapes) && scene.meets(shapes);
     });
     if (rows.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");

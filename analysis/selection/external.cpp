@@ -339,7 +339,7 @@ void note_unmeasured(const std::vector<std::string>& patterns,
                    std::ranges::find(tested_form.form->parts, &form) != tested_form.form->parts.end();
         };
         if (std::ranges::any_of(tested_forms, measures_form)) continue;
-        const std::string formats = formats_of(form);
+        const std::string formats = formats_text(form);
         left_out[std::string(primitives_text(form.shape)) + (formats == "all" ? "" : " in " + formats)].push_back(
             form.info->name);
     }

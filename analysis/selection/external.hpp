@@ -79,7 +79,7 @@ std::vector<std::string> form_patterns_or(const std::vector<std::string>& given,
 /// Prints a note on stderr if -i and --against of the parsed command name none of the external forms.
 void note_unselected(const shell::Command& command);
 
-/// Prints on stderr, unless `quiet`, which wanted forms are in none of the measured rows because nothing has their
+/// Prints on stderr, unless `quiet`, which wanted forms are not measured because nothing has their
 /// shape or format. A form is wanted if a pattern of -i is its name, or if it is external and either -i is not given or
 /// a pattern of -i matches its name.
 void note_unmeasured(const std::vector<std::string>& patterns,

@@ -60,35 +60,36 @@ Ray<Real> parse_ray(const RayOptions& options) {
     return ray;
 }
 
-/// The row for these primitives; the form gets the usual transform if matrices place the primitives. Throws InputError
-/// if the form does not take the primitives.
+/// The tested form for these primitives; it gets the usual transform if matrices place the primitives. Throws
+/// InputError if the form does not take the primitives.
 template <class ShapePredicate>
-TestedForm row_for_primitives(const TestedForm& tested_form, const std::string& subject, const ShapePredicate& meets) {
+TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::string& subject,
+                                      const ShapePredicate& can_test) {
     const Shape shape = tested_form.form->shape;
-    if (meets(tested_form.form->shapes())) return tested_form;
+    if (can_test(tested_form.form->shapes())) return tested_form;
     if (is_primitive(shape) && !tested_form.form->is_set() && !scene::rays::generator_of(*tested_form.form) &&
-        meets(tested_form.form->shapes().placed())) {
+        can_test(tested_form.form->shapes().placed())) {
         TestedForm placed = tested_form;
         placed.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
                                                               *tested_form.form);
         return placed;
     }
-    if (tested_form.form->shapes().are_placed() && meets(tested_form.form->shapes().placed(false)))
+    if (tested_form.form->shapes().are_placed() && can_test(tested_form.form->shapes().placed(false)))
         throw InputError(fmt::format(
             "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
             "the transform",
             tested_form.form->info->name, subject));
-    if (is_primitive(shape) && several_shapes(meets)) {
+    if (is_primitive(shape) && several_shapes(can_test)) {
         std::vector<TestedForm> parts{tested_form};
         for (const auto* const part : tested_form.form->parts) parts.push_back({part, tested_form.format});
         throw InputError(
-            fmt::format("-i {}: {}{}", tested_form.form->info->name, subject, fitting_forms_advice(parts, meets)));
+            fmt::format("-i {}: {}{}", tested_form.form->info->name, subject, forms_advice(parts, can_test)));
     }
     const std::string missing_part = is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}",
                                                                        plurals(tested_form.form->shapes()))
                                                          : "no [march] table, which the forms of sdf.* need";
     throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", tested_form.form->info->name, subject, missing_part,
-                                 globs_of(meets)));
+                                 patterns_for(can_test)));
 }
 
 /// Loads the scene. Throws InputError if its file has variants and none is named.
@@ -110,19 +111,19 @@ OneRay select_pixel(const RayOptions& options, const Scene& scene) {
     return {scene, x, y, {.stop = options.stop}};
 }
 
-SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given_row,
+SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given_form,
                               const std::filesystem::path& data) {
-    const auto* const generator = scene::rays::generator_of(*given_row.form);
+    const auto* const generator = scene::rays::generator_of(*given_form.form);
     if (generator && !options.ray.empty())
         throw InputError(fmt::format(
             "-i {}: the part after the @ is a camera's ray generator, but no camera makes the ray of --ray; "
             "give --pixel instead of --ray, or leave out the @ and the ray generator",
-            given_row.form->info->name));
+            given_form.form->info->name));
     Scene loaded = load_single_scene(options, data);
     const auto scene = std::make_shared<const Scene>(generator ? with_ray_generator(std::move(loaded), *generator)
                                                                : std::move(loaded));
     const TestedForm tested_form =
-        row_for_primitives(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+        tested_form_for_primitives(given_form, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     std::vector<std::string> given_options;
     if (options.worst) given_options.emplace_back("--worst");
     if (!options.pixel.empty()) given_options.emplace_back("--pixel");
@@ -189,8 +190,8 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        tested_form = row_for_primitives(tested_form, "the file of cases " + file.id,
-                                         [&](Shapes forms) { return file.meets(forms); });
+        tested_form = tested_form_for_primitives(tested_form, "the file of cases " + file.id,
+                                                 [&](Shapes forms) { return file.meets(forms); });
         tested_form.touching = judging_convention(options, file);
         return find_worst_in_cases(file, tested_form, options.stop);
     }
@@ -199,8 +200,8 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
                          " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
                          "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
-    tested_form =
-        row_for_primitives(tested_form, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
+    tested_form = tested_form_for_primitives(tested_form, "the sweep " + sweep.id,
+                                             [&](Shapes forms) { return sweep.meets(forms); });
     tested_form.touching =
         options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
     return find_worst_in_sweep(sweep, tested_form, options.stop);
@@ -214,8 +215,8 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
             ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
             "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
-    tested_form = row_for_primitives(tested_form, "the file of cases " + file.id,
-                                     [&](Shapes forms) { return file.meets(forms); });
+    tested_form = tested_form_for_primitives(tested_form, "the file of cases " + file.id,
+                                             [&](Shapes forms) { return file.meets(forms); });
     const auto [case_index, ray_index] = parse_named_ray(file, options.named_case);
     tested_form.touching = judging_convention(options, file);
     const int rays = file.rays_of(case_index);
@@ -263,21 +264,22 @@ void require_range(const RayOptions& options, const Range<double>& range) {
                      ": leaves no t between tmin and tmax; write a tmax above tmin, or leave out --tmin or --tmax");
 }
 
-SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& given_row) {
+SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& given_form) {
     std::vector<Primitive<double>> primitives;
     for (const auto& [shape, text] : options.primitives.in_given_order())
         primitives.push_back(parse_primitive(shape, text, rounding_format(options.format)));
     const bool placed =
         std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
-    const auto form_takes = [&given_row](const Primitive<double>& primitive) {
-        return given_row.form->shapes().has(primitive.shape);
+    const auto form_takes = [&given_form](const Primitive<double>& primitive) {
+        return given_form.form->shapes().has(primitive.shape);
     };
     const TestedForm tested_form =
-        std::ranges::all_of(primitives, form_takes) && placed == given_row.form->shapes().are_placed()
-            ? given_row
-            : row_for_primitives(given_row, "the ray", [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
-                  return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
-              });
+        std::ranges::all_of(primitives, form_takes) && placed == given_form.form->shapes().are_placed()
+            ? given_form
+            : tested_form_for_primitives(given_form, "the ray",
+                                         [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
+                                             return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
+                                         });
     if (options.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = parse_ray(options);
     RayGroup group = scene::rays::group_of(to_double_ray(ray));

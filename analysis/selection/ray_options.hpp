@@ -35,13 +35,14 @@ struct RayOptions {
 struct SelectedRay {
     std::shared_ptr<const scene::file::Scene> scene;  ///< null if the ray belongs to no scene; the ray may refer to it
     measure::answer::OneRay ray;
-    /// The form to run: that of the row or, for primitives placed by matrices, the same with the usual transform.
+    /// The form to run: that of the tested form or, for primitives placed by matrices, the same with the usual
+    /// transform.
     const intersect::table::Intersector* form = nullptr;
     std::string note = {};                          ///< names the ray, if the options do not
     std::optional<std::pair<int, int>> pixel = {};  ///< pixel of the scene, if the ray is that of one
 };
 
-/// Finds the ray that the options name, with the numbers that the form of the row gets: a case has other numbers in
+/// Finds the ray that the options name, with the numbers that the tested form gets: a case has other numbers in
 /// each format. Throws InputError if they name no ray, and for primitives that the form does not take.
 SelectedRay find_ray(const RayOptions& options, const measure::evaluate::TestedForm& tested_form,
                      const std::filesystem::path& data);

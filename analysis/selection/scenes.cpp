@@ -19,26 +19,27 @@ namespace lostbits::analysis::selection {
 
 using scene::file::Scene;
 
-std::vector<Scene> load_scenes(const SceneOptions& choice, const std::filesystem::path& data) {
-    scene::file::LoadOptions load_options{.stop = choice.stop};
-    if (!choice.size.empty()) load_options.size = parse_size(choice.size);
-    for (const auto& assignment : choice.set) load_options.overrides.push_back(scene::toml::parse_override(assignment));
+std::vector<Scene> load_scenes(const SceneOptions& options, const std::filesystem::path& data) {
+    scene::file::LoadOptions load_options{.stop = options.stop};
+    if (!options.size.empty()) load_options.size = parse_size(options.size);
+    for (const auto& assignment : options.set)
+        load_options.overrides.push_back(scene::toml::parse_override(assignment));
     std::vector<Scene> scenes;
     std::set<std::string> ids;
-    for (const std::string& given_name : choice.names) {
+    for (const std::string& given_name : options.names) {
         const scene::file::SceneName name = scene::file::find_scene(given_name, data);
-        if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
-            throw InputError(
-                fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, given_name));
-        load_options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
+        if (name.variant && !options.variant.empty() && *name.variant != options.variant)
+            throw InputError(fmt::format("--variant {}: {} names another variant; leave out --variant", options.variant,
+                                         given_name));
+        load_options.variant = options.variant.empty() ? name.variant : std::optional(options.variant);
         for (auto& scene : scene::file::load_scene(name.path, load_options)) {
-            if (choice.refuses_ranges && !scene.range.is_whole())
+            if (options.refuses_ranges && !scene.range.is_whole())
                 throw InputError(
                     fmt::format("{}: the rays of {} have a range, but this command tests rays without end from t = 0; "
                                 "leave out the [rays] table",
                                 given_name, scene.id));
             // A title describes the numbers in the file: "… 100 away" would be wrong after --set.
-            if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
+            if (!options.set.empty()) scene.title += fmt::format(", with {}", fmt::join(options.set, ", "));
             if (!ids.insert(scene.id).second)
                 throw InputError(
                     fmt::format("{}: scene \"{}\" is given twice, and both would write to the same folder; "
@@ -99,29 +100,29 @@ std::filesystem::path form_flags_folder() {
     return fs::exists(installed / "form.flags", error) ? installed : program;
 }
 
-scene::file::Scene load_one_scene(const SceneOptions& choice, const std::filesystem::path& data) {
-    auto scenes = load_scenes(choice, data);
+scene::file::Scene load_one_scene(const SceneOptions& options, const std::filesystem::path& data) {
+    auto scenes = load_scenes(options, data);
     if (scenes.size() == 1) return std::move(scenes.front());
     std::string names;
     for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
     throw InputError(fmt::format("{}: has {} variants, and this command takes one; name one of {}",
-                                 choice.names.front(), scenes.size(), names));
+                                 options.names.front(), scenes.size(), names));
 }
 
-std::vector<measure::evaluate::TestedForm> select_timed_rows(const scene::file::Scene& scene,
-                                                             const SelectedRows& chosen) {
-    return select_timed_rows(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
+std::vector<measure::evaluate::TestedForm> select_timed_forms(const scene::file::Scene& scene,
+                                                              const SelectedForms& chosen) {
+    return select_timed_forms(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
 }
 
-std::vector<measure::evaluate::TestedForm> select_timed_rows(const std::string& id, const SelectedRows& chosen,
-                                                             const ShapePredicate& meets) {
+std::vector<measure::evaluate::TestedForm> select_timed_forms(const std::string& id, const SelectedForms& chosen,
+                                                              const ShapePredicate& can_test) {
     // A march tests all primitives at once, and its time depends on its steps, so a time per ray and primitive says
     // nothing.
-    const ShapePredicate can_be_timed = [&meets](Shapes forms) { return are_primitives(forms) && meets(forms); };
-    auto timed = rows_meeting(chosen, id, can_be_timed);
+    const ShapePredicate can_be_timed = [&can_test](Shapes forms) { return are_primitives(forms) && can_test(forms); };
+    auto timed = tested_forms_handling(chosen, id, can_be_timed);
     if (!timed.empty()) return timed;
     throw NothingSelected("none of the selected forms is for the primitives of " + id +
-                          fitting_forms_advice(chosen.rows, can_be_timed));
+                          forms_advice(chosen.tested_forms, can_be_timed));
 }
 
 bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>& subjects) {
@@ -137,7 +138,7 @@ bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>
 
 void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
                               const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
-    std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !options.format.empty()},
+    std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !options.answer_format.empty()},
                                                            {"--skip", options.skip != 0}};
     for (const RayFileOption& option : ray_file_options())
         file_options.emplace_back(option.name, option.is_given(options));

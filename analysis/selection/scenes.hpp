@@ -1,5 +1,5 @@
-// The scenes and files of rays of a command, the folders of data and of compiler flags, and the rows that can be timed
-// on a scene.
+// The scenes and files of rays of a command, the folders of data and of compiler flags, and the forms that can
+// be timed on a scene.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/selection/judge_options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 #include "analysis/selection/sets.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/choice/file_rays.hpp"
@@ -28,19 +28,20 @@ struct SceneOptions {
 };
 
 /// Loads the scenes. Throws InputError if a scene is given twice, since its results go to a folder with its name.
-std::vector<scene::file::Scene> load_scenes(const SceneOptions& choice, const std::filesystem::path& data);
+std::vector<scene::file::Scene> load_scenes(const SceneOptions& options, const std::filesystem::path& data);
 
 /// The name of a scene for later commands, quoted for a shell: its id if it is in the data folder, else its path and
 /// variant.
 std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
 /// The name of a sweep for later commands, quoted for a shell.
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
-/// The names of scenes and sweeps in claims. A variant of a file outside the data folder is `mine.toml.VARIANT`.
+/// The name of a scene in claims: its id if it is in the data folder, else its path, and `.VARIANT` for a variant.
 std::string scene_name_in_claims(const scene::file::Scene& scene, const std::filesystem::path& data);
+/// The name of a sweep in claims: its name if it is in the data folder, else its path.
 std::string sweep_name_in_claims(const std::filesystem::path& path, const std::filesystem::path& data);
 
-/// The data folder: `--data`, else $LOSTBITS_DATA, else ./data, else the one of the program (beside it, in the tree in
-/// which it was built, or installed).
+/// The data folder: `--data` or $LOSTBITS_DATA if given, else the first that exists of ./data and the data folder of
+/// the program (beside it, in its build tree, or installed with it).
 std::filesystem::path data_folder(const std::string& data_option);
 
 /// The folder of the compiler flags for forms: `form.flags` and one file per register width. It is the build folder of
@@ -48,21 +49,22 @@ std::filesystem::path data_folder(const std::string& data_option);
 std::filesystem::path form_flags_folder();
 
 /// Loads one scene. Throws InputError if its file has several variants and none is named.
-scene::file::Scene load_one_scene(const SceneOptions& choice, const std::filesystem::path& data);
+scene::file::Scene load_one_scene(const SceneOptions& options, const std::filesystem::path& data);
 
-/// The rows that can be timed on the scene: forms for its primitives, or sets of such forms (`rows_meeting`), but no
-/// forms that march. Throws NothingSelected if there are none.
-std::vector<measure::evaluate::TestedForm> select_timed_rows(const scene::file::Scene& scene,
-                                                             const SelectedRows& chosen);
+/// The tested forms that can be timed on the scene: forms for its primitives, or sets of such forms
+/// (`tested_forms_handling`), but no forms that march. Throws NothingSelected if there are none.
+std::vector<measure::evaluate::TestedForm> select_timed_forms(const scene::file::Scene& scene,
+                                                              const SelectedForms& chosen);
 /// The same for any subject with primitives; `id` is its name in messages.
-std::vector<measure::evaluate::TestedForm> select_timed_rows(const std::string& id, const SelectedRows& chosen,
-                                                             const ShapePredicate& meets);
+std::vector<measure::evaluate::TestedForm> select_timed_forms(const std::string& id, const SelectedForms& chosen,
+                                                              const ShapePredicate& can_test);
 
 /// True if the subjects are files of rays: by their extension, or because --container or --columns is given.
 bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>& subjects);
 
 /// Throws InputError for an option of files with a scene, for an option of scenes with files, and for several scenes.
-/// `scene_options` has the options of scenes, each with true if it was given. `command` names the command: `a choice`.
+/// `scene_options` has the options of scenes, each with true if it was given. `command` names the work in
+/// messages, such as `a choice`.
 void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
                               const std::vector<std::pair<const char*, bool>>& scene_options, const char* command);
 
@@ -70,8 +72,8 @@ void refuse_misplaced_options(const RayFileOptions& options, const std::vector<s
 struct OpenedRays {
     std::string id, quoted_files;  ///< name of the results, and the names of the files, quoted for a shell
     std::unique_ptr<scene::dump::Dump> dump;
-    measure::choice::FileTerms terms;
-    Shapes shapes;  ///< of the primitives of the rays
+    measure::choice::FileTerms terms;  ///< what the command line says of the files
+    Shapes shapes;                     ///< of the primitives of the rays
 };
 OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,
                      const std::filesystem::path& data);

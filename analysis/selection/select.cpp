@@ -59,7 +59,7 @@ std::string name_advice(const std::string& name, const std::vector<std::string>&
 
 }  // namespace
 
-bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
+bool is_pattern(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
 
 std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
                                       const std::string& noun, const char* option) {
@@ -76,7 +76,7 @@ std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, 
         const std::string list_name = last_word == "strategy" ? "strategies"
                                       : last_word == "box"    ? "boxes"
                                                               : last_word + "s";
-        if (is_glob(pattern))
+        if (is_pattern(pattern))
             throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` lists all", option,
                                               pattern, noun, list_name));
         throw InputError(fmt::format("{} {}: unknown {}; {} (`lostbits list {}` lists all)", option, pattern, noun,
@@ -88,10 +88,10 @@ std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, 
     return indices;
 }
 
-std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs, const char* option) {
+std::vector<const Intersector*> select_forms(const std::vector<std::string>& patterns, const char* option) {
     std::vector<std::string> form_patterns;
     std::vector<const Intersector*> forms, composed_forms;
-    for (const std::string& pattern : globs) {
+    for (const std::string& pattern : patterns) {
         const bool is_set = names_set(pattern);
         if (!is_set && !scene::rays::split_composed_name(pattern)) {
             form_patterns.push_back(pattern);
@@ -100,44 +100,44 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
         for (const Intersector* const set : is_set ? select_sets(pattern, option) : select_composed(pattern, option))
             add_once(composed_forms, set);
     }
-    forms = select_rows(intersect::table::intersectors(), form_patterns, "form", option);
+    forms = select_items(intersect::table::intersectors(), form_patterns, "form", option);
     forms.insert(forms.end(), composed_forms.begin(), composed_forms.end());
     return forms;
 }
 
-std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
+std::vector<const Metric*> select_metrics(const std::vector<std::string>& patterns,
                                           measure::metric::MetricSet& metric_set) {
     std::vector<const Metric*> chosen;
-    for (const std::string& glob : globs) {
-        if (glob.starts_with("step:") && is_glob(glob)) {
+    for (const std::string& pattern : patterns) {
+        if (pattern.starts_with("step:") && is_pattern(pattern)) {
             bool is_matched = false;
             for (const std::string_view step : intersect::transform::step_names) {
                 const std::string name = "step:" + std::string(step);
-                if (!matches_any({glob}, name)) continue;
+                if (!matches_any({pattern}, name)) continue;
                 is_matched = true;
                 add_once(chosen, metric_set.find(name));
             }
             if (!is_matched)
-                throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", glob,
-                                                  fmt::join(intersect::transform::step_names, ", ")));
+                throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}",
+                                                  pattern, fmt::join(intersect::transform::step_names, ", ")));
             continue;
         }
-        if (const Metric* const metric = metric_set.find(glob)) {
+        if (const Metric* const metric = metric_set.find(pattern)) {
             add_once(chosen, metric);
             continue;
         }
-        if (glob == "step:")
+        if (pattern == "step:")
             throw InputError(fmt::format(
                 "--metric step:: the step is missing; write step:NAME, such as step:origin; the steps are {}",
                 fmt::join(intersect::transform::step_names, ", ")));
-        if (glob == "contribution" || glob.ends_with(':')) {
-            const std::string kind = glob.substr(0, glob.find(':'));
+        if (pattern == "contribution" || pattern.ends_with(':')) {
+            const std::string kind = pattern.substr(0, pattern.find(':'));
             throw InputError(fmt::format(
                 "--metric {}: the operation is missing; write {}:LABEL, such as {}:c; `lostbits list labels` "
                 "shows the labels of every form",
-                glob, kind, kind));
+                pattern, kind, kind));
         }
-        for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric"))
+        for (const Metric* m : select_items(measure::metric::metrics(), {pattern}, "metric", "--metric"))
             add_once(chosen, m);
     }
     return chosen;
@@ -166,7 +166,8 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
     }
     if (metrics.empty()) return metrics;
     const std::string message_prefix = fmt::format("--metric {}: ", metrics.front()->name);
-    // Drops the metrics for which `is_about` is true if no row `has` what they need. It is an error if none is left.
+    // Drops the metrics for which `is_about` is true if no tested form `has` what they need. It is an error if none is
+    // left.
     const auto drop_unless = [&](const auto& has, const auto& is_about, const std::string& lack) {
         if (std::ranges::any_of(tested_forms, has)) return;
         std::erase_if(metrics, is_about);
@@ -205,7 +206,7 @@ void compare_against(std::vector<TestedForm>& tested_forms, const std::string& n
     };
     std::erase_if(tested_forms,
                   [&is_comparable](const TestedForm& tested_form) { return !is_comparable(tested_form); });
-    const std::string formats = formats_of(against_form);
+    const std::string formats = formats_text(against_form);
     if (tested_forms.empty())
         throw InputError(
             fmt::format("--against {}: this form intersects {}, in {}; no selected form can be compared with it; "
@@ -234,8 +235,8 @@ void add_comparison_metrics(std::vector<const Metric*>& metrics) {
         if (compares_forms(&m)) add_once(metrics, &m);
 }
 
-void note_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& tested_forms,
-                          bool quiet) {
+void note_forms_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& tested_forms,
+                                bool quiet) {
     std::string forms;
     for (const TestedForm& tested_form : tested_forms) {
         const std::string name(tested_form.form->info->name);
@@ -255,8 +256,8 @@ void note_without_formula(const std::vector<const Metric*>& metrics, const std::
     }
 }
 
-std::vector<const Metric*> measured_metrics(const std::vector<const Metric*>& given,
-                                            const std::vector<TestedForm>& tested_forms) {
+std::vector<const Metric*> with_default_metrics(const std::vector<const Metric*>& given,
+                                                const std::vector<TestedForm>& tested_forms) {
     const bool marches = marches_any(tested_forms);
     std::vector<const Metric*> all;
     for (const Metric& m : measure::metric::metrics()) {
@@ -291,13 +292,14 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
     return formats;
 }
 
-std::string formats_of(const Intersector& form) {
+std::string formats_text(const Intersector& form) {
     if (form.rounded != nullptr) return "all";
     if (form.native32 && form.native64) return "f32 and f64";
     return form.native32 ? "f32" : "f64";
 }
 
-std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {
+std::vector<TestedForm> pair_forms_with_formats(const std::vector<const Intersector*>& forms,
+                                                const std::vector<Format>& formats) {
     std::vector<TestedForm> tested_forms;
     for (const Intersector* form : forms) {
         for (const Format& format : formats) {
@@ -311,7 +313,7 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
         throw NothingSelected(
             fmt::format("none of the selected forms exists in {}; {} exists in {}: choose one of its formats with -f "
                         "(`lostbits list forms` lists the formats of each form)",
-                        format_names, example.info->name, formats_of(example)));
+                        format_names, example.info->name, formats_text(example)));
     }
     return tested_forms;
 }

@@ -35,17 +35,17 @@ void add_once(std::vector<T>& list, const std::type_identity_t<T>& item) {
 }
 
 /// The forms whose names match any of the patterns (`sphere.*`, `*press*`), in the order of the catalogue. After them
-/// come the sets of words such as `sphere.press+box.*` (`select_sets`) and the rows of words such as `sphere.*@pbrt`
-/// and `sphere.*^box.signs` (`select_composed`). Throws InputError, which names the `option` and suggests a name, for
-/// an unknown name, and NothingSelected for a pattern that matches nothing.
-std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
+/// come the sets that patterns such as `sphere.press+box.*` expand to (`select_sets`), and the forms that patterns such
+/// as `sphere.*@pbrt` and `sphere.*^box.signs` expand to (`select_composed`). Throws InputError, which names the
+/// `option` and suggests a name, for an unknown name, and NothingSelected for a pattern that matches nothing.
+std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& patterns,
                                                                const char* option = "-i");
 
 /// True if the text has characters of a pattern: `*`, `?` or `[`.
-bool is_glob(const std::string& text);
+bool is_pattern(const std::string& text);
 
-/// Returns the indices of the names that match one of the patterns. `noun` names one item, such as `form`; the plural
-/// of its last word is the list of `lostbits list` that a message advises. Throws InputError, which names the `option`
+/// Returns the indices of the names that match one of the patterns. `noun` names one item, such as `form`; its
+/// plural names the `lostbits list` topic that a message suggests. Throws InputError, which names the `option`
 /// and suggests a name, for an unknown name, and NothingSelected for a pattern that matches nothing.
 std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
                                       const std::string& noun, const char* option);
@@ -53,8 +53,8 @@ std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, 
 /// The items of a list, such as `intersect::transform::transform_methods()`, that the patterns name, in the order of
 /// the list.
 template <class Row>
-std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector<std::string>& patterns,
-                                    const char* noun, const char* option) {
+std::vector<const Row*> select_items(std::span<const Row> list, const std::vector<std::string>& patterns,
+                                     const char* noun, const char* option) {
     std::vector<std::string> names;
     for (const Row& row : list) {
         if constexpr (requires { row.info->name; }) names.emplace_back(row.info->name);
@@ -70,77 +70,77 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
 
 /// The metrics of names and patterns, in the given order. `metric_set` owns the metrics that are made for labels.
 /// Throws InputError, which suggests a name, for an unknown one.
-std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
+std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& patterns,
                                                            measure::metric::MetricSet& metric_set);
 
-/// The metrics that apply to at least one of the rows: metrics of marches are dropped if no row marches. Throws
+/// The metrics that apply to at least one tested form: metrics of marches are dropped if no form marches. Throws
 /// InputError if none is left. `subject` names the scene or sweep.
 std::vector<const measure::metric::Metric*> applicable_metrics(
     std::vector<const measure::metric::Metric*> metrics, const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::string& subject);
 
-/// Sets the form, by name, that each row is compared with. Drops rows of other shapes, and rows in formats in which the
-/// form does not exist. Throws InputError if no row is left. Prints on stderr, unless `quiet`, which rows can only be
-/// compared by their decisions.
+/// Sets the form, by name, that each tested form is compared with. Drops tested forms for other shapes, and those in
+/// formats in which that form does not exist. Throws InputError if none is left. Prints on stderr, unless `quiet`,
+/// which tested forms can only be compared by their decisions.
 void compare_against(std::vector<measure::evaluate::TestedForm>& tested_forms, const std::string& form, bool quiet);
 
-/// Adds the metrics that compare a row with another form, if they are not in the list yet.
+/// Adds the metrics that compare a form with another one, if they are not in the list yet.
 void add_comparison_metrics(std::vector<const measure::metric::Metric*>& metrics);
 
 /// Prints on stderr which metrics leave out which forms because the operations of the forms are not known. Throws
-/// InputError if a metric leaves out all rows.
-void note_without_formula(const std::vector<const measure::metric::Metric*>& metrics,
-                          const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
+/// InputError if a metric leaves out all forms.
+void note_forms_without_formula(const std::vector<const measure::metric::Metric*>& metrics,
+                                const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 
-/// The default metrics and the given ones, as far as they apply, in the order of the table.
-std::vector<const measure::metric::Metric*> measured_metrics(
+/// The default metrics and the given ones, as far as they apply, in the order of `measure::metric::metrics()`.
+std::vector<const measure::metric::Metric*> with_default_metrics(
     const std::vector<const measure::metric::Metric*>& given,
     const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// The formats in which a form exists, in words: `all`, `f32`, `f64`, `f32 and f64`.
-std::string formats_of(const intersect::table::Intersector& form);
+std::string formats_text(const intersect::table::Intersector& form);
 
 /// Every selected form in every selected format in which it exists. Throws NothingSelected if there are none.
-std::vector<measure::evaluate::TestedForm> cross(const std::vector<const intersect::table::Intersector*>& forms,
-                                                 const std::vector<Format>& formats);
+std::vector<measure::evaluate::TestedForm> pair_forms_with_formats(
+    const std::vector<const intersect::table::Intersector*>& forms, const std::vector<Format>& formats);
 
-/// The rows whose forms are for shapes that `meets(Shapes)` accepts.
+/// The tested forms for shapes that `can_test(Shapes)` accepts.
 template <class ShapePredicate>
-std::vector<measure::evaluate::TestedForm> fitting_rows(const std::vector<measure::evaluate::TestedForm>& tested_forms,
-                                                        const ShapePredicate& meets) {
+std::vector<measure::evaluate::TestedForm> filter_tested_forms(
+    const std::vector<measure::evaluate::TestedForm>& tested_forms, const ShapePredicate& can_test) {
     std::vector<measure::evaluate::TestedForm> chosen;
     std::ranges::copy_if(
         tested_forms, std::back_inserter(chosen),
-        [&](const measure::evaluate::TestedForm& tested_form) { return meets(tested_form.form->shapes()); });
+        [&](const measure::evaluate::TestedForm& tested_form) { return can_test(tested_form.form->shapes()); });
     return chosen;
 }
 
 /// Drops the subjects (scenes or sweeps) that no selected form handles, and prints each on stderr unless quiet.
-/// `meets(subject, shapes)` is true if forms for these shapes can handle a subject; `name_of` returns its name. For
-/// subjects with several shapes it first adds sets of forms (`rows_meeting`). Returns the rows that can handle one of
-/// the subjects that are left. Throws NothingSelected if none is left.
-template <class Subjects, class MeetsSubject, class NameOf>
-std::vector<measure::evaluate::TestedForm> drop_unfitting(Subjects& subjects, const SelectedRows& chosen,
-                                                          MeetsSubject meets, NameOf name_of) {
-    const std::vector<measure::evaluate::TestedForm>& tested_forms = chosen.rows;
+/// `can_test(subject, shapes)` is true if forms for these shapes can handle a subject; `name_of` returns its name. For
+/// subjects with several shapes it first adds sets of forms (`tested_forms_handling`). Returns the tested forms that
+/// can handle one of the subjects that are left. Throws NothingSelected if none is left.
+template <class Subjects, class CanTestSubject, class NameOf>
+std::vector<measure::evaluate::TestedForm> drop_unhandled(Subjects& subjects, const SelectedForms& chosen,
+                                                          CanTestSubject can_test, NameOf name_of) {
+    const std::vector<measure::evaluate::TestedForm>& tested_forms = chosen.tested_forms;
     std::vector<std::string> messages;
     std::erase_if(subjects, [&](const auto& subject) {
-        const ShapePredicate meets_subject = [&](Shapes forms) { return meets(subject, forms); };
-        if (!rows_meeting(chosen, std::string(name_of(subject)), meets_subject).empty()) return false;
+        const ShapePredicate can_test_subject = [&](Shapes forms) { return can_test(subject, forms); };
+        if (!tested_forms_handling(chosen, std::string(name_of(subject)), can_test_subject).empty()) return false;
         messages.push_back("no selected form handles " + std::string(name_of(subject)) +
-                           fitting_forms_advice(tested_forms, meets_subject));
+                           forms_advice(tested_forms, can_test_subject));
         return true;
     });
     if (subjects.empty()) throw NothingSelected(messages.front());
     for (const std::string& message : messages) {
         if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", message.c_str());
     }
-    return fitting_rows(tested_forms, [&](Shapes forms) {
-        return std::ranges::any_of(subjects, [&](const auto& subject) { return meets(subject, forms); });
+    return filter_tested_forms(tested_forms, [&](Shapes forms) {
+        return std::ranges::any_of(subjects, [&](const auto& subject) { return can_test(subject, forms); });
     });
 }
 
-/// Limits every parallel loop to `threads` threads while it lives; 0 is one per core.
+/// Limits every parallel loop to `threads` threads while it lives; 0 means one per core.
 class ThreadLimit {
 public:
     explicit ThreadLimit(int threads);
@@ -162,31 +162,33 @@ void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& tested_
 /// Throws InputError for a scene whose rays are made in each format, in a command that rounds exact rays.
 void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 
-/// Prints on stderr which lengths of the scene vanish or overflow in a format and, if a row marches, which constants of
-/// its march do.
-void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& tested_forms);
+/// Prints on stderr which lengths of the scene vanish or overflow in a format and, if a form marches, which constants
+/// of its march do.
+void note_unrepresentable_numbers(const scene::file::Scene& scene,
+                                  const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// Prints on stderr which lengths, and which constants of a march, vanish or overflow in a format at any step of a
 /// sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
-void note_lost_numbers(const scene::sweep::SweepFile& sweep,
-                       const std::vector<measure::evaluate::TestedForm>& tested_forms,
-                       intersect::process::StopToken stop);
+void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep,
+                                  const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                  intersect::process::StopToken stop);
 
 /// Prints on stderr which lengths of any case vanish or overflow in a format. Words such as `tiny` stand for numbers of
-/// each format and are never lost.
-void note_lost_numbers(const scene::sweep::CaseFile& file,
-                       const std::vector<measure::evaluate::TestedForm>& tested_forms);
+/// each format and never vanish or overflow.
+void note_unrepresentable_numbers(const scene::sweep::CaseFile& file,
+                                  const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
-/// Prints on stderr which assignments of `--set` change nothing: constants of a march if no row marches.
+/// Prints on stderr which assignments of `--set` change nothing: constants of a march if no form marches.
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
-/// Calls `note_lost_numbers` and `note_idle_settings` for a scene that `set` has changed; does nothing if `quiet`.
+/// Calls `note_unrepresentable_numbers` and `note_idle_settings` for a scene that `set` has changed; does nothing if
+/// `quiet`.
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 
-/// A line `FORM FORMAT: text` for each row whose form is not in the catalogue and for which `suspicion` returns a text.
-/// It returns an empty text if nothing seems wrong (`measure::contract::suspicion`).
+/// A line `FORM FORMAT: text` for each tested form that is not in the catalogue and for which `suspicion` returns a
+/// text. `suspicion` returns an empty text if nothing seems wrong (`measure::contract::suspicion_text`).
 std::vector<std::string> suspicions_of(
     const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);

@@ -50,9 +50,9 @@ std::string set_counts_text(const std::vector<Forms>& forms_by_shape, std::size_
 Forms combinations(const std::vector<Forms>& forms_by_shape, const std::string& prefix) {
     std::size_t count = 1;
     for (const Forms& forms : forms_by_shape) count *= forms.size();
-    if (count > most_sets)
+    if (count > max_sets)
         throw InputError(fmt::format("{}: {}, and at most {} are allowed; name fewer forms, such as -i '{}.*' -i {}",
-                                     prefix, set_counts_text(forms_by_shape, count), most_sets,
+                                     prefix, set_counts_text(forms_by_shape, count), max_sets,
                                      name_of(forms_by_shape.front().front()->shape),
                                      forms_by_shape.back().front()->info->name));
     Forms sets;
@@ -72,7 +72,7 @@ Forms combinations(const std::vector<Forms>& forms_by_shape, const std::string& 
     return sets;
 }
 
-/// The forms of the rows for which `is_wanted` is true, each once.
+/// The forms for which `is_wanted` is true, each once.
 Forms forms_in(const std::vector<TestedForm>& tested_forms, const std::function<bool(const Intersector&)>& is_wanted) {
     Forms forms;
     for (const TestedForm& tested_form : tested_forms)
@@ -88,17 +88,17 @@ Forms forms_for(const std::vector<TestedForm>& tested_forms, Shapes shape) {
 }
 
 /// The shapes of something whose primitives are placed by matrices; nothing if none is.
-std::optional<Shapes> placed_shapes(const ShapePredicate& meets) {
+std::optional<Shapes> placed_shapes(const ShapePredicate& can_test) {
     for (const ShapeRow& shape_row : shape_rows)
-        if (const Shapes shape = Shapes(shape_row.shape).placed(); meets(shape)) return shape;
-    const auto several = several_shapes(meets);
+        if (const Shapes shape = Shapes(shape_row.shape).placed(); can_test(shape)) return shape;
+    const auto several = several_shapes(can_test);
     return several && several->are_placed() ? several : std::nullopt;
 }
 
 /// Adds each form for these shapes that has no transform with the usual transform.
 void add_placed(std::vector<TestedForm>& tested_forms, Shapes shapes) {
-    const std::vector<TestedForm> original_rows = tested_forms;
-    for (TestedForm tested_form : original_rows) {
+    const std::vector<TestedForm> original_forms = tested_forms;
+    for (TestedForm tested_form : original_forms) {
         if (tested_form.form->is_set() || tested_form.form->is_placed || !shapes.has(tested_form.form->shape)) continue;
         if (scene::rays::generator_of(*tested_form.form)) continue;
         tested_form.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
@@ -119,12 +119,12 @@ const Intersector& plain_form(Shape shape) {
     return plain == forms.end() ? forms.front() : *plain;
 }
 
-/// Adds the sets in each format of the rows. A set is compared with the same form as the row if that is for the same
-/// shapes.
-void add_rows(std::vector<TestedForm>& tested_forms, const Forms& sets) {
-    const std::vector<TestedForm> original_rows = tested_forms;
+/// Adds the sets in each format of the tested forms. A set is compared with the same form as the tested form if that is
+/// for the same shapes.
+void add_set_forms(std::vector<TestedForm>& tested_forms, const Forms& sets) {
+    const std::vector<TestedForm> original_forms = tested_forms;
     for (const Intersector* const set : sets) {
-        for (TestedForm tested_form : original_rows) {
+        for (TestedForm tested_form : original_forms) {
             tested_form.form = set;
             const auto same = [&tested_form](const TestedForm& other) {
                 return other.form == tested_form.form && other.format == tested_form.format;
@@ -136,7 +136,7 @@ void add_rows(std::vector<TestedForm>& tested_forms, const Forms& sets) {
     }
 }
 
-/// The shapes that no row is for, and advice.
+/// The shapes that no tested form is for, and advice.
 std::string missing_shapes_text(const std::vector<TestedForm>& tested_forms, Shapes shapes) {
     std::vector<Shape> missing;
     std::string example;
@@ -151,11 +151,12 @@ std::string missing_shapes_text(const std::vector<TestedForm>& tested_forms, Sha
                        plurals_text(missing), example);
 }
 
-/// Adds the sets that `rows_meeting` adds for these shapes.
-void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes, const ShapePredicate& meets) {
-    for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
+/// Adds the sets that `tested_forms_handling` adds for these shapes.
+void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shapes, const ShapePredicate& can_test) {
+    for (const Intersector* const set :
+         forms_in(chosen.tested_forms, [](const Intersector& form) { return form.is_set(); })) {
         std::vector<TestedForm> parts;
-        for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
+        for (const Intersector* const part : set->parts) parts.push_back({part, chosen.tested_forms.front().format});
         for (const Shape shape : list_shapes(shapes))
             if (!set->shapes().has(shape))
                 throw InputError(
@@ -163,15 +164,17 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
     }
     std::vector<Forms> forms_by_shape;
     for (const Shape shape : list_shapes(shapes))
-        forms_by_shape.push_back(forms_for(chosen.rows, Shapes(shape).placed(shapes.are_placed())));
+        forms_by_shape.push_back(forms_for(chosen.tested_forms, Shapes(shape).placed(shapes.are_placed())));
     if (std::ranges::any_of(forms_by_shape, &Forms::empty)) return;
     const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
-    if (!chose_all) return add_rows(chosen.rows, combinations(forms_by_shape, fmt::format("-i: on {}", name)));
-    if (std::ranges::any_of(chosen.rows,
-                            [&meets](const TestedForm& tested_form) { return meets(tested_form.form->shapes()); }))
+    if (!chose_all)
+        return add_set_forms(chosen.tested_forms, combinations(forms_by_shape, fmt::format("-i: on {}", name)));
+    if (std::ranges::any_of(chosen.tested_forms, [&can_test](const TestedForm& tested_form) {
+            return can_test(tested_form.form->shapes());
+        }))
         return;
     const Intersector& plain = plain_set(shapes);
-    add_rows(chosen.rows, {&plain});
+    add_set_forms(chosen.tested_forms, {&plain});
     if (!chosen.quiet)
         fmt::print(stderr,
                    "lostbits: {}: it has {}, so it is measured with sets, one form for each shape; without -i the "
@@ -182,13 +185,13 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
 
 }  // namespace
 
-std::optional<Shapes> several_shapes(const ShapePredicate& meets) {
+std::optional<Shapes> several_shapes(const ShapePredicate& can_test) {
     for (std::size_t subset = 0; subset < std::size_t{1} << shape_rows.size(); ++subset) {
         Shapes shapes;
         for (const ShapeRow& shape_row : shape_rows)
             if ((subset >> static_cast<unsigned>(shape_row.shape) & 1) != 0) shapes |= shape_row.shape;
         for (const Shapes candidate : {shapes, shapes.placed()})
-            if (candidate.are_several() && meets(candidate)) return candidate;
+            if (candidate.are_several() && can_test(candidate)) return candidate;
     }
     return std::nullopt;
 }
@@ -241,30 +244,31 @@ Forms select_composed(const std::string& pattern, const char* option) {
                      "lists the ways to compute boxes"
                    : "FORM@TRANSFORM, such as sphere.unified@pbrt; `lostbits list transforms` lists them"));
     const Forms composed = rows_of(
-        name, {.forms =
-                   [&](const std::string& glob) {
-                       Forms forms = select_forms({glob}, option);
-                       // A pattern skips forms that march, which take no transform, and forms that choose
-                       // their operations by the ray, which have no tape. Named in full, they are refused.
-                       std::erase_if(forms, [&](const Intersector* form) {
-                           return is_glob(name.form) && ((name.kind == Kind::transform && !is_primitive(form->shape)) ||
-                                                         (is_contracted && !measure::tape::has_tape(*form)));
-                       });
-                       return forms;
-                   },
-               .transform_methods =
-                   [option](const std::string& glob) {
-                       return select_rows(intersect::transform::transform_methods(), {glob}, "transform", option);
-                   },
-               .ray_generators =
-                   [option](const std::string& glob) {
-                       return select_rows(scene::camera::ray_generators(), {glob}, "ray generator", option);
-                   },
-               .box_methods =
-                   [option](const std::string& glob) {
-                       return select_rows(intersect::bounding_box::box_methods(), {glob}, "bounding box", option);
-                   },
-               .contracted = measure::tape::contracted_row});
+        name,
+        {.forms =
+             [&](const std::string& part_pattern) {
+                 Forms forms = select_forms({part_pattern}, option);
+                 // A pattern skips forms that march, which take no transform, and forms that choose
+                 // their operations by the ray, which have no tape. Named in full, they are refused.
+                 std::erase_if(forms, [&](const Intersector* form) {
+                     return is_pattern(name.form) && ((name.kind == Kind::transform && !is_primitive(form->shape)) ||
+                                                      (is_contracted && !measure::tape::has_tape(*form)));
+                 });
+                 return forms;
+             },
+         .transform_methods =
+             [option](const std::string& part_pattern) {
+                 return select_items(intersect::transform::transform_methods(), {part_pattern}, "transform", option);
+             },
+         .ray_generators =
+             [option](const std::string& part_pattern) {
+                 return select_items(scene::camera::ray_generators(), {part_pattern}, "ray generator", option);
+             },
+         .box_methods =
+             [option](const std::string& part_pattern) {
+                 return select_items(intersect::bounding_box::box_methods(), {part_pattern}, "bounding box", option);
+             },
+         .contracted = measure::tape::contracted_row});
     if (composed.empty() && is_contracted)
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "
@@ -314,28 +318,31 @@ void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const 
                 command, scene.id, command));
 }
 
-std::vector<TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name, const ShapePredicate& meets) {
-    if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
-    if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
-    return fitting_rows(chosen.rows, meets);
+std::vector<TestedForm> tested_forms_handling(const SelectedForms& chosen, const std::string& name,
+                                              const ShapePredicate& can_test) {
+    if (const auto placed = placed_shapes(can_test)) add_placed(chosen.tested_forms, *placed);
+    if (const auto several = several_shapes(can_test)) add_sets(chosen, name, *several, can_test);
+    return filter_tested_forms(chosen.tested_forms, can_test);
 }
 
-std::string globs_of(const ShapePredicate& meets) {
-    std::string globs;
-    const auto add = [&globs](const std::string& glob) { globs += (globs.empty() ? "" : "' -i '") + glob; };
-    if (const auto several = several_shapes(meets)) add(std::string(plain_set(*several).info->name));
+std::string patterns_for(const ShapePredicate& can_test) {
+    std::string patterns;
+    const auto add = [&patterns](const std::string& pattern) {
+        patterns += (patterns.empty() ? "" : "' -i '") + pattern;
+    };
+    if (const auto several = several_shapes(can_test)) add(std::string(plain_set(*several).info->name));
     for (const Shape shape : all_shapes)
-        if (meets(shape) || meets(Shapes(shape).placed())) add(std::string(name_of(shape)) + ".*");
-    return globs;
+        if (can_test(shape) || can_test(Shapes(shape).placed())) add(std::string(name_of(shape)) + ".*");
+    return patterns;
 }
 
-std::string fitting_forms_advice(const std::vector<TestedForm>& tested_forms, const ShapePredicate& meets) {
-    if (const auto several = several_shapes(meets)) return ": " + missing_shapes_text(tested_forms, *several);
+std::string forms_advice(const std::vector<TestedForm>& tested_forms, const ShapePredicate& can_test) {
+    if (const auto several = several_shapes(can_test)) return ": " + missing_shapes_text(tested_forms, *several);
     std::vector<Shape> primitives;
     for (const Shape shape : all_shapes)
-        if (is_primitive(shape) && (meets(shape) || meets(Shapes(shape).placed()))) primitives.push_back(shape);
+        if (is_primitive(shape) && (can_test(shape) || can_test(Shapes(shape).placed()))) primitives.push_back(shape);
     const std::string reason = primitives.size() == 1 ? ": it has " + plurals_text(primitives) : "";
-    return reason + "; try -i '" + globs_of(meets) + "'";
+    return reason + "; try -i '" + patterns_for(can_test) + "'";
 }
 
 }  // namespace lostbits::analysis::selection

@@ -14,9 +14,9 @@ namespace lostbits::analysis::selection {
 
 /// The largest number of sets on one scene. More are an error, since a user who writes two patterns seldom means all
 /// combinations.
-inline constexpr std::size_t most_sets = 200;
+inline constexpr std::size_t max_sets = 200;
 
-/// The shapes of primitives. They count as placed if a matrix places one of them.
+/// The shapes of these primitives. All of them count as placed by a matrix if one is.
 template <class List>
 Shapes shapes_of(const List& primitives) {
     Shapes all;
@@ -31,11 +31,11 @@ Shapes shapes_of(const List& primitives) {
 /// True if forms for these shapes test primitives one by one, and do not march through one field of distances.
 inline bool are_primitives(Shapes forms) { return !forms.has(Shape::sdf); }
 
-/// True if forms for these shapes can test something, such as a scene.
+/// True if forms for these shapes can test a subject, such as a scene.
 using ShapePredicate = std::function<bool(Shapes)>;
 
-/// The shapes of something with primitives of several shapes; nothing if they have one shape.
-std::optional<Shapes> several_shapes(const ShapePredicate& meets);
+/// The shapes of the subject's primitives if they have several; nothing if they have one.
+std::optional<Shapes> several_shapes(const ShapePredicate& can_test);
 
 /// "spheres and boxes"
 std::string plurals(Shapes shapes);
@@ -43,40 +43,40 @@ std::string plurals(Shapes shapes);
 /// True if a pattern of -i names a set, as `sphere.unified+box.signs` does, and not a form with a + in its name.
 bool names_set(const std::string& pattern);
 /// The sets that such a pattern names; the parts between the + are patterns too. Throws InputError for parts that
-/// cannot form a set and for more than `most_sets` sets, NothingSelected for a part that matches nothing.
+/// cannot form a set and for more than `max_sets` sets, NothingSelected for a part that matches nothing.
 std::vector<const intersect::table::Intersector*> select_sets(const std::string& pattern, const char* option);
 
-/// The rows of a pattern such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form
-/// behind a bounding box), or of a pattern with several such parts. Throws InputError and NothingSelected as the
+/// The forms that a pattern names, such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a
+/// form behind a bounding box), or of a pattern with several such parts. Throws InputError and NothingSelected as the
 /// selection of each part does.
 std::vector<const intersect::table::Intersector*> select_composed(const std::string& pattern, const char* option);
 
-/// The rows that -i and -f select, and the patterns of -i.
-struct SelectedRows {
-    std::vector<measure::evaluate::TestedForm>& rows;
+/// The forms in formats that -i and -f select, and the patterns of -i.
+struct SelectedForms {
+    std::vector<measure::evaluate::TestedForm>& tested_forms;
     const std::vector<std::string>& form_patterns;
     bool quiet = false;
 };
 
-/// Returns the rows that can test a subject called `name`. First it adds rows to the chosen ones:
+/// Returns the tested forms that can test a subject called `name`. First it adds some to the chosen ones:
 ///   - if matrices place its primitives: every chosen form without a transform, with the usual transform;
 ///   - if its primitives have several shapes: every combination of the chosen forms, one per shape, in each chosen
-///     format. If all forms are chosen (as without -i) and no row can test it, it adds only the plain set, and prints
+///     format. If all forms are chosen (as without -i) and none can test it, it adds only the plain set, and prints
 ///     that on stderr.
-/// Throws InputError for more than `most_sets` sets, and for a chosen set that lacks a shape.
-std::vector<measure::evaluate::TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name,
-                                                        const ShapePredicate& meets);
+/// Throws InputError for more than `max_sets` sets, and for a chosen set that lacks a shape.
+std::vector<measure::evaluate::TestedForm> tested_forms_handling(const SelectedForms& chosen, const std::string& name,
+                                                                 const ShapePredicate& can_test);
 
 /// The set of the first form of each shape that takes any direction and has the default convention (a touch is a hit).
 const intersect::table::Intersector& plain_set(Shapes shapes);
 
-/// `sphere.*' -i 'sdf.*`: the patterns of the forms that can test something, or a set if its primitives have several
-/// shapes.
-std::string globs_of(const ShapePredicate& meets);
+/// The patterns of the forms that can test the subject, or a set if its primitives have several shapes. They are for
+/// text between single quotes: sphere.*' -i 'sdf.*
+std::string patterns_for(const ShapePredicate& can_test);
 
 /// Reason and advice for the end of a message that no selected form can test something: ": it has spheres; try -i
 /// 'sphere.*'", or ": it has spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
-std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& tested_forms,
-                                 const ShapePredicate& meets);
+std::string forms_advice(const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                         const ShapePredicate& can_test);
 
 }  // namespace lostbits::analysis::selection

@@ -54,7 +54,7 @@ struct ConsistencyAdapter {
                             const StudyValues& values, intersect::process::StopToken stop) {
         auto checks = measure::consistency::checks_for(
             scene, tested_forms,
-            selection::select_rows(measure::consistency::checks(), values.at("check"), "check", "--check"));
+            selection::select_items(measure::consistency::checks(), values.at("check"), "check", "--check"));
         if (checks.empty())
             throw InputError(fmt::format(
                 "--check: none of these checks applies to the selected forms on scene {}; light needs a [light], and "

@@ -24,8 +24,8 @@ measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vect
     measure::evaluate::MapStudy map{
         .scene = &scene, .rows = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
     map.metrics =
-        metric_set.adapt_to_forms(selection::measured_metrics(metrics, map.rows), measure::evaluate::forms_of(map.rows),
-                                  [&scene] { return OwnedSetting(scene); });
+        metric_set.adapt_to_forms(selection::with_default_metrics(metrics, map.rows),
+                                  measure::evaluate::forms_of(map.rows), [&scene] { return OwnedSetting(scene); });
     map.metrics = measure::evaluate::order_culprits(map, metric_set);
     return map;
 }
@@ -41,7 +41,7 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
         for (const char* name : {"model_error", "rounding_error"})
             metrics.push_back(measure::metric::find_metric(name));
     }
-    request.metrics = metric_set.adapt_to_forms(selection::measured_metrics(metrics, request.rows),
+    request.metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, request.rows),
                                                 measure::evaluate::forms_of(request.rows),
                                                 [&sweep] { return OwnedSetting(sweep.first_rays()); });
     for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
@@ -54,8 +54,7 @@ namespace {
 
 constexpr std::string_view default_shape = "sphere";
 
-std::vector<TestedForm> select_rows_of_shape(const std::string& given_name,
-                                             const std::vector<TestedForm>& selected_rows) {
+std::vector<TestedForm> select_forms_of_shape(const std::string& given_name, const std::vector<TestedForm>& selected) {
     const std::string shape_name = given_name.empty() ? std::string(default_shape) : given_name;
     const auto parsed = shape_named(shape_name);
     if (!parsed || !is_primitive(*parsed)) {
@@ -65,8 +64,8 @@ std::vector<TestedForm> select_rows_of_shape(const std::string& given_name,
             fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
     }
     const Shape shape = *parsed;
-    const auto rows = selection::fitting_rows(selected_rows, [shape](Shapes forms) { return forms == shape; });
-    if (rows.empty() && !selection::fitting_rows(selected_rows, [shape](Shapes forms) {
+    const auto rows = selection::filter_tested_forms(selected, [shape](Shapes forms) { return forms == shape; });
+    if (rows.empty() && !selection::filter_tested_forms(selected, [shape](Shapes forms) {
                              return forms == Shapes(shape).placed();
                          }).empty())
         throw NothingSelected(fmt::format(
@@ -97,10 +96,10 @@ void require_timeable(const std::vector<TestedForm>& tested_forms) {
 }  // namespace
 
 measure::speed::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
-                                           const selection::SelectedRows& selected_rows) {
-    require_timeable(selected_rows.rows);
+                                           const selection::SelectedForms& selected) {
+    require_timeable(selected.tested_forms);
     const auto rows =
-        scene ? selection::select_timed_rows(*scene, selected_rows) : select_rows_of_shape(shape, selected_rows.rows);
+        scene ? selection::select_timed_forms(*scene, selected) : select_forms_of_shape(shape, selected.tested_forms);
     return {.shape = rows.front().form->shape,
             .scene = scene,
             .kernels = measure::speed::trade_kernels(rows),

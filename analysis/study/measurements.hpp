@@ -32,7 +32,7 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
 /// sphere). Throws InputError for forms that cannot be timed, and NothingSelected if none fits. The scene must outlive
 /// the result.
 measure::speed::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
-                                           const selection::SelectedRows& selected_rows);
+                                           const selection::SelectedForms& selected);
 
 /// Few and short measurements, for a first look.
 measure::speed::TimingPlan quick_plan();

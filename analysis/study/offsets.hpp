@@ -63,8 +63,8 @@ struct OffsetsAdapter {
         using measure::offset::HitPointKind;
         Study study{.scene = scene,
                     .rows = {},
-                    .strategies = selection::select_rows(measure::offset::strategies(), values.at("strategy"),
-                                                         "strategy", "--strategy"),
+                    .strategies = selection::select_items(measure::offset::strategies(), values.at("strategy"),
+                                                          "strategy", "--strategy"),
                     .limit = {.stop = stop}};
         const auto is_selected = [&points = values.at("points")](HitPointKind point) {
             return std::ranges::any_of(

@@ -69,11 +69,11 @@ std::optional<output::page::StudyPart> measure_part(const scene::file::Scene& sc
                                                     intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
-    auto rows = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
+    auto rows = selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
     std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     StudyQuestion question{
         .scene = scene,
-        .rows = selection::fitting_rows(
+        .rows = selection::filter_tested_forms(
             rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
         .stop = stop};
     if (question.rows.empty()) return std::nullopt;

@@ -151,7 +151,7 @@ const intersect::table::Intersector& find_form(const Claim& claim, const std::st
 
 }  // namespace
 
-TestedForm claim_row(const Claim& claim) {
+TestedForm tested_form_of(const Claim& claim) {
     const intersect::table::Intersector& form = find_form(claim, claim.form);
     const Format format = claim_format(claim);
     if (!form.exists_in(format))

@@ -53,7 +53,7 @@ struct ClaimResult {
 metric::Spread expected_interval(const scene::claim::Claim& claim, const ClaimResult& result);
 
 /// Form and format of a claim. Throws InputError, with the claim's position, for names that do not exist.
-evaluate::TestedForm claim_row(const scene::claim::Claim& claim);
+evaluate::TestedForm tested_form_of(const scene::claim::Claim& claim);
 
 class ClaimStudies;
 

@@ -46,7 +46,7 @@ std::string label_of_operation(const std::string& operation) {
 /// label. Throws InputError with did-you-mean if there are none.
 std::vector<std::string> find_operations(const std::string& text, const Claim& claim,
                                          const attribution::Setting& setting) {
-    const auto operations = attribution::operation_names(*claim_row(claim).form, setting);
+    const auto operations = attribution::operation_names(*tested_form_of(claim).form, setting);
     std::vector<std::string> matches, known_names;
     for (const std::string& operation : operations) {
         const std::string label = label_of_operation(operation);
@@ -86,7 +86,7 @@ void ClaimColumns::add_metric_of_label(const Claim& claim) {
     std::vector<std::string> names;
     for (const char* kind : {"contribution", "cancellation"}) {
         if (!claim.metric.starts_with(kind)) continue;
-        for (const std::string_view label : attribution::labels_of(*claim_row(claim).form, setting_)) {
+        for (const std::string_view label : attribution::labels_of(*tested_form_of(claim).form, setting_)) {
             const Metric* const metric = metric_set_.find(std::string(kind) + ":" + std::string(label));
             for (const metric::Statistic& statistic : metric::statistics) {
                 names.push_back(evaluate::column_name(*metric, statistic));

@@ -120,7 +120,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_
 }
 
 TestedForm row_in_binary32(const Claim& claim, const ExhaustiveFile& file) {
-    TestedForm tested_form = row_for(claim, file);
+    TestedForm tested_form = tested_form_for(claim, file);
     if (tested_form.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
                           claim.subject_name() + " tries every number of f32 only; write format = \"f32\"");
@@ -164,7 +164,7 @@ void measure_range(const RangeClaims& range_claims, truth::ProofLimit limit) {
     ExhaustiveRequest request{.sweep = range_claims.file, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : range_claims.claims)
-        rows.push_back(find_or_add_row(request.rows, row_in_binary32(subject_claim.claim, range_claims.file)));
+        rows.push_back(find_or_add_tested_form(request.rows, row_in_binary32(subject_claim.claim, range_claims.file)));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     const auto findings = sweep::findings_of(request, state);

@@ -23,7 +23,7 @@ public:
         : scene_(one_scene(claim, run)) {
         if (subject.size) std::tie(scene_.width, scene_.height) = *subject.size;
         request_.scene = &scene_;
-        request_.row = row_for(claim, scene_);
+        request_.row = tested_form_for(claim, scene_);
         request_.requirement = {.bits = subject.requirement.bits, .wrong = subject.requirement.wrong};
         request_.requirement.quantile =
             find_for_claim(claim, [&] { return choice::quantile_named(subject.requirement.at); });

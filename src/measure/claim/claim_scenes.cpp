@@ -24,7 +24,7 @@ namespace {
 
 /// Number of a march along the ray of the first pixel of a scene, or of one step of this march.
 double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::ProofLimit limit) {
-    const TestedForm tested_form = row_for(claim, scene);
+    const TestedForm tested_form = tested_form_for(claim, scene);
     if (!tested_form.form->log)
         scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
     const intersect::table::MarchLog log =
@@ -91,7 +91,7 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
     evaluate::MapStudy request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : pictures)
-        rows.push_back(find_or_add_row(request.rows, row_for(subject_claim.claim, scene)));
+        rows.push_back(find_or_add_tested_form(request.rows, tested_form_for(subject_claim.claim, scene)));
     const OwnedSetting setting(scene);
     const ClaimColumns columns(claim_pointers(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();

@@ -124,17 +124,17 @@ std::map<std::map<std::string, std::set<std::string>>, StudyRun> group_into_runs
     std::vector<evaluate::TestedForm> tested_forms;
     std::vector<std::map<std::string, std::set<std::string>>> options;
     for (const StudyClaim& subject_claim : claims) {
-        const std::size_t row_index = find_or_add_row(tested_forms, claim_row(subject_claim.claim));
+        const std::size_t row_index = find_or_add_tested_form(tested_forms, tested_form_of(subject_claim.claim));
         options.resize(tested_forms.size());
         for (const auto& [name, value] : split_options(subject_claim, names).row_options)
             options[row_index][name].insert(value);
     }
     std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs;
     for (const StudyClaim& subject_claim : claims) {
-        const evaluate::TestedForm tested_form = claim_row(subject_claim.claim);
-        StudyRun& run = runs[options[find_or_add_row(tested_forms, tested_form)]];
+        const evaluate::TestedForm tested_form = tested_form_of(subject_claim.claim);
+        StudyRun& run = runs[options[find_or_add_tested_form(tested_forms, tested_form)]];
         run.claims.push_back(subject_claim);
-        find_or_add_row(run.rows, tested_form);
+        find_or_add_tested_form(run.rows, tested_form);
     }
     return runs;
 }
@@ -163,7 +163,8 @@ void measure(const SubjectClaims<StudySubject>& claims, const ClaimRequest& run)
     std::map<std::pair<std::string, Texts>, SubjectClaims<StudySubject>> claims_by_options;
     for (const StudyClaim& subject_claim : claims) {
         const std::string& study = subject_claim.subject.study;
-        row_for(subject_claim.claim, scene);  // throws, with the position of this claim, before the measurement starts
+        tested_form_for(subject_claim.claim,
+                        scene);  // throws, with the position of this claim, before the measurement starts
         if (!names.contains(study))
             names[study] = find_for_claim(subject_claim.claim, [&] { return run.studies->names(study); });
         require_names(subject_claim, names.at(study));

@@ -96,8 +96,8 @@ void require_proof(ClaimResult& result, std::uint64_t unproved, const char* sing
 Format claim_format(const scene::claim::Claim& claim);
 
 /// Index of a row in `rows`, to which the row is added if it is new.
-inline std::size_t find_or_add_row(std::vector<evaluate::TestedForm>& tested_forms,
-                                   const evaluate::TestedForm& tested_form) {
+inline std::size_t find_or_add_tested_form(std::vector<evaluate::TestedForm>& tested_forms,
+                                           const evaluate::TestedForm& tested_form) {
     const auto found = std::ranges::find(tested_forms, tested_form);
     if (found != tested_forms.end()) return static_cast<std::size_t>(found - tested_forms.begin());
     tested_forms.push_back(tested_form);
@@ -113,8 +113,8 @@ std::vector<const scene::claim::Claim*> claim_pointers(const SubjectClaims<Kind>
 
 /// Form and format of a claim about a scene or sweep. Throws InputError if the form cannot handle it.
 template <class Rays>
-evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays) {
-    const evaluate::TestedForm tested_form = claim_row(claim);
+evaluate::TestedForm tested_form_for(const scene::claim::Claim& claim, const Rays& rays) {
+    const evaluate::TestedForm tested_form = tested_form_of(claim);
     if (rays.meets(tested_form.form->shapes())) return tested_form;
     scene::toml::fail(claim.where,
                       claim.form + " cannot handle " + claim.subject_name() + ": it has " +

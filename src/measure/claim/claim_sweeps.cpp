@@ -32,7 +32,7 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
                    truth::ProofLimit limit) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
-    for (const auto& subject_claim : claims) request.rows.push_back(row_for(subject_claim.claim, file));
+    for (const auto& subject_claim : claims) request.rows.push_back(tested_form_for(subject_claim.claim, file));
     const OwnedSetting setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claim_pointers(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
@@ -131,9 +131,9 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
-        TestedForm tested_form = row_for(claim, sweep);
+        TestedForm tested_form = tested_form_for(claim, sweep);
         if (!tested_form.touching) tested_form.touching = sweep.convention;
-        rows.push_back(find_or_add_row(request.rows, tested_form));
+        rows.push_back(find_or_add_tested_form(request.rows, tested_form));
     }
     const OwnedSetting setting(sweep.first_rays());
     const ClaimColumns columns(claim_pointers(claims), request.rows, setting.get());
@@ -223,10 +223,10 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         census_metric(claim);
-        const evaluate::TestedForm tested_form = claim_row(claim);
+        const evaluate::TestedForm tested_form = tested_form_of(claim);
         if (!request.search.meets(tested_form.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
-        rows.push_back(find_or_add_row(request.rows, tested_form));
+        rows.push_back(find_or_add_tested_form(request.rows, tested_form));
     }
     const auto findings = edges::search_edges(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
@@ -263,11 +263,11 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
         if (claim.metric != "worst")
             scene::toml::fail(claim.quantity, "a search measures only `metric = \"worst\"`: the largest " +
                                                   file.metric + " that it finds");
-        const evaluate::TestedForm tested_form = claim_row(claim);
+        const evaluate::TestedForm tested_form = tested_form_of(claim);
         if (tested_form.form->shape != file.shape)
             scene::toml::fail(claim.where, "search \"" + subject_name + "\" has other primitives than " + claim.form +
                                                " takes; name a form of its shape");
-        rows.push_back(find_or_add_row(request.rows, tested_form));
+        rows.push_back(find_or_add_tested_form(request.rows, tested_form));
     }
     const auto results = sweep::find_worst(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {

@@ -178,8 +178,8 @@ ClaimResult judge_closest(const Claim& claim, const TableSubject& subject, std::
                           truth::ProofLimit limit) {
     Claim form_claim = claim;
     form_claim.form = subject.row;
-    const double measured =
-        find_for_claim(claim, [&] { return differs_with_closest(claim_row(form_claim), subject.at, seed, limit); });
+    const double measured = find_for_claim(
+        claim, [&] { return differs_with_closest(tested_form_of(form_claim), subject.at, seed, limit); });
     auto result = judge(claim, measured, nullptr);
     result.samples = scene::box::BoxDistribution{}.views;
     return result;

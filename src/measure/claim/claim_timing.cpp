@@ -1,4 +1,4 @@
-// Measures claims about speed: quotients of rates within one run. Also measures claims about a choice for a scene:
+// Measures claims about speed: ratios of speeds within one run. Also measures claims about a choice for a scene:
 // which forms meet a requirement, which of them is the cheapest, and ratios of times on the scene's own rays. All times
 // are those of a claim's form in its format, in the widest registers in use.
 #include <algorithm>
@@ -19,20 +19,19 @@ using speed::TimedWork;
 
 namespace {
 
-using scene::claim::Claim;
 using scene::claim::TimingSubject;
-using OptionalWorks = std::vector<std::optional<TimedWork>>;
+using OptionalTasks = std::vector<std::optional<TimedWork>>;
 
 template <class Work>
-OptionalWorks make_works(std::span<const TimedKernel> kernels, std::size_t bytes) {
+OptionalTasks make_tasks(std::span<const TimedKernel> kernels, std::size_t bytes) {
     Work work(bytes);
-    OptionalWorks result;
+    OptionalTasks result;
     for (const TimedKernel& k : kernels) result.push_back(work.work_for(k));
     return result;
 }
 
-constexpr std::pair<std::string_view, OptionalWorks (*)(std::span<const TimedKernel>, std::size_t)> work_kinds[] = {
-    {"one_ray_many_boxes", make_works<speed::BoxWork>}, {"many_rays_one_primitive", make_works<speed::RayWork>}};
+constexpr std::pair<std::string_view, OptionalTasks (*)(std::span<const TimedKernel>, std::size_t)> work_kinds[] = {
+    {"one_ray_many_boxes", make_tasks<speed::BoxWork>}, {"many_rays_one_primitive", make_tasks<speed::RayWork>}};
 
 /// Makes the timed work of each kernel, on the same data.
 std::vector<TimedWork> make_timed_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
@@ -42,24 +41,25 @@ std::vector<TimedWork> make_timed_work(const Claim& claim, const std::vector<Tim
         scene::toml::fail(claim.where,
                           "unknown work \"" + subject_name + "\"; write one_ray_many_boxes or many_rays_one_primitive");
     std::vector<TimedWork> result;
-    auto optional_works = found->second(kernels, bytes);
-    for (std::size_t i = 0; i < optional_works.size(); ++i) {
-        if (!optional_works[i])
+    auto optional_tasks = found->second(kernels, bytes);
+    for (std::size_t i = 0; i < optional_tasks.size(); ++i) {
+        if (!optional_tasks[i])
             scene::toml::fail(claim.where,
                               "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" +
                                   std::string(kernels[i].kernel) + "\" for " + subject_name + " in " + claim.format +
                                   "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "
                                   "boxes in f32; `lostbits list forms` has the forms");
-        result.push_back(std::move(*optional_works[i]));
+        result.push_back(std::move(*optional_tasks[i]));
     }
     return result;
 }
 
-/// Median over interleaved repetitions of (seconds for one item of `over`)/(seconds for one item of the kernel).
+/// Median over interleaved repetitions of (seconds for one item of `baseline`)/(seconds for one item of the kernel).
 double speed_ratio(const Claim& claim, const TimingSubject& subject, std::size_t bytes,
                    intersect::process::StopToken stop) {
     const auto work = make_timed_work(
-        claim, {{subject.over_form, subject.over_kernel, claim.format}, {claim.form, subject.kernel, claim.format}},
+        claim,
+        {{subject.baseline_form, subject.baseline_kernel, claim.format}, {claim.form, subject.kernel, claim.format}},
         bytes);
     const auto samples = speed::sample_interleaved(
         work, {.repetitions = speed::fits_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
@@ -85,19 +85,19 @@ void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run
         const std::string_view metric = subject.all_processors ? "speedup_per_processor" : "speed_ratio";
         if (claim.metric != metric)
             scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; write " + std::string(metric));
-        const auto measured = subject.all_processors ? speedup_per_processor : speed_ratio;
-        result = judge(claim, measured(claim, subject, bytes, run.stop), nullptr);
+        const auto measure_metric = subject.all_processors ? speedup_per_processor : speed_ratio;
+        result = judge(claim, measure_metric(claim, subject, bytes, run.stop), nullptr);
     }
 }
 
-using Others = ChoiceSubject::Others;
+using OtherForms = ChoiceSubject::OtherForms;
 using scene::file::Scene;
 
 namespace {
 
 /// Form and format of a claim, which must be possible to time on the scene.
-TestedForm timed_row(const Claim& claim, const Scene& scene) {
-    const TestedForm tested_form = row_for(claim, scene);
+TestedForm timeable_form(const Claim& claim, const Scene& scene) {
+    const TestedForm tested_form = tested_form_for(claim, scene);
     if (!is_primitive(tested_form.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
@@ -107,9 +107,9 @@ TestedForm timed_row(const Claim& claim, const Scene& scene) {
     return tested_form;
 }
 
-/// The claim's row, followed by every other form that fits the scene, in the formats that the requirement names.
-std::vector<TestedForm> list_candidates(const Claim& claim, const Others& others, const Scene& scene) {
-    std::vector<TestedForm> tested_forms{timed_row(claim, scene)};
+/// The claim's form, followed by every other form that fits the scene, in the formats that the requirement names.
+std::vector<TestedForm> list_candidates(const Claim& claim, const OtherForms& others, const Scene& scene) {
+    std::vector<TestedForm> tested_forms{timeable_form(claim, scene)};
     for (const std::string& name : others.formats) {
         Claim candidate = claim;
         candidate.format = name;
@@ -118,13 +118,13 @@ std::vector<TestedForm> list_candidates(const Claim& claim, const Others& others
              intersect::table::intersectors(tested_forms.front().form->shape)) {
             if (!form.exists_in(format)) continue;
             candidate.form = form.info->name;
-            find_or_add_row(tested_forms, timed_row(candidate, scene));
+            find_or_add_tested_form(tested_forms, timeable_form(candidate, scene));
         }
     }
     return tested_forms;
 }
 
-ChoiceRequest make_request(const Claim& claim, const Others& others, const Scene& scene,
+ChoiceRequest make_request(const Claim& claim, const OtherForms& others, const Scene& scene,
                            intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
     request.requirement = {.bits = others.requirement.bits, .wrong = others.requirement.wrong};
@@ -133,30 +133,31 @@ ChoiceRequest make_request(const Claim& claim, const Others& others, const Scene
     return request;
 }
 
-/// Median over interleaved repetitions of (seconds of the claim's row)/(seconds of `over`), each for one ray and
+/// Median over interleaved repetitions of (seconds of the claim's form)/(seconds of `baseline`), each for one ray and
 /// primitive.
-double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, const Scene& scene,
+double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& baseline, const Scene& scene,
                   intersect::process::StopToken stop) {
-    Claim over_claim = claim;
-    over_claim.form = over.form;
-    over_claim.format = over.format;
+    Claim baseline_claim = claim;
+    baseline_claim.form = baseline.form;
+    baseline_claim.format = baseline.format;
     speed::SceneWork scene_work(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
-    for (const TestedForm& tested_form : {timed_row(claim, scene), timed_row(over_claim, scene)})
+    for (const TestedForm& tested_form : {timeable_form(claim, scene), timeable_form(baseline_claim, scene)})
         work.push_back(scene_work.work_for(tested_form, intersect::simd::packed_kernels(*tested_form.form)));
     const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-/// 1 if the row meets the requirement, else 0.
-double row_meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+/// 1 if the claim's form meets the requirement, else 0.
+double meets_as_number(const Claim& claim, const OtherForms& others, const Scene& scene,
+                       intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
-    request.rows = {timed_row(claim, scene)};
+    request.rows = {timeable_form(claim, scene)};
     return quality_of(request).front().meets(request.requirement) ? 1 : 0;
 }
 
 /// Number of other forms that fit the scene and meet the requirement, over all of the formats.
-double count_others_that_meet(const Claim& claim, const Others& others, const Scene& scene,
+double count_others_that_meet(const Claim& claim, const OtherForms& others, const Scene& scene,
                               intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
     request.rows = list_candidates(claim, others, scene);
@@ -168,8 +169,9 @@ double count_others_that_meet(const Claim& claim, const Others& others, const Sc
         qualities, [&request](const choice::RowQuality& quality) { return quality.meets(request.requirement); }));
 }
 
-/// 1 if the row is the cheapest that meets the requirement, else 0.
-double is_row_chosen(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+/// 1 if the claim's form is the cheapest that meets the requirement, else 0.
+double chosen_as_number(const Claim& claim, const OtherForms& others, const Scene& scene,
+                        intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
     request.rows = list_candidates(claim, others, scene);
     choice::TimedRays timed;
@@ -177,14 +179,14 @@ double is_row_chosen(const Claim& claim, const Others& others, const Scene& scen
 }
 
 constexpr std::pair<std::string_view,
-                    double (*)(const Claim&, const Others&, const Scene&, intersect::process::StopToken)>
+                    double (*)(const Claim&, const OtherForms&, const Scene&, intersect::process::StopToken)>
     requirement_metrics[] = {
-        {"meets", row_meets}, {"others_that_meet", count_others_that_meet}, {"chosen", is_row_chosen}};
+        {"meets", meets_as_number}, {"others_that_meet", count_others_that_meet}, {"chosen", chosen_as_number}};
 
 double choice_value(const Claim& claim, const ChoiceSubject& subject, const ClaimRequest& run) {
     const Scene scene = one_scene(claim, run);
-    if (const auto* const over = std::get_if<ChoiceSubject::RelativeTime>(&subject.against)) {
-        if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
+    if (const auto* const baseline = std::get_if<ChoiceSubject::RelativeTime>(&subject.against)) {
+        if (claim.metric == "time_ratio") return time_ratio(claim, *baseline, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; with `over`, write time_ratio");
     }
     const auto found =
@@ -192,7 +194,7 @@ double choice_value(const Claim& claim, const ChoiceSubject& subject, const Clai
     if (found == std::end(requirement_metrics))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
                                            "\"; with a requirement, write meets, others_that_meet or chosen");
-    return found->second(claim, std::get<Others>(subject.against), scene, run.stop);
+    return found->second(claim, std::get<OtherForms>(subject.against), scene, run.stop);
 }
 
 }  // namespace

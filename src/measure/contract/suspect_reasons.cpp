@@ -83,7 +83,7 @@ void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
     const auto length = length_key(shape_row.shape);
     if (!length) return;
     const auto text = [&](const char* pattern) {
-        return fmt::format(fmt::runtime(pattern), length->key->name, length->key->letter, shape_row.name,
+        return fmt::format(fmt::runtime(pattern), length->key->name, length->key->short_name, shape_row.name,
                            shape_row.plural);
     };
     for (const LengthErrorCase& error_case : length_error_cases)

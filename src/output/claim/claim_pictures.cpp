@@ -31,10 +31,10 @@ scene::file::Scene load_scene_of_claims(const std::string& name, const ClaimRequ
 }
 
 /// The forms and formats that the claims name. Each is listed once, in the order of the catalogue.
-std::vector<TestedForm> claimed_rows(const std::vector<const Claim*>& claims) {
+std::vector<TestedForm> claimed_forms(const std::vector<const Claim*>& claims) {
     std::vector<TestedForm> tested_forms;
     for (const Claim* const claim : claims) {
-        const TestedForm tested_form = measure::claim::claim_row(*claim);
+        const TestedForm tested_form = measure::claim::tested_form_of(*claim);
         const auto is_same_series = [&](const TestedForm& r) {
             return r.form == tested_form.form && r.format == tested_form.format && r.touching == tested_form.touching;
         };
@@ -69,7 +69,7 @@ std::string picture_link(const ShownSubject& shown, const std::string& title, co
 /// Markdown that shows a scene. If all claims are about samples of a march, it lists the samples of the march through
 /// the first pixel. Otherwise it shows the picture of the scene.
 std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown) {
-    const std::vector<TestedForm> tested_forms = claimed_rows(shown.claims);
+    const std::vector<TestedForm> tested_forms = claimed_forms(shown.claims);
     const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
     const auto is_about_march = [](const Claim* claim) {
         return claim->subject_if<SceneSubject>() && claim->subject_if<SceneSubject>()->step;
@@ -98,7 +98,7 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
 std::string draw_picture(const StudySubject& subject, const ShownSubject& shown) {
     const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
     measure::claim::StudyQuestion question{
-        .scene = scene, .rows = claimed_rows(shown.claims), .stop = shown.request.stop};
+        .scene = scene, .rows = claimed_forms(shown.claims), .stop = shown.request.stop};
     for (const Claim* const claim : shown.claims) {
         for (const auto& [option, value] : claim->subject_if<StudySubject>()->options) {
             auto& values = question.options[option];
@@ -137,7 +137,7 @@ SweepPlots needed_plots(const std::vector<const Claim*>& claims) {
 std::string draw_picture(const scene::claim::SweepSubject& subject, const ShownSubject& shown) {
     const auto& claims = shown.claims;
     const auto& claim_request = shown.request;
-    const std::vector<TestedForm> tested_forms = claimed_rows(claims);
+    const std::vector<TestedForm> tested_forms = claimed_forms(claims);
     const auto path = scene::sweep::find_sweep(subject.name, claim_request.data_dir);
     // The claims are about small ranges, but a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";

@@ -34,7 +34,7 @@ std::string witness_command(const Claim& claim, const ClaimResult& result) {
                                                    result.witness.y)
             : "";
     if (name.empty()) return "";
-    measure::evaluate::TestedForm tested_form = measure::claim::claim_row(claim);
+    measure::evaluate::TestedForm tested_form = measure::claim::tested_form_of(claim);
     tested_form.touching = result.witness.touching;
     return attribution::explain_command(name, tested_form);
 }

@@ -23,7 +23,7 @@ struct MapFilesOptions {
     bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
     std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
     /// The sheet of this run that explains p99, the order of forms and worst pixels; empty: this one.
-    std::string explaining_sheet = {};
+    std::string sheet_with_explanations = {};
     /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.
     bool draws_envelope = false;
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written

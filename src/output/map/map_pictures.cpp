@@ -91,9 +91,9 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
     const auto described_rows = options_.is_list ? std::span<const TestedForm>() : request_.rows;
     return {is_only_file ? options_.sheet_only_file : options_.folder / name,
             {.title = scene.title,
-             .subtitle =
-                 sheet_subtitle({scene, options_.scene_arguments, described_rows, sheet.paint, has_several_bars,
-                                 zooms(sheet.paint), &sheet == sheets_.data() ? options_.explaining_sheet : "contact"}),
+             .subtitle = sheet_subtitle({scene, options_.scene_arguments, described_rows, sheet.paint, has_several_bars,
+                                         zooms(sheet.paint),
+                                         &sheet == sheets_.data() ? options_.sheet_with_explanations : "contact"}),
              .forms = sheet.forms,
              .formats = sheet.lines,
              .scales = std::move(scales),
@@ -233,13 +233,15 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
 }
 
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
-    const auto& [scene, scene_arguments, rows, paint, has_several_bars, zooms, explaining_sheet] = sheet;
+    const auto& [scene, scene_arguments, rows, paint, has_several_bars, zooms, sheet_with_explanations] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().depends_on_forms ? "" : "; percentages are of all rays"),
-                                   paint.note(has_several_bars), explaining_sheet.empty() ? paint.quantile_note() : "",
+                                   paint.note(has_several_bars),
+                                   sheet_with_explanations.empty() ? paint.quantile_note() : "",
                                    rows.empty() ? "" : input_note(scene, rows)};
-    if (!explaining_sheet.empty()) {
-        lines.push_back(fmt::format("p99, the order of forms and worst pixels: as explained in {}", explaining_sheet));
+    if (!sheet_with_explanations.empty()) {
+        lines.push_back(
+            fmt::format("p99, the order of forms and worst pixels: as explained in {}", sheet_with_explanations));
     } else {
         if (!rows.empty())
             lines.push_back(

@@ -34,9 +34,9 @@ struct SheetSubject {
     std::string scene_arguments;       ///< see `MapFilesOptions`; empty for rays of a file
     std::span<const TestedForm> rows;  ///< empty: no line is about the inputs
     const MetricPaint& paint;
-    bool has_several_bars = false;      ///< the sheet has several colour bars
-    bool zooms = false;                 ///< the cells enlarge the worst pixel
-    std::string explaining_sheet = {};  ///< see `MapFilesOptions`
+    bool has_several_bars = false;             ///< the sheet has several colour bars
+    bool zooms = false;                        ///< the cells enlarge the worst pixel
+    std::string sheet_with_explanations = {};  ///< see `MapFilesOptions`
 };
 /// Lines below the title of a contact sheet.
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);

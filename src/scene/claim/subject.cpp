@@ -49,8 +49,8 @@ Subject read_timing(TableReader& table, Claim& claim, std::string name) {
     if (auto over = table.optional_table("over")) {
         if (timing.all_processors)
             table.reject("over", "cannot be combined with all_processors, which compares with one processor");
-        timing.over_form = over->optional_string("form").value_or(claim.form);
-        timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
+        timing.baseline_form = over->optional_string("form").value_or(claim.form);
+        timing.baseline_kernel = over->optional_string("kernel").value_or(timing.kernel);
         over->reject_unknown_keys();
     } else if (!timing.all_processors) {
         toml::fail(table.where(),
@@ -77,7 +77,7 @@ Subject read_choice(TableReader& table, Claim& claim, std::string name) {
                 "claim.given needs a requirement, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
                 "time is 1");
         const RequiredBits requirement = read_requirement(table, "p99");
-        choice.against = ChoiceSubject::Others{
+        choice.against = ChoiceSubject::OtherForms{
             requirement, table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"})};
     }
     return choice;

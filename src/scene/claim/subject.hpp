@@ -75,17 +75,17 @@ struct TableSubject {
     double at = 0;  ///< the argument
 };
 
-/// A ratio of speeds: of one kernel to another (`over_form` in `over_kernel`), or of all processors to one.
+/// A ratio of speeds: of one kernel to another (`baseline_form` in `baseline_kernel`), or of all processors to one.
 struct TimingSubject {
     std::string name, data = {};  ///< see measure/speed/timing_work.hpp
-    std::string kernel = {}, over_form = {}, over_kernel = {};
+    std::string kernel = {}, baseline_form = {}, baseline_kernel = {};
     bool all_processors = false;
 };
 
 /// A form and format among others on the rays of a scene. They are judged by a requirement, which they meet or not, or
 /// by their time relative to that of another form and format.
 struct ChoiceSubject {
-    struct Others {
+    struct OtherForms {
         RequiredBits requirement;
         std::vector<std::string> formats;  ///< formats of the other candidates
     };
@@ -94,7 +94,7 @@ struct ChoiceSubject {
     };
 
     std::string name;  ///< name of the scene
-    std::variant<Others, RelativeTime> against = {};
+    std::variant<OtherForms, RelativeTime> against = {};
 };
 
 /// The kinds of subjects, in the order in which they are measured.

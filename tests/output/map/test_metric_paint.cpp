@@ -263,9 +263,9 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5,6"));
     // The command above the sheet can be pasted for forms from outside, too.
     const lostbits::scene::file::Scene scene{};
-    const auto above = [&](const std::string& named = "mine.toml", const std::string& explaining_sheet = "") {
+    const auto above = [&](const std::string& named = "mine.toml", const std::string& sheet_with_explanations = "") {
         std::string text;
-        for (const auto& line : sheet_subtitle({scene, named, {}, paint, false, false, explaining_sheet}))
+        for (const auto& line : sheet_subtitle({scene, named, {}, paint, false, false, sheet_with_explanations}))
             text += line + "\n";
         return text;
     };

@@ -1,3 +1,5 @@
+// Prints notes about numbers of scenes, sweeps and cases that vanish or overflow in a format, and about settings that
+// change nothing.
 #include "analysis/selection/select.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +19,7 @@ using scene::rays::RayGroup;
 
 namespace {
 
-std::vector<Format> formats_of(const std::vector<TestedForm>& tested_forms) {
+std::vector<Format> distinct_formats(const std::vector<TestedForm>& tested_forms) {
     std::vector<Format> formats;
     for (const TestedForm& tested_form : tested_forms) {
         if (std::ranges::find(formats, tested_form.format) == formats.end()) formats.push_back(tested_form.format);
@@ -25,7 +27,7 @@ std::vector<Format> formats_of(const std::vector<TestedForm>& tested_forms) {
     return formats;
 }
 
-void print_lost(const std::string& id, const Format& format, const std::vector<std::string>& lost) {
+void print_unrepresentable(const std::string& id, const Format& format, const std::vector<std::string>& lost) {
     for (const std::string& line : lost) fmt::print(stderr, "lostbits: {} in {}: {}\n", id, format.name, line);
 }
 
@@ -38,18 +40,21 @@ std::string position_text(const scene::sweep::SweepFile& sweep, const std::vecto
     return text;
 }
 
+bool marches(const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); }
+
 bool marches_in(const Format& format, const std::vector<TestedForm>& tested_forms) {
     return std::ranges::any_of(tested_forms, [&](const TestedForm& tested_form) {
-        return !is_primitive(tested_form.form->shape) && tested_form.format == format;
+        return marches(tested_form) && tested_form.format == format;
     });
 }
 
-void add_lost_numbers(const RayGroup& group, bool marches, const LostLengths::DescribePosition& where,
-                      LostLengths& lost) {
+void add_unrepresentable_numbers(const RayGroup& group, bool with_march, const LostLengths::DescribePosition& where,
+                                 LostLengths& lost) {
     lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
     for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
-    if (!marches || !group.march) return;
+    if (!with_march || !group.march) return;
     std::size_t i = 0;
+    // `transformed` calls the function for each number; its result is not needed.
     transformed(*group.march, [&](double x) {
         lost.add_number(x, "march." + std::string(intersect::march_number_names[i++]), where);
         return x;
@@ -58,23 +63,23 @@ void add_lost_numbers(const RayGroup& group, bool marches, const LostLengths::De
 
 }  // namespace
 
-void note_lost_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
-    for (const Format& format : formats_of(tested_forms)) {
-        print_lost(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
+void note_unrepresentable_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
+    for (const Format& format : distinct_formats(tested_forms)) {
+        print_unrepresentable(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
         if (!marches_in(format, tested_forms)) continue;
         for (const std::string& lost : scene::file::lost_constants(scene, format.parameters))
-            print_lost(scene.id, format, {"march." + lost});
+            print_unrepresentable(scene.id, format, {"march." + lost});
     }
 }
 
-void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& tested_forms,
-                       intersect::process::StopToken stop) {
-    const std::vector<Format> formats = formats_of(tested_forms);
+void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& tested_forms,
+                                  intersect::process::StopToken stop) {
+    const std::vector<Format> formats = distinct_formats(tested_forms);
     std::vector<LostLengths> lost;
-    std::vector<bool> marches;
+    std::vector<bool> with_march;
     for (const Format& format : formats) {
         lost.emplace_back(format.parameters);
-        marches.push_back(marches_in(format, tested_forms));
+        with_march.push_back(marches_in(format, tested_forms));
     }
     const std::vector<double> no_second_axis{0};
     const bool has_two_axes = sweep.axes.size() > 1;
@@ -84,34 +89,33 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
             const std::vector<double> values = has_two_axes ? std::vector{first, second} : std::vector{first};
             const auto where = [&] { return position_text(sweep, values); };
             for (const RayGroup& group : sweep.rays(values)) {
-                for (std::size_t i = 0; i < lost.size(); ++i) add_lost_numbers(group, marches[i], where, lost[i]);
+                for (std::size_t i = 0; i < lost.size(); ++i)
+                    add_unrepresentable_numbers(group, with_march[i], where, lost[i]);
             }
         }
     }
-    for (std::size_t i = 0; i < formats.size(); ++i) print_lost(sweep.id, formats[i], lost[i].lines());
+    for (std::size_t i = 0; i < formats.size(); ++i) print_unrepresentable(sweep.id, formats[i], lost[i].lines());
 }
 
-void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& tested_forms) {
-    for (const Format& format : formats_of(tested_forms)) {
+void note_unrepresentable_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& tested_forms) {
+    for (const Format& format : distinct_formats(tested_forms)) {
         LostLengths lost(format.parameters);
         for (std::size_t i = 0; i < file.size(); ++i) {
-            const std::vector<RayGroup> before = file.unrounded_rays(i, format.parameters),
-                                        after = file.rays(i, format.parameters);
-            for (std::size_t g = 0; g < after.size(); ++g) {
-                for (std::size_t s = 0; s < after[g].primitives.size(); ++s)
-                    lost.add(before[g].primitives[s], after[g].primitives[s],
+            const std::vector<RayGroup> unrounded = file.unrounded_rays(i, format.parameters),
+                                        rounded = file.rays(i, format.parameters);
+            for (std::size_t g = 0; g < rounded.size(); ++g) {
+                for (std::size_t s = 0; s < rounded[g].primitives.size(); ++s)
+                    lost.add(unrounded[g].primitives[s], rounded[g].primitives[s],
                              [&] { return "case \"" + file.name(i) + "\""; });
             }
         }
-        print_lost(file.id, format, lost.lines());
+        print_unrepresentable(file.id, format, lost.lines());
     }
 }
 
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<TestedForm>& tested_forms) {
-    if (std::ranges::any_of(tested_forms,
-                            [](const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); }))
-        return;
+    if (std::ranges::any_of(tested_forms, marches)) return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
             fmt::print(stderr,
@@ -123,7 +127,7 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<TestedForm>& tested_forms, bool quiet) {
     if (quiet) return;
-    note_lost_numbers(scene, tested_forms);
+    note_unrepresentable_numbers(scene, tested_forms);
     note_idle_settings(set, scene.id, tested_forms);
 }
 

@@ -1,4 +1,4 @@
-#include "analysis/selection/judge_options.hpp"
+#include "analysis/selection/ray_file_options.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -78,17 +78,18 @@ void add_ray_options(const shell::Command& command, RayFileOptions& options) {
     command.add("--columns", options.columns,
                 "Names of the columns, if the file does not name them; with types for raw numbers: ox:f32,oy,oz");
     command.add("--skip", options.skip, "Number of bytes in front of raw numbers");
-    command.add("--answer-format", options.format,
+    command.add("--answer-format", options.answer_format,
                 "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
     options.primitives.add_to(command, "The primitive of all rays");
     for (const RayFileOption& option : ray_file_options())
         command.add(option.name, options.*option.value, option.help,
-                    option.known.empty() ? shell::ValueRule() : shell::one_of(option.known));
+                    option.allowed_values.empty() ? shell::ValueRule() : shell::one_of(option.allowed_values));
 }
 
-std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options, const std::filesystem::path& data) {
+std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
+                                                     const std::filesystem::path& data_folder) {
     if (options.scene.empty()) return {};
-    auto scene = load_one_scene({{options.scene}, "", "", {}, options.stop}, data);
+    auto scene = load_one_scene({{options.scene}, "", "", {}, options.stop}, data_folder);
     constexpr std::size_t max_primitives = 1024;
     const std::size_t beside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
     if (beside_meshes > max_primitives)
@@ -125,15 +126,16 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
                              .columns = options.columns,
                              .skip = options.skip,
                              .stop = options.stop};
-    if (containers.contains(options.format))
+    if (containers.contains(options.answer_format))
         throw InputError(
-            "--answer-format " + options.format +
+            "--answer-format " + options.answer_format +
             ": this is a kind of file, and --answer-format is the number format of its answers; for the kind "
             "of file see --container");
-    if (!options.format.empty()) {
-        const auto formats = select_formats({options.format}, "--answer-format");
+    if (!options.answer_format.empty()) {
+        const auto formats = select_formats({options.answer_format}, "--answer-format");
         if (formats.size() > 1)
-            throw InputError("--answer-format " + options.format + ": all answers have the same format; name one");
+            throw InputError("--answer-format " + options.answer_format +
+                             ": all answers have the same format; name one");
         dump_options.format = formats.front();
     }
     dump_options.miss = parse_miss_rule(options.miss);
@@ -143,19 +145,19 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
     return scene::dump::open_dump(file, dump_options);
 }
 
-Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& given) {
-    const Shapes shapes = layout.primitive() ? Shapes(*layout.primitive()) : shapes_of(given);
+Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& shared) {
+    const Shapes shapes = layout.primitive() ? Shapes(*layout.primitive()) : shapes_of(shared);
     return layout.has_matrix() ? shapes.placed() : shapes;
 }
 
-void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& given) {
+void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& shared) {
     if (!dump.layout().has_matrix() || dump.layout().primitive()) return;
-    if (given.size() != 1 || given.front().placed)
+    if (shared.size() != 1 || shared.front().placed)
         throw InputError(
             dump.name() +
             ": each ray has the matrix of its primitive, m00 to m23; give one primitive for all rays, without a "
             "matrix of its own, or give the primitive of each ray in columns too");
-    dump.put_under_matrices(given.front());
+    dump.put_under_matrices(shared.front());
 }
 
 intersect::Info answer_contract(const RayFileOptions& options, const scene::dump::Dump& dump) {

@@ -20,7 +20,7 @@ namespace lostbits::analysis::selection {
 
 /// The options for files of rays: the meaning of columns, the primitives of the rays, and the contract of the answers.
 struct RayFileOptions {
-    std::string container = "auto", columns, format;
+    std::string container = "auto", columns, answer_format;
     std::uint64_t skip = 0;
     PrimitiveOptions primitives;
     std::string scene, miss;
@@ -34,8 +34,8 @@ struct RayFileOption {
     const char* name;
     std::string RayFileOptions::*value;
     const char* help;
-    std::vector<std::string> known = {};  ///< allowed values; empty: any
-    bool is_about_answers = false;        ///< it is about the meaning of answers
+    std::vector<std::string> allowed_values = {};  ///< empty: any
+    bool is_about_answers = false;                 ///< it is about the meaning of answers
 
     [[nodiscard]] bool is_given(const RayFileOptions& options) const {
         return options.*value != RayFileOptions().*value;
@@ -43,7 +43,7 @@ struct RayFileOption {
 };
 const std::vector<RayFileOption>& ray_file_options();
 
-/// Adds an option for every member of `RayFileOptions` but `stop`; the option for `format` is --answer-format.
+/// Adds an option for every member of `RayFileOptions` but `stop`; each option has the name of its member.
 void add_ray_options(const shell::Command& command, RayFileOptions& options);
 
 struct JudgeOptions : RayFileOptions {
@@ -52,14 +52,15 @@ struct JudgeOptions : RayFileOptions {
     std::string against, by, tolerance, unit;
     double bits = -1;  ///< below 0: not given
     std::string size;
-    bool rows = false;
-    std::size_t worst = 10;
+    bool writes_rows = false;
+    std::size_t worst_count = 10;
     std::string out, shard, pictures = "sheets";
 };
 
 /// The scene whose primitives the rays are tested with; nothing if none is named. Throws InputError for several scenes,
 /// and for one with too many primitives.
-std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options, const std::filesystem::path& data);
+std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
+                                                     const std::filesystem::path& data_folder);
 
 /// The shape of the first primitive that is given for all rays; nothing if there is none.
 std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene);
@@ -74,14 +75,14 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
                                              std::optional<Shape> primitive, bool keep_own_columns = false);
 
 /// The shapes of the primitives of the rays, from columns or given for all rays.
-Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& given);
+Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& shared);
 
 /// If the file has matrices but no primitives: places the primitive that is given for all rays by the matrix of each
 /// ray. Throws InputError if there is not exactly one primitive, or if it has a matrix already.
-void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& given);
+void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& shared);
 
-/// A matrix to stand for any: a form has the same operations for all matrices.
-inline Placement<double> any_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
+/// A placeholder matrix: a form has the same operations for all matrices.
+inline Placement<double> placeholder_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
 
 /// The index, among the file's own columns, of the column to group rays by; nothing if none is asked for.
 std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::dump::Layout& layout);
