@@ -75,7 +75,8 @@ TEST_CASE("hlsl: a shader that does not run is reported with the user's line or 
              {head + "return ro.x + nope;\n}\n", "", "mine.hlsl:2:19: 'nope' : unknown variable", 2},
              {"float speed;\n" + head + "return speed;\n}\n", "",
               "no host program sets it when lostbits runs the shader; declare it `static const`", 2},
-             {"cbuffer Frame { float time; };\n" + head + "return time;\n}\n", "", "is read, but no host program sets it", 2},
+             {"cbuffer Frame { float time; };\n" + head + "return time;\n}\n", "",
+              "is read, but no host program sets it", 2},
              {head + "return 1;\n}\n", ":format=f64", "HLSL is measured in floats", 2},
              {head + "return 1;\n}\n", " --device opengl", "opengl: takes only GLSL; --device vulkan takes HLSL too",
               3}}) {
