@@ -87,9 +87,11 @@ void add_pictures(const shell::Command& command, std::string& pictures) {
 
 void add_out(const shell::Command& command, std::string& out, const std::string& contents) {
     out = "out/" + command.name();
-    const std::string table = command.name() == "report" ? "" : "; -: print only its table, on standard output";
-    command.add("-o,--out", out,
-                "Folder for " + contents + ", each in a subfolder of its name (default: " + out + ")" + table);
+    const std::string rest =
+        command.name() == "report"
+            ? ""
+            : "; each scene or file has a subfolder in it. With -, only the table is written, to standard output";
+    command.add("-o,--out", out, "Folder for " + contents + " (default: " + out + ")" + rest);
 }
 
 void add_changes(const shell::Command& command, SceneOptions& scenes, const std::string& example) {

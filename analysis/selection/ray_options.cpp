@@ -134,8 +134,7 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
     if (given_options.empty())
         throw InputError(
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
-            "NAME "
-            "for a file of cases");
+            "NAME for a file of cases");
     if (options.worst) return find_worst_in_scene(scene, tested_form, options.stop);
     return {scene,
             options.ray.empty() ? select_pixel(options, *scene)
@@ -170,9 +169,9 @@ NamedRay parse_named_ray(const scene::sweep::CaseFile& file, const std::string& 
 /// The convention to judge by: that of --convention, else each form's own if the file has it, else the file's first.
 std::optional<intersect::Touching> judging_convention(const RayOptions& options, const scene::sweep::CaseFile& file) {
     if (!options.convention.empty()) return scene::sweep::convention_named(options.convention);
-    const bool has_array_primitives =
+    const bool allows_own_convention =
         std::ranges::any_of(file.conventions, [](const auto& convention) { return !convention; });
-    return has_array_primitives ? std::nullopt : file.conventions[0];
+    return allows_own_convention ? std::nullopt : file.conventions[0];
 }
 
 /// The worst of all rays of a sweep. --size, --steps and --set change the sweep as in `lostbits sweep`.
@@ -331,9 +330,13 @@ void require_compatible(const RayOptions& options) {
          "a scene, or primitives given as options (a case has its own rays)"},
         {"--steps", !options.steps.empty(), is_scene, "a sweep and --worst"},
         {"--set", !options.set.empty(), has_own_primitives || is_scene, "a scene, or primitives given as options"}};
-    for (const Rule& rule : rules)
-        if (rule.is_given && !rule.is_allowed)
-            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", rule.option, rule.needs, rule.option));
+    for (const Rule& rule : rules) {
+        if (!rule.is_given || rule.is_allowed) continue;
+        const bool needs_other_subject = has_own_primitives && std::string_view(rule.needs).starts_with("a scene");
+        throw InputError(fmt::format("{} needs {}; {}, or leave {} out", rule.option, rule.needs,
+                                     needs_other_subject ? "name it in place of the options of primitives" : "add it",
+                                     rule.option));
+    }
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ thread_local long Interval::working_bits_ = 128;
 
 namespace {
 
-/// Smallest precision at which MPFI can hold every point: a point spans at most this many bits, from the highest bit of
-/// its first double to the lowest bit of its second.
+/// Precision at which MPFI holds every point. From the highest bit of its first double to the lowest bit of its second,
+/// a point spans at most 128 + 53 = 181 bits; 192 is the next multiple of 64.
 constexpr long point_bits = 192;
 constexpr double smallest_low_ratio = 0x1p-128;
 
@@ -33,11 +33,11 @@ std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble&
     return sum;
 }
 DoubleDouble negated(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
-/// True if a < b. The first doubles are rounded sums; if they differ, their order is that of the sums.
+/// True if a < b. `hi` is the rounded value of the pair, so unequal `hi` decide the order.
 bool is_less(const DoubleDouble& a, const DoubleDouble& b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
 
-/// The product, if two doubles hold it exactly. Returns nothing if both operands have a second double: without trailing
-/// zeros they have at least 54 bits each, and the product 107.
+/// The product, if two doubles hold it exactly. Returns nothing if both operands have a second double: such a
+/// product has 107 bits or more, and is not tried.
 std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDouble& b) {
     if (a.hi == 0 || b.hi == 0) return DoubleDouble{0, 0};
     if (a.lo != 0) return b.lo != 0 ? std::nullopt : exact_product(b, a);

@@ -56,7 +56,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
     CHECK_FALSE(has(run("diff one/map/summary.csv two/map/summary.csv --strict", scratch.path()).out, "better"));
     // Ignored columns and differences within a tolerance do not affect the verdict.
     CHECK(has(run("diff one two --ignore false_miss --allow lost_bits_p99=3", scratch.path()).out,
-              "two is better in 0 rows, worse in 0, the same in 1: by lost_bits_p99\n"));
+              "two is better in 0 rows, worse in 0, the same in 1 (compared by lost_bits_p99)\n"));
     CHECK(has(r.err, "1 picture is not compared; --compare-pictures compares it\n"));
     CHECK(has(run("diff one two --compare-pictures", scratch.path()).out,
               "one/map/contact.png: 1 difference; -v shows it\n"));
@@ -95,11 +95,13 @@ TEST_CASE("diff: pictures of different sizes are compared by shares, and only fo
     };
     write("small", "mylib.mine,f32,768,509,234,22,3,13\n");
     write("large", "mylib.mine,f32,3072,2019,961,91,1,13\n");  // more of them, and a smaller share
-    CHECK(has(run("diff small large", scratch.path()).out,
-              "\nlarge is better in 1 row, worse in 0, the same in 0: by the share of wrong decisions, then by "
-              "lost_bits_p99)\n"));
+    CHECK(
+        has(run("diff small large", scratch.path()).out,
+            "\nlarge is better in 1 row, worse in 0, the same in 0 (compared by the share of wrong decisions, then by "
+            "lost_bits_p99)\n"));
     write("large", "mylib.mine,f32,3072,2036,936,88,12,14\n");  // the same share: then the bits decide
-    CHECK(has(run("diff small large", scratch.path()).out, "\nlarge is better in 0 rows, worse in 1, the same in 0: "));
+    CHECK(has(run("diff small large", scratch.path()).out,
+              "\nlarge is better in 0 rows, worse in 1, the same in 0 (compared by "));
 
     // From inside, one form is asked for the exit, and the other for the near root alone.
     const std::string forms = " -i a.exit -i b.near";

@@ -45,7 +45,8 @@ TEST_CASE("suspicion: each wrong contract is recognised from its answers", "[ext
     using measure::contract::suspicion_text;
     CHECK(suspicion_text(judged([](double t, double, double) { return t; })).empty());
     CHECK(suspicion_text(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
-    CHECK(has(suspicion_text(judged([](double t, double, double l) { return t * l; })), "directions of unit length"));
+    CHECK(has(suspicion_text(judged([](double t, double, double l) { return t * l; })),
+              "as if directions had unit length"));
     CHECK(has(suspicion_text(judged([](double, double far, double) { return far; })), "the far root"));
     auto by_distance = judged([](double t, double, double) { return t; });  // although a distance was promised
     for (auto& j : by_distance) {
@@ -283,7 +284,8 @@ TEST_CASE("suspicion: map and sweep report suspicions on stderr, for wrong forms
     const auto map = [&](const std::string& form, const std::string& scene) {
         return run("map " + scene + " --size 48x32 -f f32 -o out -i " + form + odd, folder.path()).err;
     };
-    CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: on all 1536 rays of camera-inside: wrong on "));
+    CHECK(has(map("odd.squared", "camera-inside"),
+              "odd.squared f32: on all 1536 rays of camera-inside: all 1536 rays that "));
     folder.write("large.toml", scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = 4\n", "",
                                           "kind = \"pinhole\"\nfov_deg = 50\neye = [0, 0, 12]\n"));
     CHECK(has(map("odd.squared", "large.toml"), "seems to expect the square of the radius"));
@@ -292,7 +294,7 @@ TEST_CASE("suspicion: map and sweep report suspicions on stderr, for wrong forms
     CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "miss what they should hit; no known mistake"));
     CHECK(has(map("odd.far_first", "near-benign"), "far root"));
     CHECK(has(map("odd.forgetful", "near-benign"),
-              "odd.forgetful f32: on all 1536 rays of near-benign: wrong on "));  // a number for each call
+              "odd.forgetful f32: on all 1536 rays of near-benign: all 1536 rays that "));  // a number for each call
     for (const std::string form : {"odd.right", "odd.first", "odd.predicate", "odd.unit"}) {
         INFO(form);
         CHECK(map(form, "camera-inside").empty());
@@ -301,10 +303,10 @@ TEST_CASE("suspicion: map and sweep report suspicions on stderr, for wrong forms
     const Outcome sweep = run("sweep sphere-distance -i odd.far_first -f f32 -o out" + odd, folder.path());
     CHECK(has(sweep.err,
               "odd.far_first f32: on all 1024 rays of sphere-distance at distance_radii = 1.25, the first "
-              "step: wrong on "));
+              "step: all 1024 rays that "));
     // A small picture stands for a large one, and the line says so.
     const Outcome large = run("map near-benign --size 256x128 -f f32 -o out -i odd.far_first" + odd, folder.path());
-    CHECK(has(large.err, "on a sample of near-benign, a picture of 64x32 with 2048 rays: wrong on "));
+    CHECK(has(large.err, "on a sample of near-benign, a picture of 64x32 with 2048 rays: all "));
     CHECK(has(sweep.err, "far root"));
     const Outcome quiet = run("map near-benign -q --size 48x32 -f f32 -o out -i odd.far_first" + odd, folder.path());
     CHECK(quiet.err.empty());
