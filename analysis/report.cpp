@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <set>
 
@@ -45,6 +46,7 @@ struct ReportOptions {
     bool all = false, no_claims = false, trade = false;
     int seeds = 2;
     intersect::process::StopToken stop = {};
+    bool quiet = false;
 };
 
 /// The subjects of a report: files of scenes (some with one variant) and of sweeps.
@@ -144,6 +146,29 @@ std::vector<TestedForm> tested_forms_for(const std::string& subject, std::vector
     return tested_forms;
 }
 
+/// The patterns of -i; without -i, all forms.
+std::vector<std::string> form_patterns_of(const ReportOptions& options) {
+    return options.forms.empty() ? std::vector<std::string>{"*"} : options.forms;
+}
+
+/// The selected forms that can test a subject. If there is none and the command names the subject, these are all forms
+/// that can test it; with -i they stay none, and a message says that the subject is left out.
+std::vector<TestedForm> forms_for_subject(const ReportOptions& options, std::vector<TestedForm> selected_forms,
+                                          const std::vector<Format>& formats, const std::string& subject,
+                                          const selection::ShapePredicate& can_test) {
+    const auto patterns = form_patterns_of(options);
+    auto forms = selection::tested_forms_handling({selected_forms, patterns, true}, subject, can_test);
+    if (!forms.empty() || options.subjects.empty()) return forms;
+    if (options.forms.empty()) {
+        auto all_forms = selection::pair_forms_with_formats(selection::select_forms(patterns), formats);
+        return selection::tested_forms_handling({all_forms, patterns, true}, subject, can_test);
+    }
+    if (!options.quiet)
+        fmt::print(stderr, "lostbits: left out: no selected form handles {}{}\n", subject,
+                   selection::forms_advice(selected_forms, can_test));
+    return forms;
+}
+
 /// The largest map, in rays, that has the culprit of each ray by default. Larger maps need `--metric culprit`.
 constexpr std::size_t small_map_rays = 4096;
 
@@ -160,19 +185,17 @@ struct ReportWork {
 };
 
 void plan_sweep(ReportWork& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const selection::SelectedForms& chosen, intersect::process::StopToken stop) {
+                const std::function<std::vector<TestedForm>(const selection::ShapePredicate&)>& forms_for,
+                intersect::process::StopToken stop) {
     std::vector<TestedForm> handling_forms;
     const auto kind = scene::sweep::sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        handling_forms = selection::tested_forms_handling(
-            chosen, path.stem().string(),
-            [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
+        handling_forms = forms_for([file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
     else
-        handling_forms = selection::tested_forms_handling(
-            chosen, path.stem().string(),
+        handling_forms = forms_for(
             [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.meets(forms); });
     if (!handling_forms.empty()) work.sweeps.push_back({path, data, handling_forms});
 }
@@ -188,11 +211,6 @@ bool is_chosen(const Claim& c, const ReportOptions& options, const ReportWork& w
            std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
                return is_about_sweep(c, s.path.stem()) && has_tested_form(s.rows, c);
            });
-}
-
-/// The patterns of -i; without -i, all forms.
-std::vector<std::string> form_patterns_of(const ReportOptions& options) {
-    return options.forms.empty() ? std::vector<std::string>{"*"} : options.forms;
 }
 
 /// The tested forms to time: the forms of -i in f32 and f64.
@@ -211,19 +229,18 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
                 "--claims " + glob +
                 ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
     }
-    const auto rows = selection::pair_forms_with_formats(
-        selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)),
-        selection::select_formats(options.formats.empty() ? defaults.formats : options.formats));
+    const auto formats = selection::select_formats(options.formats.empty() ? defaults.formats : options.formats);
+    const auto selected_forms = selection::pair_forms_with_formats(
+        selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats);
     ReportWork work;
     const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, work.metric_set);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
         if (!options.size.empty()) load_options.size = selection::parse_size(options.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
-            auto candidates = tested_forms_for(scene.id, rows, claims, options.forms.empty());
             auto handling_forms =
-                selection::tested_forms_handling({candidates, form_patterns_of(options), true}, scene.id,
-                                                 [&scene](Shapes forms) { return scene.meets(forms); });
+                forms_for_subject(options, tested_forms_for(scene.id, selected_forms, claims, options.forms.empty()),
+                                  formats, scene.id, [&scene](Shapes forms) { return scene.meets(forms); });
             if (handling_forms.empty()) continue;
             std::vector<const Metric*> metrics = extra_metrics;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
@@ -245,8 +262,12 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
         }
     }
     for (const auto& path : subjects.sweeps) {
-        auto candidates = tested_forms_for(path.stem().string(), rows, claims, options.forms.empty());
-        plan_sweep(work, path, data, {candidates, form_patterns_of(options), true}, options.stop);
+        const std::string id = path.stem().string();
+        const auto forms_for = [&](const selection::ShapePredicate& can_test) {
+            return forms_for_subject(options, tested_forms_for(id, selected_forms, claims, options.forms.empty()),
+                                     formats, id, can_test);
+        };
+        plan_sweep(work, path, data, forms_for, options.stop);
     }
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = options.seeds;
     for (const std::string& text : options.choices) {
@@ -277,7 +298,8 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
     return work;
 }
 
-Exit run(const ReportOptions& options, const CommonOptions& common) {
+Exit run(ReportOptions options, const CommonOptions& common) {
+    options.quiet = common.quiet;
     require_folder(options.out);
     const auto data = selection::data_folder(common.data);
     ReportWork work = plan_report(options, data);
@@ -356,7 +378,7 @@ void add_report(const shell::Command& program, const CommonOptions& common) {
                 "Scenes and sweeps, by file or name (default: those of data/report.toml)");
     command.add_list("-i,--form", options->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
-                     "of --plugin, --pipe and --shader)");
+                     "of --plugin, --pipe and --shader; for a SUBJECT that none of them can test, all that can)");
     selection::add_formats(command, options->formats, "f32 f64");
     command.add_list("--metric", options->metrics, "Metrics in addition to the default ones; globs");
     command.add("--size", options->size, "Picture size, WxH in pixels (default: each scene's)");

@@ -78,6 +78,17 @@ TEST_CASE("a report is one file that loads no other") {
     CHECK(std::regex_search(page, std::regex("<b>\\d+</b> hold")));
 }
 
+TEST_CASE("a report shows every scene that is named, or says that it is left out") {
+    const Scratch scratch;
+    const std::string named = "report near-benign mesh-tube-far --no-claims --size 8x8 -o out --force";
+    // data/report.toml names no form for triangles.
+    CHECK(must(named, scratch.path()).err.empty());
+    CHECK(has(contents(scratch / "out/index.html"), "triangle.woop"));
+    const auto left_out = must(named + " -i sphere.press", scratch.path());
+    CHECK(has(left_out.err, "left out: no selected form handles mesh-tube-far: it has triangles; try -i 'triangle.*'"));
+    CHECK_FALSE(has(contents(scratch / "out/index.html"), "mesh-tube-far</"));
+}
+
 TEST_CASE("the tables of a report are the CSVs' numbers") {
     const Scratch scratch, maps;
     const std::string what = "rtg-fig-7-3-4100-oblique -i 'sphere.*' -f f32 -f f64 --size 48x48 ";
