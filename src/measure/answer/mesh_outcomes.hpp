@@ -24,7 +24,7 @@ struct BandAnswers {
 /// A hit of another primitive than the true one is an agreed hit where the ray truly meets that primitive at the same
 /// t, whatever the shapes: the hit belongs to all primitives that are met first.
 ///
-/// The rest concerns meshes. Neighbours are triangles that share a vertex. A form claims a triangle if it answers a hit
+/// The rest concerns meshes. Neighbours are triangles that share a vertex. A form accepts a triangle if it answers a hit
 /// when that triangle alone is tested. Answers read from a file do not say what else is claimed, so only
 /// `wrong_neighbour` is found there.
 ///
@@ -41,7 +41,7 @@ struct BandAnswers {
 ///   false hit.
 /// - `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, and the ray does not meet it at
 ///   that t.
-/// - `double_hit`: the form claims the triangle that it hits first and a neighbour of it that is the same crossing. At
+/// - `double_hit`: the form accepts the triangle that it hits first and a neighbour of it that is the same crossing. At
 ///   a fold the ray crosses the surface twice, one crossing after the other, and nothing is counted twice.
 /// - `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
 ///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the

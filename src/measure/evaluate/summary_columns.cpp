@@ -82,7 +82,7 @@ Columns outcome_columns() {
     count(Outcome::wrong_neighbour, "rays on which the form hits a neighbour of the triangle met; not a wrong decision",
           Shown::for_meshes);
     count(Outcome::out_of_order,
-          "rays on which the form claims a triangle and answers one that is truly behind it and not its neighbour",
+          "rays on which the form accepts a triangle and answers one that is truly behind it and not its neighbour",
           Shown::for_meshes);
     share("crack_fraction", "crack among the rays that truly hit", fraction_of_hits<Outcome::crack>, Shown::for_meshes);
     share("double_hit_fraction", "double_hit among the rays that truly hit", fraction_of_hits<Outcome::double_hit>,

@@ -377,7 +377,7 @@ std::string mesh_sentence(const Explanation& explanation) {
             return "In the mesh this is a wrong neighbour, which is not a wrong decision: the triangles share a "
                    "vertex.\n";
         case Outcome::out_of_order:
-            return "In the mesh this is out of order: the form claims a triangle that the ray truly meets before this "
+            return "In the mesh this is out of order: the form accepts a triangle that the ray truly meets before this "
                    "one, but its t there is not the smaller one.\n";
         case Outcome::agree_hit:
             return explanation.mesh_outcome
