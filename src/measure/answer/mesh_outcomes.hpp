@@ -24,14 +24,14 @@ struct BandAnswers {
 /// A hit of another primitive than the true one is an agreed hit where the ray truly meets that primitive at the same
 /// t, whatever the shapes: the hit belongs to all primitives that are met first.
 ///
-/// The rest concerns meshes. Neighbours are triangles that share a vertex. A form accepts a triangle if it answers a hit
-/// when that triangle alone is tested. Answers read from a file do not say what else is claimed, so only
+/// The rest concerns meshes. Neighbours are triangles that share a vertex. A form accepts a triangle if it answers a
+/// hit when that triangle alone is tested. Answers read from a file do not say what else is accepted, so only
 /// `wrong_neighbour` is found there.
 ///
 /// Triangles are one crossing of the surface if they face the ray with the same side, share a vertex or are truly met
 /// at the same t, and are not truly met at two different t. A triangle seen edge-on counts as facing with both sides.
 ///
-/// - `crack`: the form lets light through the surface. All of these hold: the form claims neither the triangle that the
+/// - `crack`: the form lets light through the surface. All of these hold: the form accepts neither the triangle that the
 ///   ray truly meets first nor a neighbour of that triangle; the number of crossings that it claims differs from the
 ///   true number by an odd number, so that light ends on the wrong side of the surface; the edge of that triangle that
 ///   the ray passes nearest to belongs to another face too. If two claimed triangles share a vertex and the ray does
