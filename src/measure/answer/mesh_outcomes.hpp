@@ -31,19 +31,19 @@ struct BandAnswers {
 /// Triangles are one crossing of the surface if they face the ray with the same side, share a vertex or are truly met
 /// at the same t, and are not truly met at two different t. A triangle seen edge-on counts as facing with both sides.
 ///
-/// - `crack`: the form lets light through the surface. All of these hold: the form accepts neither the triangle that the
-///   ray truly meets first nor a neighbour of that triangle; the number of crossings that it claims differs from the
-///   true number by an odd number, so that light ends on the wrong side of the surface; the edge of that triangle that
-///   the ray passes nearest to belongs to another face too. If two claimed triangles share a vertex and the ray does
-///   not truly meet both, they may be one crossing or the two of a fold, so the outcome is not a crack. A form that
-///   misses both walls of a mesh, because its outline is shifted or the triangles are not seen at all, has a false
+/// - `crack`: the form lets light through the surface. All of these hold: the form accepts neither the triangle that
+///   the ray truly meets first nor a neighbour of that triangle; the number of crossings that it accepts differs from
+///   the true number by an odd number, so that light ends on the wrong side of the surface; the edge of that triangle
+///   that the ray passes nearest to belongs to another face too. If two accepted triangles share a vertex and the ray
+///   does not truly meet both, they may be one crossing or the two of a fold, so the outcome is not a crack. A form
+///   that misses both walls of a mesh, because its outline is shifted or the triangles are not seen at all, has a false
 ///   miss. A form that misses at the border of a mesh has one too. If the ray truly misses and is stopped, that is a
 ///   false hit.
 /// - `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, and the ray does not meet it at
 ///   that t.
 /// - `double_hit`: the form accepts the triangle that it hits first and a neighbour of it that is the same crossing. At
 ///   a fold the ray crosses the surface twice, one crossing after the other, and nothing is counted twice.
-/// - `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
+/// - `out_of_order`: the form answers a triangle that the ray truly meets, and accepts another one, no neighbour of it,
 ///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the
 ///   smaller.
 void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
