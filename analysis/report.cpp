@@ -151,8 +151,8 @@ std::vector<std::string> form_patterns_of(const ReportOptions& options) {
     return options.forms.empty() ? std::vector<std::string>{"*"} : options.forms;
 }
 
-/// The selected forms that can test a subject. If there is none and the command names the subject, these are all forms
-/// that can test it; with -i they stay none, and a message says that the subject is left out.
+/// Returns the selected forms that can test a subject. A subject that the command names, and that none of the default
+/// forms can test, gets all forms that can. With -i it gets none, and a message says that it is left out.
 std::vector<TestedForm> forms_for_subject(const ReportOptions& options, std::vector<TestedForm> selected_forms,
                                           const std::vector<Format>& formats, const std::string& subject,
                                           const selection::ShapePredicate& can_test) {
@@ -163,9 +163,7 @@ std::vector<TestedForm> forms_for_subject(const ReportOptions& options, std::vec
         auto all_forms = selection::pair_forms_with_formats(selection::select_forms(patterns), formats);
         return selection::tested_forms_handling({all_forms, patterns, true}, subject, can_test);
     }
-    if (!options.quiet)
-        fmt::print(stderr, "lostbits: left out: no selected form handles {}{}\n", subject,
-                   selection::forms_advice(selected_forms, can_test));
+    if (!options.quiet) selection::note_left_out(selection::unhandled_text(subject, selected_forms, can_test));
     return forms;
 }
 
@@ -298,8 +296,7 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
     return work;
 }
 
-Exit run(ReportOptions options, const CommonOptions& common) {
-    options.quiet = common.quiet;
+Exit run(const ReportOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto data = selection::data_folder(common.data);
     ReportWork work = plan_report(options, data);
@@ -405,7 +402,10 @@ void add_report(const shell::Command& program, const CommonOptions& common) {
         "Also show a study of a scene: STUDY:SCENE, such as consistency:near-benign (with the forms of -i, or the "
         "study's usual ones)");
     selection::add_out(command, options->out, "index.html");
-    command.set_action([options, &common] { return run(*options, common); });
+    command.set_action([options, &common] {
+        options->quiet = common.quiet;  // known once the command line is read
+        return run(*options, common);
+    });
 }
 
 }  // namespace lostbits::analysis

@@ -127,14 +127,11 @@ std::vector<measure::evaluate::TestedForm> drop_unhandled(Subjects& subjects, co
     std::erase_if(subjects, [&](const auto& subject) {
         const ShapePredicate can_test_subject = [&](Shapes forms) { return can_test(subject, forms); };
         if (!tested_forms_handling(chosen, std::string(name_of(subject)), can_test_subject).empty()) return false;
-        messages.push_back("no selected form handles " + std::string(name_of(subject)) +
-                           forms_advice(tested_forms, can_test_subject));
+        messages.push_back(unhandled_text(std::string(name_of(subject)), tested_forms, can_test_subject));
         return true;
     });
     if (subjects.empty()) throw NothingSelected(messages.front());
-    for (const std::string& message : messages) {
-        if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", message.c_str());
-    }
+    if (!chosen.quiet) std::ranges::for_each(messages, note_left_out);
     return filter_tested_forms(tested_forms, [&](Shapes forms) {
         return std::ranges::any_of(subjects, [&](const auto& subject) { return can_test(subject, forms); });
     });

@@ -345,4 +345,11 @@ std::string forms_advice(const std::vector<TestedForm>& tested_forms, const Shap
     return reason + "; try -i '" + patterns_for(can_test) + "'";
 }
 
+std::string unhandled_text(const std::string& name, const std::vector<TestedForm>& tested_forms,
+                           const ShapePredicate& can_test) {
+    return "no selected form handles " + name + forms_advice(tested_forms, can_test);
+}
+
+void note_left_out(const std::string& message) { fmt::print(stderr, "lostbits: left out: {}\n", message); }
+
 }  // namespace lostbits::analysis::selection

@@ -79,4 +79,10 @@ std::string patterns_for(const ShapePredicate& can_test);
 std::string forms_advice(const std::vector<measure::evaluate::TestedForm>& tested_forms,
                          const ShapePredicate& can_test);
 
+/// Message that no selected form can test the subject called `name`, with the advice of `forms_advice`.
+std::string unhandled_text(const std::string& name, const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                           const ShapePredicate& can_test);
+/// Prints on stderr that a subject is left out, with the message of `unhandled_text`.
+void note_left_out(const std::string& message);
+
 }  // namespace lostbits::analysis::selection
