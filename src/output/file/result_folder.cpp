@@ -123,12 +123,14 @@ ResultFolder::ResultFolder(fs::path folder, Provenance provenance, Rules rules)
          missing_folder = missing_folder.parent_path())
         created_folders_.push_back(missing_folder);
     fs::create_directories(folder_, error);
-    for (auto parent = folder_; parent != parent.parent_path(); parent = parent.parent_path())
-        if (fs::exists(parent, ignored) && !fs::is_directory(parent, ignored))
-            throw EnvironmentError(parent.string() + ": is a file, so it cannot hold results; choose another -o");
-    if (!fs::is_directory(folder_, ignored))
+    if (!fs::is_directory(folder_, ignored)) {
+        fs::path nearest = folder_;  // the folder, or the deepest parent that exists
+        while (!fs::exists(nearest, ignored) && nearest.has_relative_path()) nearest = nearest.parent_path();
+        if (!fs::is_directory(nearest, ignored))
+            throw EnvironmentError(nearest.string() + ": is a file, so it cannot hold results; choose another -o");
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
+    }
     for (ManifestRun& run : manifest_runs(folder_)) {
         if (rules_.is_shared && command_name(run.provenance.command) != command_name(provenance_.command))
             other_runs_.push_back(std::move(run));
