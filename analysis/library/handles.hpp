@@ -258,8 +258,8 @@ private:
     std::uint64_t done_ = 0;
 };
 
-/// What a call selects: its arguments, and the forms in formats and the metrics that they name. The caller's own forms
-/// come before those of the catalogue.
+/// The selection of a call: its arguments, and the forms in formats and the metrics that they name. The caller's own
+/// forms come before those of the catalogue.
 struct CallSelection {
     lostbits_choice arguments;       ///< as the caller gave them
     std::vector<std::string> forms;  ///< as given, for messages and for sets

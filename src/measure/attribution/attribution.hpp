@@ -65,7 +65,7 @@ struct AttributionDepth {
 };
 
 /// Attributes the error of a subject that is a number. For a decision, the subject is the difference of the sides of
-/// the first comparison behind it that rounding changed; there is none if rounding changed no comparison.
+/// the first comparison behind it that rounding changed; `no_node` if rounding changed no comparison.
 ///
 /// Exact values are double-double with certified bounds if those settle every decision and bound each live value to
 /// 2^-60 of the larger of it and the computed one. Otherwise they have 2048 bits, and values that differ by less than

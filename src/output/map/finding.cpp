@@ -82,7 +82,7 @@ std::string wrong_decision_text(const FormSummary& summary) {
 std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = measured_forms(request, summaries);
     if (forms.empty()) return "";
-    // Of equally good forms, the sentence names the first, as the sheet does, where the others share its column.
+    // The sentence names the first of equally good forms. So does the sheet, where the others share its column.
     const MeasuredForm &best = *std::ranges::min_element(forms, {}, rank_of),
                        &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;

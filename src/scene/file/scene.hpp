@@ -102,7 +102,7 @@ struct Scene {
 /// camera. Throws InputError for a scene whose camera has no projection, and for shared inputs with meshes or flakes.
 Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator);
 
-/// What to load from a scene file, and the changes to it.
+/// Options for loading a scene file: the parts to load, and the changes to them.
 struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< the only variant to load; absent: all
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
