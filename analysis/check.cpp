@@ -13,7 +13,7 @@
 #include "analysis/study/studies_by_name.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
-#include "output/claim/claim_files.hpp"
+#include "output/check/claim_files.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
@@ -23,12 +23,12 @@
 
 namespace lostbits::analysis {
 
-using measure::claim::ClaimResult;
+using measure::check::ClaimResult;
 using output::file::terminal_line;
 
 namespace {
 
-using scene::claim::Claim;
+using scene::check::Claim;
 using State = ClaimResult::State;
 
 struct CheckOptions {
@@ -53,7 +53,7 @@ void require_claim_path(const std::string& path, const std::filesystem::path& da
     const std::filesystem::path folder = data / "claims";
     std::vector<std::string> names;
     if (std::filesystem::is_directory(folder, error))
-        for (const auto& claim_file : scene::claim::claim_files(folder)) names.push_back(claim_file.stem().string());
+        for (const auto& claim_file : scene::check::claim_files(folder)) names.push_back(claim_file.stem().string());
     const auto closest_name = scene::toml::closest(std::filesystem::path(path).stem().string(), names);
     throw InputError(path + ": no such file or folder; " +
                      (closest_name ? "did you mean \"" + (folder / (*closest_name + ".toml")).string() + "\"?"
@@ -71,8 +71,8 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
         options.files.empty() ? std::vector<std::string>{(data / "claims").string()} : options.files;
     for (const std::string& claim_path : claim_paths) {
         require_claim_path(claim_path, data);
-        for (const auto& path : scene::claim::claim_files(claim_path)) {
-            for (Claim& claim : scene::claim::read_claims(path)) {
+        for (const auto& path : scene::check::claim_files(claim_path)) {
+            for (Claim& claim : scene::check::read_claims(path)) {
                 if (!ids.insert(claim.id).second)
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
                                                        "\" is used in another file too; each id may be used once");
@@ -93,8 +93,8 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
 void print(const Claim& claim, const ClaimResult& result, const CheckOptions& options, bool verbose) {
     const std::string_view verdict = name_of(claim.verdict);
     if (result.state == State::agrees) {
-        const std::string floats = output::claim::floats_text(result),
-                          evidence = output::claim::evidence_text(claim, result);
+        const std::string floats = output::check::floats_text(result),
+                          evidence = output::check::evidence_text(claim, result);
         if (verbose)
             fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), verdict,
                        floats.empty() ? "" : ", " + floats, evidence.empty() ? "" : ", " + terminal_line(evidence),
@@ -108,10 +108,10 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
                                                               : "FAILED";
     const std::string problem = result.state == State::skipped        ? "cannot be measured on this machine"
                                 : result.state == State::unmeasurable ? "could not be measured"
-                                                                      : output::claim::disagreement_text(claim, result);
+                                                                      : output::check::disagreement_text(claim, result);
     fmt::print("{}: {}: {} ({})\n", label, problem, terminal_line(claim.id), terminal_line(claim.statement));
     fmt::print("         {}: {}\n", terminal_line(claim.where.text()),
-               terminal_line(output::claim::explanation_text(claim, result)));
+               terminal_line(output::check::explanation_text(claim, result)));
     if (result.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
                    output::file::hex(result.witness.ray.origin.x), output::file::hex(result.witness.ray.origin.y),
@@ -119,14 +119,14 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
                    output::file::hex(result.witness.ray.direction.y),
                    output::file::hex(result.witness.ray.direction.z));
     }
-    if (const std::string command = output::claim::witness_command(claim, result); !command.empty())
+    if (const std::string command = output::check::witness_command(claim, result); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
-    fmt::print("         reproduce: {}\n", terminal_line(output::claim::subject_texts(claim).command));
+    fmt::print("         reproduce: {}\n", terminal_line(output::check::subject_texts(claim).command));
     if (options.annotations == "github" && result.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(label) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,
                    output::file::workflow_value(claim.id),
-                   output::file::workflow_text(output::claim::explanation_text(claim, result)));
+                   output::file::workflow_text(output::check::explanation_text(claim, result)));
     }
 }
 
@@ -137,7 +137,7 @@ std::string draws_text(const Claim& claim, const ClaimResult& r) {
     const std::size_t draws = 1 + r.further_measured.size();
     if (static_cast<std::size_t>(s.draws) < draws)
         return fmt::format("; only {} of {} draws have a value, so they give no interval", s.draws, draws);
-    const auto interval = measure::claim::expected_interval(claim, r);
+    const auto interval = measure::check::expected_interval(claim, r);
     return fmt::format("; {} draws: {} to {}, median {}; their interval is [{}, {}]", s.draws,
                        output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),
                        output::file::decimal(interval.low), output::file::decimal(interval.high));
@@ -180,7 +180,7 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
 std::vector<std::filesystem::path> input_files(const CheckOptions& options, const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files;
     for (const std::string& path : options.files.empty() ? std::vector{(data / "claims").string()} : options.files)
-        std::ranges::copy(scene::claim::claim_files(path), std::back_inserter(files));
+        std::ranges::copy(scene::check::claim_files(path), std::back_inserter(files));
     for (const char* folder : {"scenes", "sweeps"}) {
         std::error_code ignored;
         std::vector<std::filesystem::path> folder_files;
@@ -247,13 +247,13 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
             take_folder(run_division, options.report, common, common.typed_command.all_subjects(), {.is_shared = true});
     if (folder) require_writable(std::filesystem::path(options.report) / "README.md");
     const study::StudiesByName studies;
-    const measure::claim::ClaimRequest request{
+    const measure::check::ClaimRequest request{
         .data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies};
     const auto measured = run_division.division.result_of("check", [&] {
         const auto units = run_division.division.share().unit_range(claims.size());
         const std::vector<Claim> shard_claims(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
                                               claims.begin() + static_cast<std::ptrdiff_t>(units.last));
-        return measure::claim::measure_claims(shard_claims, request);
+        return measure::check::measure_claims(shard_claims, request);
     });
     finish_run(run_division, common);
     if (!measured) return Exit::done;
@@ -265,7 +265,7 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
                        draws_text(claims[i], results[i]));
         return Exit::done;
     }
-    const auto counts = output::claim::count_verdicts(claims, results);
+    const auto counts = output::check::count_verdicts(claims, results);
     const std::size_t agreed = counts.all.confirmed(), skipped = counts.all.skipped;
     std::size_t failed = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -274,10 +274,10 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
                   (options.strict || claims[i].severity == Claim::Severity::error);
     }
     if (options.seeds > 0 && !common.quiet) print_spreads(claims, results);
-    if (!options.junit.empty()) output::claim::write_junit(options.junit, claims, results, options.strict);
-    if (!options.csv.empty()) output::claim::write_claims_csv(options.csv, claims, results);
-    if (!options.json.empty()) output::claim::write_claims_json(options.json, claims, results);
-    if (!options.report.empty()) output::claim::write_claim_report(options.report, claims, results, request);
+    if (!options.junit.empty()) output::check::write_junit(options.junit, claims, results, options.strict);
+    if (!options.csv.empty()) output::check::write_claims_csv(options.csv, claims, results);
+    if (!options.json.empty()) output::check::write_claims_json(options.json, claims, results);
+    if (!options.report.empty()) output::check::write_claim_report(options.report, claims, results, request);
     complete_folder(folder);
     if (!common.quiet) {
         // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.

@@ -14,17 +14,17 @@
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
-#include "measure/choice/file_rays.hpp"
+#include "measure/choose/file_rays.hpp"
 #include "measure/repair/price.hpp"
 #include "number/error.hpp"
-#include "output/choice/choice_files.hpp"
+#include "output/choose/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/repair/form_code.hpp"
 #include "output/repair/repair_files.hpp"
 
 namespace lostbits::analysis {
 
-using measure::choice::ChoiceRequest;
+using measure::choose::ChoiceRequest;
 using measure::evaluate::TestedForm;
 using measure::repair::RepairRequest;
 using measure::repair::RepairResult;
@@ -40,7 +40,7 @@ struct LoadedRepairs {
         Format format;
     };
     std::vector<LoadedForm> forms;
-    std::vector<output::choice::RepairedCandidate> candidates;  ///< in the same order
+    std::vector<output::choose::RepairedCandidate> candidates;  ///< in the same order
 };
 
 /// Repairs forms one after another. Deques keep requests and results at fixed addresses.
@@ -58,7 +58,7 @@ public:
     }
 
     std::vector<measure::repair::RepairedSource> sources = {};
-    std::vector<output::choice::RepairedCandidate> candidates = {};
+    std::vector<output::choose::RepairedCandidate> candidates = {};
 
 private:
     void repair_one(const TestedForm& tested_form) {
@@ -182,25 +182,25 @@ using ResultFolderPointer = std::unique_ptr<output::file::ResultFolder>;
 
 /// Chooses a form and writes the results, for a scene or for files of rays. For files, the accuracy on their rays is
 /// known already.
-Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const ResultFolderPointer& result_folder,
+Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const ResultFolderPointer& result_folder,
             output::file::Progress& progress, const CommonOptions& common,
-            std::optional<std::vector<output::choice::RepairedCandidate>> repaired = {}) {
-    measure::choice::TimedRays timed_rays;
-    std::optional<measure::choice::MetPixelsByForm> met_pixels;
+            std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
+    measure::choose::TimedRays timed_rays;
+    std::optional<measure::choose::MetPixelsByForm> met_pixels;
     if (request.scene) request.show = met_pixels.emplace(request, request.rows).show();
     const auto measured_candidates = measure_candidates(request, timed_rays);
     auto requirement_map =
         met_pixels ? std::optional(requirement_map_of(request, measured_candidates, *met_pixels)) : std::nullopt;
-    auto choice = output::choice::choose_among(request, measured_candidates, timed_rays);
+    auto choice = output::choose::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
+        choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
                                                        request.limit);
     files.finish(choice);
     complete_folder(result_folder);
     progress.finish();
-    fmt::print("{}", output::choice::choice_text(choice));
+    fmt::print("{}", output::choose::choice_text(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
@@ -222,7 +222,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder =
         take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
-    output::choice::ChoiceFiles files(folder);
+    output::choose::ChoiceFiles files(folder);
     output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed_rows.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
@@ -252,13 +252,13 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
                    id);
     const auto folder = std::filesystem::path(options.out) / id;
     const auto result_folder = take_folder(folder, common, opened_rays.quoted_files);
-    output::choice::ChoiceFiles files(folder);
+    output::choose::ChoiceFiles files(folder);
     const bool counts_bytes = opened_rays.dump->bytes() > 0;
     output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
                                     common.progress, common.quiet);
     const auto advance = advance_callback(progress);
     opened_rays.terms.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
-    const measure::choice::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.terms, request);
+    const measure::choose::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.terms, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
     return choose(request, files, result_folder, progress, common);

@@ -13,7 +13,7 @@
 #include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
 #include "output/file/escape.hpp"
-#include "scene/claim/claims_file.hpp"
+#include "scene/check/claims_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
@@ -24,7 +24,7 @@
 
 namespace lostbits::analysis {
 
-using scene::claim::Claim;
+using scene::check::Claim;
 using scene::sweep::SweepKind;
 
 namespace {
@@ -247,9 +247,9 @@ Listing sweeps(const CommonOptions& common) {
 Listing claims(const CommonOptions& common) {
     Listing list{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
     const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
-    for (const auto& path : scene::claim::claim_files(root)) {
-        for (const Claim& c : scene::claim::read_claims(path)) {
-            list.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),
+    for (const auto& path : scene::check::claim_files(root)) {
+        for (const Claim& c : scene::check::read_claims(path)) {
+            list.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::check::name_of(c.profile)),
                                  c.subject_name(), c.tested_name(), c.format, c.statement});
         }
     }

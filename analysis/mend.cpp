@@ -97,12 +97,12 @@ std::string mend_command(const MendOptions& options) {
 }
 
 void write_page(const std::filesystem::path& path, const RepairSummary& result, const std::string& command) {
-    output::page::Report report{
+    output::report::Report report{
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
     report.mends.push_back(report::mend_part(result));
-    if (report.mends.front().has_times) report.processor = measure::speed::processor_name();
-    output::file::write_file(path, output::page::page(report));
+    if (report.mends.front().has_times) report.processor = measure::trade::processor_name();
+    output::file::write_file(path, output::report::page(report));
 }
 
 /// Throws InputError for a file name that is neither NAME.patch nor an identifier with .hpp or .glsl: the form, and its
@@ -155,9 +155,9 @@ private:
     [[nodiscard]] selection::OpenedRays open() const {
         return selection::open_rays(options_.rays, options_.subjects, selection::data_folder(common_.data));
     }
-    measure::choice::FileRays judge(const RepairRequest& request,
+    measure::choose::FileRays judge(const RepairRequest& request,
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
-        measure::choice::ChoiceRequest choice_request{.rows = tested_forms, .requirement = request.requirement};
+        measure::choose::ChoiceRequest choice_request{.rows = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }
@@ -165,7 +165,7 @@ private:
     const MendOptions& options_;
     const CommonOptions& common_;
     selection::OpenedRays opened_;
-    measure::choice::FileRays rays_ = {};
+    measure::choose::FileRays rays_ = {};
 };
 
 scene::file::Scene load_subject_scene(const MendOptions& options, const std::filesystem::path& data) {

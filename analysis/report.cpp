@@ -15,11 +15,11 @@
 #include "analysis/study/studies_by_name.hpp"
 #include "commands.hpp"
 #include "measure/attribution/culprits.hpp"
-#include "measure/speed/timing.hpp"
+#include "measure/trade/timing.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
-#include "scene/claim/claims_file.hpp"
-#include "scene/claim/report_file.hpp"
+#include "scene/check/claims_file.hpp"
+#include "scene/check/report_file.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -30,15 +30,15 @@ using report::ChoiceWork;
 using report::MapWork;
 using report::SweepWork;
 
-using measure::claim::ClaimResult;
+using measure::check::ClaimResult;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
 
-using scene::claim::Claim;
-using scene::claim::SceneSubject;
-using scene::claim::SweepSubject;
+using scene::check::Claim;
+using scene::check::SceneSubject;
+using scene::check::SweepSubject;
 
 struct ReportOptions {
     std::vector<std::string> subjects, forms, formats, metrics, claims, choices, mends, offsets, studies;
@@ -89,7 +89,7 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
     }
 }
 
-Subjects select_subjects(const ReportOptions& options, const scene::claim::ReportFile& defaults,
+Subjects select_subjects(const ReportOptions& options, const scene::check::ReportFile& defaults,
                          const std::filesystem::path& data) {
     Subjects subjects;
     for (const auto& name : options.subjects) add_subject(subjects, name, data);
@@ -105,8 +105,8 @@ Subjects select_subjects(const ReportOptions& options, const scene::claim::Repor
 
 std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     std::vector<Claim> claims;
-    for (const auto& path : scene::claim::claim_files((data / "claims").string())) {
-        for (Claim& claim : scene::claim::read_claims(path)) {
+    for (const auto& path : scene::check::claim_files((data / "claims").string())) {
+        for (Claim& claim : scene::check::read_claims(path)) {
             if (claim.profile == Claim::Profile::results) claims.push_back(std::move(claim));
         }
     }
@@ -121,7 +121,7 @@ bool is_about_sweep(const Claim& c, const std::string& id) {
 }
 
 bool has_tested_form(const std::vector<TestedForm>& tested_forms, const Claim& c) {
-    const auto row = measure::claim::tested_form_of(c);
+    const auto row = measure::check::tested_form_of(c);
     return std::ranges::any_of(tested_forms,
                                [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
 }
@@ -133,7 +133,7 @@ std::vector<TestedForm> tested_forms_for(const std::string& subject, std::vector
     for (const Claim& c : claims) {
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
         if (!has_tested_form(tested_forms, c))
-            tested_forms.push_back({measure::claim::tested_form_of(c).form, measure::claim::tested_form_of(c).format});
+            tested_forms.push_back({measure::check::tested_form_of(c).form, measure::check::tested_form_of(c).format});
     }
     const auto sort_key = [](const TestedForm& tested_form) {
         if (tested_form.form->is_set()) return std::pair{true, PTRDIFF_MAX};
@@ -218,7 +218,7 @@ std::vector<TestedForm> timeable_forms(const ReportOptions& options) {
 }
 
 ReportWork plan_report(const ReportOptions& options, const std::filesystem::path& data) {
-    const scene::claim::ReportFile defaults = scene::claim::read_report_file(data / "report.toml");
+    const scene::check::ReportFile defaults = scene::check::read_report_file(data / "report.toml");
     const Subjects subjects = select_subjects(options, defaults, data);
     const auto claims = options.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     for (const std::string& glob : options.claims) {
@@ -315,12 +315,12 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
         work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
         common.progress, common.quiet);
     const auto advance = advance_callback(progress);
-    output::page::Report report{.command = common.typed_command.text() + " -o out",
-                                .maps = {},
-                                .sweeps = {},
-                                .trades = {},
-                                .claims = work.claims,
-                                .results = {}};
+    output::report::Report report{.command = common.typed_command.text() + " -o out",
+                                  .maps = {},
+                                  .sweeps = {},
+                                  .trades = {},
+                                  .claims = work.claims,
+                                  .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
@@ -333,14 +333,14 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
     }
     const study::StudiesByName studies;
     if (!work.claims.empty())
-        report.results = measure::claim::measure_claims(
+        report.results = measure::check::measure_claims(
             work.claims, {.data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies});
     for (const report::StudyWork& study_work : work.studies)
         report.studies.push_back(study_part(study_work, options.forms, options.formats, common.stop));
     for (const scene::file::Scene& scene : work.offsets) {
         if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
-    if (options.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
+    if (options.trade || !work.choices.empty()) report.processor = measure::trade::processor_name();
     for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
     for (const report::MendWork& mend : work.mends) report.mends.push_back(mend_part(mend, common.stop));
     if (options.trade) {
@@ -352,7 +352,7 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
         }
     }
     progress.finish();
-    file.write(output::page::page(report));
+    file.write(output::report::page(report));
     file.commit();
     complete_folder(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());

@@ -8,7 +8,7 @@
 #include "analysis/selection/select.hpp"
 #include "intersect/external/plugin.hpp"
 #include "measure/answer/against.hpp"
-#include "measure/choice/candidates.hpp"
+#include "measure/choose/candidates.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -158,7 +158,7 @@ std::string concatenate(const char* prefix, const std::vector<std::string>& valu
 
 double parse_quantile(const std::string& text) {
     try {
-        return measure::choice::quantile_named(text);
+        return measure::choose::quantile_named(text);
     } catch (const InputError& error) {
         throw InputError(std::string("--at ") + error.what());
     }

@@ -11,13 +11,13 @@
 #include "analysis/selection/select.hpp"
 #include "analysis/study/measurements.hpp"
 #include "commands.hpp"
-#include "measure/speed/trade.hpp"
+#include "measure/trade/trade.hpp"
 #include "output/attribution/explain_command.hpp"
-#include "output/speed/trade_files.hpp"
+#include "output/trade/trade_files.hpp"
 
 namespace lostbits::analysis {
 
-using measure::speed::TradeRequest;
+using measure::trade::TradeRequest;
 using scene::file::Scene;
 
 namespace {
@@ -33,8 +33,8 @@ struct TradeOptions {
     bool quick = false;
 };
 
-measure::speed::TimingPlan timing_plan(const TradeOptions& options) {
-    measure::speed::TimingPlan plan = options.quick ? study::quick_plan() : measure::speed::TimingPlan{};
+measure::trade::TimingPlan timing_plan(const TradeOptions& options) {
+    measure::trade::TimingPlan plan = options.quick ? study::quick_plan() : measure::trade::TimingPlan{};
     if (options.repetitions > 0) plan.repetitions = options.repetitions;
     return plan;
 }
@@ -57,18 +57,18 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(options.out) / name;
     const auto result_folder = take_folder(folder, common, scene ? output::attribution::shell_word(options.scene) : "");
-    output::speed::TradeFiles files(request, folder);
+    output::trade::TradeFiles files(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);
-    output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", name),
+    output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
-    const measure::speed::TradeResult result = measure::speed::run_trade(request);
+    const measure::trade::TradeResult result = measure::trade::run_trade(request);
     files.finish(result);
     complete_folder(result_folder);
     progress.finish();
     if (!common.quiet)
-        fmt::print("{}\n{}\n", output::speed::trade_text(request, result), (folder / "pareto.csv").string());
+        fmt::print("{}\n{}\n", output::trade::trade_text(request, result), (folder / "pareto.csv").string());
     return Exit::done;
 }
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "by_hand.hpp"
-#include "measure/speed/timing_work.hpp"
+#include "measure/trade/timing_work.hpp"
 #include "ratios.hpp"
 
 namespace {
@@ -25,12 +25,12 @@ constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
 constexpr std::string_view forms[] = {"box.baseline", "box.exclusive", "box.inclusive", "box.signs"};
 
 std::size_t bytes_of(std::string_view size) {
-    return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());
+    return measure::trade::working_set_bytes(size, measure::trade::cache_sizes());
 }
 
 #if defined(LOSTBITS_BY_HAND)
 template <class S>
-Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::BoxField<S>>& field,
+Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::trade::BoxField<S>>& field,
                       by_hand::Boxes<S> loop, bool warm) {
     const auto ray = field->ray_numbers();
     const auto columns = field->pointers();
@@ -40,7 +40,7 @@ Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::sp
             {[=] { loop(ray.data(), columns.data(), field->t.data(), field->t.size()); }, field->t.size(), warm}};
 }
 
-void add_by_hand(std::vector<Contestant>& all, measure::speed::BoxWork& work, intersect::simd::Isa isa, bool warm) {
+void add_by_hand(std::vector<Contestant>& all, measure::trade::BoxWork& work, intersect::simd::Isa isa, bool warm) {
     if (isa != intersect::simd::Isa::w256 && isa != intersect::simd::Isa::w512) return;
     const by_hand::Width loops = isa == intersect::simd::Isa::w256 ? by_hand::width_256() : by_hand::width_512();
     const std::string hand = std::string(name_of(isa)) + "/by hand, ";
@@ -50,13 +50,13 @@ void add_by_hand(std::vector<Contestant>& all, measure::speed::BoxWork& work, in
     all.push_back(by_hand_on(hand + "box.signs/f64", work.f64(), loops.f64.signs, warm));
 }
 #else
-void add_by_hand(std::vector<Contestant>&, measure::speed::BoxWork&, intersect::simd::Isa, bool) {}
+void add_by_hand(std::vector<Contestant>&, measure::trade::BoxWork&, intersect::simd::Isa, bool) {}
 #endif
 
 /// Kernels that are compared. For a box they read seven numbers and write one.
 std::vector<Contestant> contestants(std::size_t bytes) {
     std::vector<Contestant> all;
-    measure::speed::BoxWork work(bytes);
+    measure::trade::BoxWork work(bytes);
     const auto add = [&](const std::string& kernel, std::string_view form, const std::string& format) {
         const std::string end = std::string(form) + "/" + format;
         if (auto w = work.work_for({form, kernel, format}))
@@ -68,7 +68,7 @@ std::vector<Contestant> contestants(std::size_t bytes) {
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         for (const char* const format : {"f32", "f64"})
             for (const std::string_view form : forms) add(std::string(name_of(isa)), form, format);
-        add_by_hand(all, work, isa, measure::speed::fits_in_cache(bytes));
+        add_by_hand(all, work, isa, measure::trade::fits_in_cache(bytes));
     }
     return all;
 }
@@ -79,7 +79,7 @@ void print_all() {
     const std::string widest(name_of(intersect::simd::best_isa()));
     for (const std::string_view size : sizes)
         bench::print_speedup(widest + "/box.signs/f32", std::string(size), [&](std::size_t) {
-            return measure::speed::BoxWork(bytes_of(size)).work_for({"box.signs", widest, "f32"})->pass;
+            return measure::trade::BoxWork(bytes_of(size)).work_for({"box.signs", widest, "f32"})->pass;
         });
 }
 

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "intersect/simd/packed.hpp"
-#include "measure/speed/timing_work.hpp"
+#include "measure/trade/timing_work.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "predicates.hpp"
 #include "ratios.hpp"
@@ -86,10 +86,10 @@ bool print(const char* name, double distance, Aim aim) {
     const auto problems = set.problems();
     const auto tightness = sizeof(S) == 4 ? Tightness::ulps_of_binary32 : Tightness::certified;
     const auto find = [&] { find_truth_columns(problems, {.tightness = tightness}, truth); };
-    std::vector<measure::speed::TimedWork> work{{[&] { by_orientations(set.rays, set.corners, hit); }, ray_count, true},
+    std::vector<measure::trade::TimedWork> work{{[&] { by_orientations(set.rays, set.corners, hit); }, ray_count, true},
                                                 {[&] { by_do_intersect(set.rays, set.corners, met); }, ray_count, true},
                                                 {find, ray_count, true}};
-    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 31});
+    const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 31});
     std::size_t hits = 0, other = 0;
     for (std::size_t i = 0; i < ray_count; ++i) {
         const bool yes = truth.decision[i] == measure::truth::Truth::Decision::hit;
@@ -97,10 +97,10 @@ bool print(const char* name, double distance, Aim aim) {
         other += yes != (hit[i] != 0);
     }
     std::printf("%-8s %-10s %6zu %12.1f %12.1f %12.1f", sizeof(S) == 4 ? "binary32" : "binary64", name, hits,
-                1e9 * measure::speed::timing_of(samples[0]).median, 1e9 * measure::speed::timing_of(samples[1]).median,
-                1e9 * measure::speed::timing_of(samples[2]).median);
+                1e9 * measure::trade::timing_of(samples[0]).median, 1e9 * measure::trade::timing_of(samples[1]).median,
+                1e9 * measure::trade::timing_of(samples[2]).median);
     for (const std::size_t rival : {0, 1})
-        std::printf(" %13.2f", measure::speed::ratio_of(samples[rival], samples[2]).median);
+        std::printf(" %13.2f", measure::trade::ratio_of(samples[rival], samples[2]).median);
     std::printf("   %llu %llu\n", static_cast<unsigned long long>(truth.stages.binary64),
                 static_cast<unsigned long long>(truth.stages.double_double));
     if (other != 0) std::printf("  %zu decisions differ from those of by_orientations\n", other);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "measure/speed/timing_work.hpp"
+#include "measure/trade/timing_work.hpp"
 
 namespace bench {
 namespace {
@@ -28,43 +28,43 @@ Contestant reader(std::size_t bytes) {
                      for (std::size_t k = 0; k < streams; ++k) sums[k] += first[k * (length + stagger) + i];
                  benchmark::DoNotOptimize(sums);
              },
-             streams * length, measure::speed::fits_in_cache(bytes)}};
+             streams * length, measure::trade::fits_in_cache(bytes)}};
 }
 
 }  // namespace
 
 void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes) {
-    const bool memory = !measure::speed::fits_in_cache(bytes);
+    const bool memory = !measure::trade::fits_in_cache(bytes);
     if (memory) all.push_back(reader(bytes));
-    std::vector<measure::speed::TimedWork> work;
+    std::vector<measure::trade::TimedWork> work;
     for (const Contestant& c : all) work.push_back(c.work);
-    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = memory ? 9 : 201});
+    const auto samples = measure::trade::sample_interleaved(work, {.repetitions = memory ? 9 : 201});
     const auto named = [&](const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(all, name, &Contestant::name) - all.begin());
     };
     std::printf("%-42s %-7s %9s  %s\n", "kernel", "data", "10^9/s",
                 memory ? "over by hand        GB/s  of the read loop" : "over by hand");
     for (std::size_t k = 0; k < all.size(); ++k) {
-        const double rate = 1e-9 / measure::speed::timing_of(samples[k]).median;
+        const double rate = 1e-9 / measure::trade::timing_of(samples[k]).median;
         std::printf("%-42s %-7s %9.3f", all[k].name.c_str(), data.c_str(), rate);
         if (const std::size_t rival = named(all[k].rival); rival < all.size()) {
-            const measure::speed::Timing ratio = measure::speed::ratio_of(samples[rival], samples[k]);
+            const measure::trade::Timing ratio = measure::trade::ratio_of(samples[rival], samples[k]);
             std::printf("  %.3f (%.2f-%.2f)", ratio.median, ratio.low_quartile, ratio.high_quartile);
         } else if (memory) {
             std::printf("%19s", "");
         }
         if (memory)
             std::printf(" %7.2f %8.2f", rate * all[k].bytes,
-                        all[k].bytes / all.back().bytes * measure::speed::ratio_of(samples.back(), samples[k]).median);
+                        all[k].bytes / all.back().bytes * measure::trade::ratio_of(samples.back(), samples[k]).median);
         std::printf("\n");
     }
     std::printf("\n");
 }
 
-void print_speedup(const std::string& name, const std::string& data, const measure::speed::WorkOfThread& work) {
-    const measure::speed::Timing speedup = measure::speed::timing_of(measure::speed::thread_speedups(work, {}));
+void print_speedup(const std::string& name, const std::string& data, const measure::trade::WorkOfThread& work) {
+    const measure::trade::Timing speedup = measure::trade::timing_of(measure::trade::thread_speedups(work, {}));
     std::printf("%-42s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(),
-                measure::speed::allowed_processors().size(), speedup.median, speedup.low_quartile,
+                measure::trade::allowed_processors().size(), speedup.median, speedup.low_quartile,
                 speedup.high_quartile);
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/speed/timing.hpp"
+#include "measure/trade/timing.hpp"
 #include "shapes/primitive.hpp"
 
 namespace bench {
@@ -16,7 +16,7 @@ struct Contestant {
     std::string name;
     std::string rival;  ///< name of the hand-written loop to compare with; may be empty
     double bytes;       ///< bytes read and written per item
-    lostbits::measure::speed::TimedWork work;
+    lostbits::measure::trade::TimedWork work;
 };
 
 /// Prints a table: items per second, and their ratio to the rival's (median and quartiles of the ratios within a
@@ -30,7 +30,7 @@ void print_rays(lostbits::Shape shape, const std::vector<std::string>& forms);
 
 /// Prints a line: the ratio of the rate of all processors to that of one.
 void print_speedup(const std::string& name, const std::string& data,
-                   const lostbits::measure::speed::WorkOfThread& work);
+                   const lostbits::measure::trade::WorkOfThread& work);
 
 /// Prints tables of the truth of a ray: nanoseconds in packs, their ratios to Arb and `Ball`, and the number of rays
 /// that each stage settles.

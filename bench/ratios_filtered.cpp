@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "intersect/simd/packed.hpp"
-#include "measure/speed/timing_work.hpp"
+#include "measure/trade/timing_work.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "ratios.hpp"
 #include "shapes/box/distribution/distribution.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using namespace lostbits;
 using intersect::simd::Isa;
-using measure::speed::RayPool;
+using measure::trade::RayPool;
 using scene::sphere::SphereDistribution;
 
 struct Rays {
@@ -46,7 +46,7 @@ RayPool view_of(SphereDistribution hits) {
 
 std::vector<Rays> sphere_rays() {
     return {
-        {"easy", measure::speed::ray_pool(Shape::sphere), 0.5},
+        {"easy", measure::trade::ray_pool(Shape::sphere), 0.5},
         {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
         {"1e6 radii", view_of({.distance = 1e6, .impact_to = 0.9}), 0.5},
         {"near-huge",
@@ -61,29 +61,29 @@ std::vector<Rays> box_rays() {
         const auto group = scene::rays::of_one_view(distribution).draw().front();
         return RayPool{group.primitives.front(), unit_rays(group), unit_rays(group)};
     };
-    return {{"easy", measure::speed::ray_pool(Shape::box), 0.5},
+    return {{"easy", measure::trade::ray_pool(Shape::box), 0.5},
             {"edge", view({.aim = Aim::edge, .gap = 0x1p-23}), 1},
             {"face", view({.aim = Aim::face}), 1}};
 }
 
 /// Prints the nanoseconds per item of each kernel, and the ratio of the first to each of the others.
 void print_over(const char* rays, std::string_view width, std::string_view format,
-                const std::vector<std::pair<std::string, measure::speed::TimedWork>>& all) {
-    std::vector<measure::speed::TimedWork> work;
+                const std::vector<std::pair<std::string, measure::trade::TimedWork>>& all) {
+    std::vector<measure::trade::TimedWork> work;
     for (const auto& [name, one] : all) work.push_back(one);
-    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 201});
+    const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 201});
     std::printf("%-10s %-6s %-4s", rays, std::string(width).c_str(), std::string(format).c_str());
     for (std::size_t k = 0; k < all.size(); ++k) {
-        std::printf("  %s %.3f ns", all[k].first.c_str(), 1e9 * measure::speed::timing_of(samples[k]).median);
+        std::printf("  %s %.3f ns", all[k].first.c_str(), 1e9 * measure::trade::timing_of(samples[k]).median);
         if (k == 0) continue;
-        const measure::speed::Timing over = measure::speed::ratio_of(samples[0], samples[k]);
+        const measure::trade::Timing over = measure::trade::ratio_of(samples[0], samples[k]);
         std::printf(" (x %.2f, %.2f-%.2f)", over.median, over.low_quartile, over.high_quartile);
     }
     std::printf("\n");
 }
 
 template <class S, class Kernel>
-measure::speed::TimedWork work_on(const std::shared_ptr<measure::speed::RayStore<S>>& store, Kernel kernel) {
+measure::trade::TimedWork work_on(const std::shared_ptr<measure::trade::RayStore<S>>& store, Kernel kernel) {
     return {[store, kernel] { store->run(kernel); }, store->slice(), true};
 }
 
@@ -94,9 +94,9 @@ const intersect::simd::PackedRow& row_of(Isa isa, std::string_view form) {
 
 template <class S>
 void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>& forms) {
-    const std::size_t bytes = measure::speed::working_set_bytes("l1", measure::speed::cache_sizes());
-    const auto store = std::make_shared<measure::speed::RayStore<S>>(rays.pool, bytes, rays.hit_rate, 0, 1);
-    std::vector<std::pair<std::string, measure::speed::TimedWork>> all;
+    const std::size_t bytes = measure::trade::working_set_bytes("l1", measure::trade::cache_sizes());
+    const auto store = std::make_shared<measure::trade::RayStore<S>>(rays.pool, bytes, rays.hit_rate, 0, 1);
+    std::vector<std::pair<std::string, measure::trade::TimedWork>> all;
     for (const std::string_view form : forms) {
         const intersect::simd::PackedRow& row = row_of(isa, form);
         if constexpr (sizeof(S) == 4) all.emplace_back(form, work_on(store, row.f32));

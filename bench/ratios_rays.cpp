@@ -2,19 +2,19 @@
 
 #include "by_hand.hpp"
 #include "intersect/simd/packed.hpp"
-#include "measure/speed/timing_work.hpp"
+#include "measure/trade/timing_work.hpp"
 #include "ratios.hpp"
 
 namespace bench {
 namespace {
 
 using namespace lostbits;
-using measure::speed::RayWork;
+using measure::trade::RayWork;
 
 constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
 
 std::size_t bytes_of(std::string_view size) {
-    return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());
+    return measure::trade::working_set_bytes(size, measure::trade::cache_sizes());
 }
 
 /// Bytes per ray: six numbers are read, three numbers and a byte are written.
@@ -34,7 +34,7 @@ by_hand::OnePrimitive<S> loop_of(const by_hand::Loops<S>& loops, std::string_vie
 
 template <class S>
 void add_by_hand(std::vector<Contestant>& all, const std::string& name,
-                 const std::shared_ptr<measure::speed::RayStore<S>>& store, by_hand::OnePrimitive<S> loop, bool warm) {
+                 const std::shared_ptr<measure::trade::RayStore<S>>& store, by_hand::OnePrimitive<S> loop, bool warm) {
     if (!loop) return;
     const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Primitive<S>& primitive,
                                const intersect::table::HitBatch<S>& hits) {
@@ -71,7 +71,7 @@ void print_rays(Shape shape, const std::vector<std::string>& forms) {
                     if (auto w = work.work_for({form, kernel, format}))
                         all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format,
                                        format == "f32" ? bytes_a_ray<float> : bytes_a_ray<double>, std::move(*w)});
-                add_by_hand(all, work, shape, form, isa, measure::speed::fits_in_cache(bytes_of(size)));
+                add_by_hand(all, work, shape, form, isa, measure::trade::fits_in_cache(bytes_of(size)));
             }
         print_ratios(std::string(size), std::move(all), bytes_of(size));
     }

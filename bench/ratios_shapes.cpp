@@ -91,7 +91,7 @@ void print_truth_of_shapes() {
                 std::string(name_of(intersect::simd::current_isa())).c_str());
     for (const auto& [own, placed] : sets) {
         static measure::truth::TruthColumns out;
-        std::vector<measure::speed::TimedWork> work;
+        std::vector<measure::trade::TimedWork> work;
         for (const ShapeSet* const set : {&own, &placed}) {
             const std::size_t rays = set->narrow[0].size();
             work.push_back(
@@ -99,11 +99,11 @@ void print_truth_of_shapes() {
                  rays, true});
             work.push_back({[set] { find_truth_columns(set->problems<double>(), {}, out); }, rays, true});
         }
-        const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 15});
+        const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 15});
         std::printf("%-12s", std::string(name_of(own.shape)).c_str());
-        for (const auto& sample : samples) std::printf(" %14.1f", 1e9 * measure::speed::timing_of(sample).median);
+        for (const auto& sample : samples) std::printf(" %14.1f", 1e9 * measure::trade::timing_of(sample).median);
         for (const std::size_t k : {0, 1})
-            std::printf(" %14.2f", measure::speed::ratio_of(samples[k + 2], samples[k]).median);
+            std::printf(" %14.2f", measure::trade::ratio_of(samples[k + 2], samples[k]).median);
         std::printf("\n");
     }
     std::printf("\n");

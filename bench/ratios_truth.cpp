@@ -227,9 +227,9 @@ void print_set(const TruthSet& set, bool narrow) {
         if (narrow) rows.push_back(by_packs<float>(set, isa, Tightness::ulps_of_binary32, "packs, 2^-33"));
         rows.push_back(by_packs<double>(set, isa, Tightness::certified, "packs, 2^-72"));
     }
-    std::vector<measure::speed::TimedWork> work;
+    std::vector<measure::trade::TimedWork> work;
     for (const TruthRow& row : rows) work.push_back({row.pass, ray_count, true});
-    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 9});
+    const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 9});
 #if defined(LOSTBITS_HAS_ARB)
     constexpr const char* first = "over Arb";
 #else
@@ -237,9 +237,9 @@ void print_set(const TruthSet& set, bool narrow) {
 #endif
     std::printf("%-28s %-24s %8s %10s %10s\n", "truth", set.name.c_str(), "ns a ray", first, "over Ball");
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        std::printf("%-53s %8.1f", rows[k].name.c_str(), 1e9 * measure::speed::timing_of(samples[k]).median);
+        std::printf("%-53s %8.1f", rows[k].name.c_str(), 1e9 * measure::trade::timing_of(samples[k]).median);
         for (const std::size_t rival : {std::size_t{0}, ball})
-            std::printf(" %10.2f", measure::speed::ratio_of(samples[rival], samples[k]).median);
+            std::printf(" %10.2f", measure::trade::ratio_of(samples[rival], samples[k]).median);
         std::printf("\n");
     }
     intersect::simd::set_isa(intersect::simd::best_isa());

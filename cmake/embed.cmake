@@ -3,8 +3,8 @@
 #   OUT     the file to write
 #   ASSETS  name=part+part…,… : the text of a name is that of its parts in order; without parts it is empty
 string(CONCAT code
-    "// Made by cmake/embed.cmake from src/output/page/script; do not edit.\n"
-    "#include \"output/page/assets.hpp\"\n\nnamespace lostbits::output::page {\n\n")
+    "// Made by cmake/embed.cmake from src/output/report/script; do not edit.\n"
+    "#include \"output/report/assets.hpp\"\n\nnamespace lostbits::output::report {\n\n")
 string(REPLACE "," ";" ASSETS "${ASSETS}")
 foreach(asset IN LISTS ASSETS)
     string(REGEX MATCH "^([a-z_]+)=(.*)$" _ "${asset}")
@@ -25,5 +25,5 @@ foreach(asset IN LISTS ASSETS)
     file(REMOVE "${joined}")
     string(APPEND code "const Asset ${name}{R\"asset(${text})asset\", \"${hash}\"};\n\n")
 endforeach()
-string(APPEND code "}  // namespace lostbits::output::page\n")
+string(APPEND code "}  // namespace lostbits::output::report\n")
 file(WRITE "${OUT}" "${code}")

@@ -6,14 +6,14 @@
 #include "analysis/study/measurements.hpp"
 #include "analysis/study/studies.hpp"
 #include "measure/attribution/culprits.hpp"
-#include "measure/choice/candidates.hpp"
+#include "measure/choose/candidates.hpp"
 #include "measure/repair/repair.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/attribution/explain_text.hpp"
-#include "output/choice/choice_files.hpp"
+#include "output/choose/choice_files.hpp"
 #include "output/repair/repair_files.hpp"
-#include "output/speed/trade_files.hpp"
 #include "output/sweep/sweep_files.hpp"
+#include "output/trade/trade_files.hpp"
 #include "scene/rays/composed_forms.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -107,32 +107,32 @@ std::unique_ptr<lostbits_result> trade_result(const scene::file::Scene* scene, c
     auto request = study::trade_request(scene, shape, {chosen.tested_forms, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = settings.stop();
-    request.plan.progress = settings.advance_callback(measure::speed::trade_units(request));
-    const auto measured_trade = measure::speed::run_trade(request);
+    request.plan.progress = settings.advance_callback(measure::trade::trade_units(request));
+    const auto measured_trade = measure::trade::run_trade(request);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("trade", output::speed::time_table(), output::speed::time_rows(request, measured_trade));
-    result->add_table("pareto", output::speed::pareto_table(), output::speed::pareto_rows(request, measured_trade));
-    result->texts.push_back(output::speed::trade_text(request, measured_trade));
+    result->add_table("trade", output::trade::time_table(), output::trade::time_rows(request, measured_trade));
+    result->add_table("pareto", output::trade::pareto_table(), output::trade::pareto_rows(request, measured_trade));
+    result->texts.push_back(output::trade::trade_text(request, measured_trade));
     return result;
 }
 
-measure::choice::Requirement parse_requirement(const lostbits_requirement& requirement, const char* default_at) {
+measure::choose::Requirement parse_requirement(const lostbits_requirement& requirement, const char* default_at) {
     if (!(requirement.bits >= 0 && requirement.bits <= 53)) throw InputError("bits must be from 0 to 53");
     if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
         throw InputError("wrong is a share of the rays and must be from 0 to 1");
     if (std::isnan(requirement.tolerance))
         throw InputError("tolerance is not a number; give a length, or a number below 0 for any");
-    measure::choice::Requirement result{
+    measure::choose::Requirement result{
         .bits = requirement.bits,
         .wrong = requirement.wrong,
-        .quantile = measure::choice::quantile_named(requirement.at ? requirement.at : default_at)};
+        .quantile = measure::choose::quantile_named(requirement.at ? requirement.at : default_at)};
     if (requirement.tolerance >= 0) result.tolerance = requirement.tolerance;
     return result;
 }
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
-               const measure::choice::Requirement& requirement, bool two_words, CallSelection& chosen,
+               const measure::choose::Requirement& requirement, bool two_words, CallSelection& chosen,
                CallSettings& settings) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
@@ -162,8 +162,8 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
-                 const measure::choice::Requirement& requirement, CallSelection& chosen, CallSettings& settings) {
-    measure::choice::ChoiceRequest request;
+                 const measure::choose::Requirement& requirement, CallSelection& chosen, CallSettings& settings) {
+    measure::choose::ChoiceRequest request;
     request.requirement = requirement;
     request.limit.stop = request.plan.stop = settings.stop();
     request.scene = &scene;
@@ -174,12 +174,12 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
     request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
-    measure::choice::TimedRays timed_rays;
+    measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
-    const auto choice = output::choice::choose_among(request, candidates, timed_rays);
-    result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(choice));
-    result.add_table("room", output::choice::margin_table(), choice.margins);
-    result.texts.push_back(output::choice::choice_text(choice));
+    const auto choice = output::choose::choose_among(request, candidates, timed_rays);
+    result.add_table("choose", output::choose::candidate_table(), output::choose::candidate_rows(choice));
+    result.add_table("room", output::choose::margin_table(), choice.margins);
+    result.texts.push_back(output::choose::choice_text(choice));
     return choice.cheapest_index.has_value();
 }
 

@@ -19,21 +19,19 @@
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/page/page.hpp"
-#include "output/page/sweep_data.hpp"
-#include "output/speed/trade_files.hpp"
+#include "output/report/page.hpp"
+#include "output/report/sweep_data.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
+#include "output/trade/trade_files.hpp"
 #include "scene/sweep/case_file.hpp"
 
 namespace lostbits::analysis::report {
 
 using measure::evaluate::TestedForm;
-using output::page::SweepPart;
+using output::report::SweepPart;
 
 namespace {
-
-namespace page = output::page;
 
 std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     std::vector<std::string> keys;
@@ -63,7 +61,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .source = file.source,
                    .row_names = row_keys(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
-    part.json = page::case_json(request, cases);
+    part.json = output::report::case_json(request, cases);
     for (const auto& touching : file.conventions) {
         const std::string alt =
             touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
@@ -74,10 +72,10 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     return part;
 }
 
-/// Charts of the sweep for each format, named by a statistic of `page::sweep_statistics` and the format.
-std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
+/// Charts of the sweep for each format, named by a statistic of `output::report::sweep_statistics` and the format.
+std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{900, 480};
-    std::vector<page::Chart> charts;
+    std::vector<output::report::Chart> charts;
     for (const Format& format : output::sweep::formats_of(sweep)) {
         const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
@@ -126,7 +124,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
         part.axes = {plane.x, plane.y};
-        part.json = page::plane_json(request, steps);
+        part.json = output::report::plane_json(request, steps);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
@@ -138,8 +136,8 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     request.further_draws = work.further_draws;
     const auto onsets = measure::sweep::find_onsets(request, steps);
     part.axes = {sweep.axes.front().values};
-    part.json = page::sweep_json(request, steps, onsets);
-    part.table = page::onset_table(request, onsets);
+    part.json = output::report::sweep_json(request, steps, onsets);
+    part.table = output::report::onset_table(request, onsets);
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     part.charts = line_charts(measured);
     for (const Format& format : output::sweep::formats_of(measured)) {
@@ -152,17 +150,17 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
 
 }  // namespace
 
-page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
-                       const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
+                                 const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
     measure::evaluate::MapStudy request{
         .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
-    page::MapData data(request);
+    output::report::MapData data(request);
     std::vector<measure::evaluate::FormSummary> summaries;
-    page::Picture contact_sheet =
-        page::picture(fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
+    output::report::Picture contact_sheet = output::report::picture(
+        fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
             output::map::MapFiles sheet(request, {.folder = {},
                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
                                                   .scene_arguments = work.scene_arguments,
@@ -186,7 +184,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             .row_names = row_keys(work.rows),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
-            .table = page::summary_table(request, summaries),
+            .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
             .has_scene_size = work.own_size,
             .metrics = std::move(names),
@@ -212,7 +210,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     return scenes;
 }
 
-std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
         .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
@@ -228,19 +226,19 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     study.rows = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
-    page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
-    part.sheet = page::picture(scene.title +
-                                   ": outcomes of the next rays with every offset "
-                                   "strategy",
-                               [&](const auto& file) {
-                                   output::study::StudyFiles<output::offset::OffsetView> sheet(
-                                       study, {.folder = {}, .sheet_only_file = file});
-                                   summaries = measure::study::run_study(study, sheet.show());
-                                   sheet.finish(summaries);
-                               });
+    output::report::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
+    part.sheet = output::report::picture(scene.title +
+                                             ": outcomes of the next rays with every offset "
+                                             "strategy",
+                                         [&](const auto& file) {
+                                             output::study::StudyFiles<output::offset::OffsetView> sheet(
+                                                 study, {.folder = {}, .sheet_only_file = file});
+                                             summaries = measure::study::run_study(study, sheet.show());
+                                             sheet.finish(summaries);
+                                         });
     const offset::OffsetSummary& summary = summaries.front();
     part.sentences = output::offset::summary_lines(study, 0, summary);
-    part.table = page::offset_table(study, summary);
+    part.table = output::report::offset_table(study, summary);
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
@@ -265,8 +263,8 @@ StudyWork parse_study(const std::string& text, const std::string& size, const st
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
-                           const std::vector<std::string>& formats, StopToken stop) {
+output::report::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
+                                     const std::vector<std::string>& formats, StopToken stop) {
     auto part = study::study_part(work.study, work.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
@@ -276,21 +274,21 @@ page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>
     return std::move(*part);
 }
 
-page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
+output::report::TradePart trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
     std::vector<TestedForm> timed = tested_forms;
-    measure::speed::TradeRequest request =
+    measure::trade::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
-    const measure::speed::TradeResult result = measure::speed::run_trade(request);
-    page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
-                         page::trade_json(request, result),
-                         output::speed::trade_text(request, result),
-                         {}};
-    const auto sets = measure::speed::ray_sets(shape);
+    const measure::trade::TradeResult result = measure::trade::run_trade(request);
+    output::report::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                                   output::report::trade_json(request, result),
+                                   output::trade::trade_text(request, result),
+                                   {}};
+    const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
         part.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),
-                               svg_text(scatter_plot(output::speed::trade_plot(request, result, s))),
+                               svg_text(scatter_plot(output::trade::trade_plot(request, result, s))),
                                std::string(sets[s].name)});
     return part;
 }

@@ -6,17 +6,15 @@
 #include "analysis/report/report_parts.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
-#include "measure/choice/margin.hpp"
-#include "output/choice/choice_files.hpp"
+#include "measure/choose/margin.hpp"
+#include "output/choose/choice_files.hpp"
 #include "output/image/figure.hpp"
-#include "output/page/page.hpp"
 #include "output/repair/repair_files.hpp"
+#include "output/report/page.hpp"
 
 namespace lostbits::analysis::report {
 
 namespace {
-
-namespace page = output::page;
 
 /// Parses the value `REST:BITS` or `REST:BITS:AT` of an option.
 class RequirementText {
@@ -24,7 +22,7 @@ public:
     /// `default_requirement` is the requirement of a text without AT. Throws InputError if the bits, or the part before
     /// them, are missing.
     RequirementText(std::string option, std::string parts, std::string example, const std::string& text,
-                    measure::choice::Requirement default_requirement)
+                    measure::choose::Requirement default_requirement)
         : requirement(default_requirement),
           rest(text),
           option_(std::move(option)),
@@ -34,7 +32,7 @@ public:
         std::string bits = take_last();
         if (bits.starts_with('p') || bits == "max") {
             try {
-                requirement.quantile = measure::choice::quantile_named(bits);
+                requirement.quantile = measure::choose::quantile_named(bits);
             } catch (const InputError& error) {
                 refuse(error.what());
             }
@@ -61,7 +59,7 @@ public:
                         option_, text_, why, parts_, example_, example_));
     }
 
-    measure::choice::Requirement requirement;
+    measure::choose::Requirement requirement;
     std::string rest;
 
 private:
@@ -98,37 +96,37 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     return work;
 }
 
-page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
-    measure::choice::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .requirement = work.requirement};
+output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
+    measure::choose::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .requirement = work.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;
-    measure::choice::TimedRays timed_rays;
+    measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
-    const auto chosen = output::choice::choose_among(request, candidates, timed_rays);
+    const auto chosen = output::choose::choose_among(request, candidates, timed_rays);
     return {.scene = work.scene.id,
-            .requirement = output::choice::requirement_text(work.requirement),
-            .text = output::choice::choice_text(chosen),
-            .table = page::choice_table(chosen),
+            .requirement = output::choose::requirement_text(work.requirement),
+            .text = output::choose::choice_text(chosen),
+            .table = output::report::choice_table(chosen),
             .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-page::MendPart mend_part(const MendWork& work, StopToken stop) {
+output::report::MendPart mend_part(const MendWork& work, StopToken stop) {
     measure::repair::RepairRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
     return mend_part(output::repair::summarize_repair(request, repair));
 }
 
-page::MendPart mend_part(const output::repair::RepairSummary& result) {
+output::report::MendPart mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.row;
-    page::MendPart part{
+    output::report::MendPart part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),
-        .requirement = output::choice::requirement_text(result.request.requirement),
+        .requirement = output::choose::requirement_text(result.request.requirement),
         .changes = {},
         .text = repair_text(result),
-        .table = page::mend_table(result),
+        .table = output::report::mend_table(result),
         .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(pareto_plot(result))},
         .has_times = !result.prices.empty()};
     for (const output::repair::FormRow& form_row : form_rows(result))

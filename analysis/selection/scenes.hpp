@@ -11,7 +11,7 @@
 #include "analysis/selection/ray_file_options.hpp"
 #include "analysis/selection/sets.hpp"
 #include "intersect/process/stop_token.hpp"
-#include "measure/choice/file_rays.hpp"
+#include "measure/choose/file_rays.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
@@ -72,7 +72,7 @@ void refuse_misplaced_options(const RayFileOptions& options, const std::vector<s
 struct OpenedRays {
     std::string id, quoted_files;  ///< name of the results, and the names of the files, quoted for a shell
     std::unique_ptr<scene::dump::Dump> dump;
-    measure::choice::FileTerms terms;  ///< what the command line says of the files
+    measure::choose::FileTerms terms;  ///< what the command line says of the files
     Shapes shapes;                     ///< of the primitives of the rays
 };
 OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,

@@ -95,20 +95,20 @@ void require_timeable(const std::vector<TestedForm>& tested_forms) {
 
 }  // namespace
 
-measure::speed::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
+measure::trade::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
                                            const selection::SelectedForms& selected) {
     require_timeable(selected.tested_forms);
     const auto rows =
         scene ? selection::select_timed_forms(*scene, selected) : select_forms_of_shape(shape, selected.tested_forms);
     return {.shape = rows.front().form->shape,
             .scene = scene,
-            .kernels = measure::speed::trade_kernels(rows),
+            .kernels = measure::trade::trade_kernels(rows),
             .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")},
-            .loads = scene ? measure::speed::scene_load() : measure::speed::trade_loads(measure::speed::cache_sizes())};
+            .loads = scene ? measure::trade::scene_load() : measure::trade::trade_loads(measure::trade::cache_sizes())};
 }
 
-measure::speed::TimingPlan quick_plan() {
-    measure::speed::TimingPlan plan;
+measure::trade::TimingPlan quick_plan() {
+    measure::trade::TimingPlan plan;
     plan.repetitions = 5;
     plan.least_seconds = 1e-4;
     return plan;

@@ -9,8 +9,8 @@
 #include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/map.hpp"
 #include "measure/metric/metric_set.hpp"
-#include "measure/speed/trade.hpp"
 #include "measure/sweep/sweep.hpp"
+#include "measure/trade/trade.hpp"
 
 namespace lostbits::analysis::study {
 
@@ -31,10 +31,10 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
 /// The speed and accuracy of forms: on the rays of a scene or, if it is null, on rays of known kinds at a shape (empty:
 /// sphere). Throws InputError for forms that cannot be timed, and NothingSelected if none fits. The scene must outlive
 /// the result.
-measure::speed::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
+measure::trade::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
                                            const selection::SelectedForms& selected);
 
 /// Few and short measurements, for a first look.
-measure::speed::TimingPlan quick_plan();
+measure::trade::TimingPlan quick_plan();
 
 }  // namespace lostbits::analysis::study

@@ -11,12 +11,12 @@
 #include "analysis/selection/select.hpp"
 #include "analysis/study/study_values.hpp"
 #include "number/error.hpp"
-#include "output/picture/render_files.hpp"
+#include "output/render/render_files.hpp"
 
 namespace lostbits::analysis::study {
 
 struct RenderAdapter {
-    using View = output::picture::RenderView;
+    using View = output::render::RenderView;
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "render";
@@ -96,7 +96,7 @@ struct RenderAdapter {
     static std::uint64_t unproved(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
         for (const Study::Summary& row : summaries)
-            for (const measure::picture::RenderSummary& s : row) max_unproved = std::max(max_unproved, s.unresolved());
+            for (const measure::render::RenderSummary& s : row) max_unproved = std::max(max_unproved, s.unresolved());
         return max_unproved;
     }
 
@@ -114,10 +114,10 @@ private:
                    "wrong colour", "wrong sphere", "acne", "flips", "p99 steps", "unproved");
         for (std::size_t r = 0; r < summaries.size(); ++r) {
             const measure::evaluate::TestedForm& tested_form = study.rows[r];
-            for (const measure::picture::RenderSummary& s : summaries[r])
+            for (const measure::render::RenderSummary& s : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
                            tested_form.form->info->name, tested_form.format.name, s.changed_pixels, s.wrong_pixels(),
-                           s.count(false, measure::picture::Shadow::own_shadow), s.flipped_shadows(),
+                           s.count(false, measure::render::Shadow::own_shadow), s.flipped_shadows(),
                            s.colour_error.quantile(0.99), s.unresolved());
         }
     }

@@ -12,9 +12,9 @@
 
 namespace lostbits::analysis::study {
 
-using measure::claim::StudyNames;
-using measure::claim::StudyQuestion;
-using measure::claim::StudyRow;
+using measure::check::StudyNames;
+using measure::check::StudyQuestion;
+using measure::check::StudyRow;
 
 namespace {
 
@@ -64,9 +64,9 @@ auto draw_sheet(const typename Adapter::View::Study& study, const std::filesyste
 }
 
 template <class Adapter>
-std::optional<output::page::StudyPart> measure_part(const scene::file::Scene& scene, std::vector<std::string> forms,
-                                                    std::vector<std::string> formats,
-                                                    intersect::process::StopToken stop) {
+std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& scene, std::vector<std::string> forms,
+                                                      std::vector<std::string> formats,
+                                                      intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
@@ -79,17 +79,17 @@ std::optional<output::page::StudyPart> measure_part(const scene::file::Scene& sc
     if (question.rows.empty()) return std::nullopt;
     const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
-    output::page::StudyPart part{
+    output::report::StudyPart part{
         .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
-    part.sheet = output::page::picture(fmt::format("{}: {}", scene.title, Adapter::name),
-                                       [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
+    part.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
+                                         [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
     const auto table = Adapter::View::summary_table();
     std::vector<std::vector<output::file::Cell>> cells;
     for (const auto& row : Adapter::View::summary_rows(study, summaries)) {
         auto& line = cells.emplace_back();
         for (const auto& column : table) line.push_back(column.value(row));
     }
-    part.table = output::page::study_table(table.columns(), cells);
+    part.table = output::report::study_table(table.columns(), cells);
     return part;
 }
 
@@ -132,9 +132,9 @@ std::vector<std::string> study_names() {
     return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
 }
 
-std::optional<output::page::StudyPart> study_part(const std::string& study, const scene::file::Scene& scene,
-                                                  std::vector<std::string> forms, std::vector<std::string> formats,
-                                                  intersect::process::StopToken stop) {
+std::optional<output::report::StudyPart> study_part(const std::string& study, const scene::file::Scene& scene,
+                                                    std::vector<std::string> forms, std::vector<std::string> formats,
+                                                    intersect::process::StopToken stop) {
     return with_study(study, [&](auto adapter) {
         return measure_part<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
     });

@@ -7,18 +7,18 @@
 
 #include "analysis/study/study_values.hpp"
 #include "intersect/process/stop_token.hpp"
-#include "measure/claim/claim_studies.hpp"
-#include "output/page/page.hpp"
+#include "measure/check/claim_studies.hpp"
+#include "output/report/page.hpp"
 
 namespace lostbits::analysis::study {
 
 /// All studies, as claims see them.
-class StudiesByName final : public measure::claim::ClaimStudies {
+class StudiesByName final : public measure::check::ClaimStudies {
 public:
-    [[nodiscard]] measure::claim::StudyNames names(const std::string& study) const override;
-    [[nodiscard]] std::vector<measure::claim::StudyRow> measure(
-        const std::string& study, const measure::claim::StudyQuestion& question) const override;
-    void draw(const std::string& study, const measure::claim::StudyQuestion& question,
+    [[nodiscard]] measure::check::StudyNames names(const std::string& study) const override;
+    [[nodiscard]] std::vector<measure::check::StudyRow> measure(
+        const std::string& study, const measure::check::StudyQuestion& question) const override;
+    void draw(const std::string& study, const measure::check::StudyQuestion& question,
               const std::filesystem::path& file) const override;
 };
 
@@ -28,10 +28,10 @@ public:
 /// Measures a study of a scene for the page, with its usual options. Empty lists of forms and formats mean the usual
 /// ones. Nothing if none of the forms fits the study and the scene. Throws InputError for an unknown study, and for a
 /// scene that it does not take.
-[[nodiscard]] std::optional<output::page::StudyPart> study_part(const std::string& study,
-                                                                const scene::file::Scene& scene,
-                                                                std::vector<std::string> forms,
-                                                                std::vector<std::string> formats,
-                                                                intersect::process::StopToken stop);
+[[nodiscard]] std::optional<output::report::StudyPart> study_part(const std::string& study,
+                                                                  const scene::file::Scene& scene,
+                                                                  std::vector<std::string> forms,
+                                                                  std::vector<std::string> formats,
+                                                                  intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::study

@@ -6,15 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "measure/picture/render.hpp"
+#include "measure/render/render.hpp"
 #include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_render {
 
 using namespace lostbits::test;
-using lostbits::measure::picture::SeenContent;
-using lostbits::measure::picture::Shadow;
+using lostbits::measure::render::SeenContent;
+using lostbits::measure::render::Shadow;
 
 namespace {
 
@@ -100,7 +100,7 @@ TEST_CASE("the layers, the pictures and the table of render agree") {
     for (const auto kind : {SeenContent::same_sphere, SeenContent::background, SeenContent::other_sphere,
                             SeenContent::lost_sphere, SeenContent::extra_sphere, SeenContent::not_a_number}) {
         const auto k = static_cast<std::size_t>(kind);
-        CHECK(number_in(row.at(std::string(lostbits::measure::picture::seen_names[k]))) == seen_counts[k]);
+        CHECK(number_in(row.at(std::string(lostbits::measure::render::seen_names[k]))) == seen_counts[k]);
     }
     CHECK(number_in(row.at("own_shadow")) == shadow_counts[static_cast<std::size_t>(Shadow::own_shadow)]);
     CHECK(number_in(row.at("own_shadow")) > 100);

@@ -8,9 +8,9 @@
 #include "catch.hpp"
 #include "number/error.hpp"
 #include "output/file/base64.hpp"
-#include "output/page/pack.hpp"
+#include "output/report/pack.hpp"
 #include "program.hpp"
-#include "scene/claim/report_file.hpp"
+#include "scene/check/report_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
@@ -222,7 +222,7 @@ TEST_CASE("a report shows what to change in a form on request, as mend does") {
 
 TEST_CASE("data/report.toml names existing scenes, forms and sweeps") {
     const auto data = fs::path(LOSTBITS_DATA_DIR);
-    const auto report = lostbits::scene::claim::read_report_file(data / "report.toml");
+    const auto report = lostbits::scene::check::read_report_file(data / "report.toml");
     REQUIRE(report.scenes.size() >= 5);
     REQUIRE(report.sweeps.size() >= 5);
     CHECK_FALSE(report.mends.empty());
@@ -243,12 +243,12 @@ TEST_CASE("data/report.toml names existing scenes, forms and sweeps") {
     const ScratchFile file("report.toml",
                            "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = "
                            "[\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
-    CHECK_THROWS_WITH(lostbits::scene::claim::read_report_file(file.path()),
+    CHECK_THROWS_WITH(lostbits::scene::check::read_report_file(file.path()),
                       Catch::Contains("report.toml:6:1") && Catch::Contains("did you mean \"scenes\"?"));
 }
 
 TEST_CASE("data packed for a page keeps its numbers") {
-    using namespace lostbits::output::page;
+    using namespace lostbits::output::report;
     for (const auto& [bytes, text] : {std::pair{"", ""},
                                       {"f", "Zg=="},
                                       {"fo", "Zm8="},
@@ -259,14 +259,14 @@ TEST_CASE("data packed for a page keeps its numbers") {
         CHECK(lostbits::output::file::base64(bytes) == text);
     // RFC 4648's examples above; below, differences in two's complement: 0, -1, 1, -2, 2 become 0, 1, 2, 3, 4.
     for (const int width : {4, 8}) {
-        CHECK(lostbits::output::page::folded_difference(7, 7, width) == 0);
+        CHECK(lostbits::output::report::folded_difference(7, 7, width) == 0);
         CHECK(folded_difference(6, 7, width) == 1);
         CHECK(folded_difference(8, 7, width) == 2);
         CHECK(folded_difference(5, 7, width) == 3);
     }
-    CHECK(lostbits::output::page::folded_difference(0, 1, 8) == 1);
+    CHECK(lostbits::output::report::folded_difference(0, 1, 8) == 1);
     CHECK(folded_difference(0x80000000u, 0, 4) == 0xffffffffu);  // the farthest there is
-    lostbits::output::page::Layer layer(4, 2);
+    lostbits::output::report::Layer layer(4, 2);
     layer.set(0, std::uint64_t{0x04030201});
     layer.set(1, std::uint64_t{0x14131211});
     CHECK(layer.planes() == std::string("\x01\x11\x02\x12\x03\x13\x04\x14"));

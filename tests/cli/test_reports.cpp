@@ -13,7 +13,7 @@
 #include "counts.hpp"
 #include "output/image/image.hpp"
 #include "program.hpp"
-#include "scene/claim/claims_file.hpp"
+#include "scene/check/claims_file.hpp"
 
 namespace test_reports {
 
@@ -49,9 +49,9 @@ constexpr std::array slow_claims{
 std::set<std::string> measured_ids() {
     std::set<std::string> ids;
     std::set<const char*> used;
-    using lostbits::scene::claim::Claim;
-    for (const auto& file : lostbits::scene::claim::claim_files(LOSTBITS_DATA_DIR "/claims")) {
-        for (const Claim& claim : lostbits::scene::claim::read_claims(file)) {
+    using lostbits::scene::check::Claim;
+    for (const auto& file : lostbits::scene::check::claim_files(LOSTBITS_DATA_DIR "/claims")) {
+        for (const Claim& claim : lostbits::scene::check::read_claims(file)) {
             if (claim.profile != Claim::Profile::results) continue;
             const auto found = std::ranges::find_if(
                 slow_claims, [&](const Slow& d) { return ::fnmatch(d.ids, claim.id.c_str(), 0) == 0; });

@@ -14,7 +14,7 @@
 #include "intersect/shader/kernel.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/offset/offsets.hpp"
-#include "measure/picture/render.hpp"
+#include "measure/render/render.hpp"
 
 namespace lostbits::fuzz {
 namespace {
@@ -49,7 +49,7 @@ void read_as(output::shard::BitReader& bits) {
 void read_record(unsigned kind, output::shard::BitReader& bits) {
     using namespace measure;
     switch (kind % 11) {
-        case 0: return read_as<std::vector<claim::ClaimResult>>(bits);
+        case 0: return read_as<std::vector<check::ClaimResult>>(bits);
         case 1: return read_as<sweep::SweepFindings>(bits);
         case 2: return read_as<std::vector<std::vector<evaluate::FormSummary>>>(bits);
         case 3: return read_as<std::vector<std::optional<sweep::WorstResult>>>(bits);
@@ -64,7 +64,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
     }
     if (kind % 11 == 8) return read_as<std::vector<consistency::RowChecks>>(bits);
     if (kind % 11 == 9) return read_as<std::vector<offset::OffsetSummary>>(bits);
-    if (kind % 11 == 10) return read_as<std::vector<picture::RenderStudy::Summary>>(bits);
+    if (kind % 11 == 10) return read_as<std::vector<render::RenderStudy::Summary>>(bits);
     if (kind % 11 == 5) {
         read_as<judge::JudgeResult>(bits);
         read_as<std::vector<judge::WorstRays>>(bits);

@@ -8,8 +8,8 @@
 #include "analysis/selection/ray_numbers.hpp"
 #include "fuzz/fuzz.hpp"
 #include "output/file/read_csv.hpp"
-#include "scene/claim/claims_file.hpp"
-#include "scene/claim/report_file.hpp"
+#include "scene/check/claims_file.hpp"
+#include "scene/check/report_file.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -97,11 +97,11 @@ void fuzz_sweep(std::string_view bytes) {
 }
 
 void fuzz_claims(std::string_view bytes) {
-    answer_or_error([&] { static_cast<void>(scene::claim::read_claims(file_of(bytes))); });
+    answer_or_error([&] { static_cast<void>(scene::check::read_claims(file_of(bytes))); });
 }
 
 void fuzz_report(std::string_view bytes) {
-    answer_or_error([&] { static_cast<void>(scene::claim::read_report_file(file_of(bytes))); });
+    answer_or_error([&] { static_cast<void>(scene::check::read_report_file(file_of(bytes))); });
 }
 
 /// A table, every cell of it read as a value, and each value equal to itself.

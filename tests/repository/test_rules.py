@@ -41,7 +41,7 @@ class Tree(unittest.TestCase):
         self.assertEqual(names_are_unique(files), [])
 
     def test_no_two_definitions_of_the_scripts_of_the_page_share_a_name(self):
-        folder = "src/output/page/script/"
+        folder = "src/output/report/script/"
         names = sorted(name for name in os.listdir(ROOT / folder) if name.endswith(".js"))
         files = [(folder + name, read(folder + name)) for name in names]
         self.assertGreater(len(files), 8)

@@ -12,7 +12,7 @@
 #include "cli/program.hpp"
 #include "counts.hpp"
 #include "measure/answer/answers.hpp"
-#include "measure/choice/candidates.hpp"
+#include "measure/choose/candidates.hpp"
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "output/repair/form_code.hpp"

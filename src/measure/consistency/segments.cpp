@@ -6,7 +6,7 @@
 
 #include "measure/consistency/check.hpp"
 #include "measure/consistency/segments.hpp"
-#include "measure/picture/stored_appearance.hpp"
+#include "measure/render/stored_appearance.hpp"
 #include "measure/truth/side.hpp"
 #include "number/rounded.hpp"
 #include "number/with_number.hpp"
@@ -166,7 +166,7 @@ void check_short(const FormOnBand& band_form, PixelCheckResults& out) {
 }
 
 void check_light(const FormOnBand& band_form, PixelCheckResults& out) {
-    const Vec<double> light = picture::input_appearance(band_form.scene, band_form.format()).light;
+    const Vec<double> light = render::input_appearance(band_form.scene, band_form.format()).light;
     compare_segments(
         band_form, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
 }

@@ -8,7 +8,7 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/answer/owners.hpp"
-#include "measure/picture/stored_appearance.hpp"
+#include "measure/render/stored_appearance.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::offset {
@@ -80,7 +80,7 @@ private:
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!study_.scene.appearance.light) return std::nullopt;
-        return picture::input_appearance(study_.scene, row_.tested_form.format.parameters).light;
+        return render::input_appearance(study_.scene, row_.tested_form.format.parameters).light;
     }
     [[nodiscard]] bool hits_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;

@@ -103,7 +103,7 @@ public:
           shared_(band, {row_}, request.requirement.metrics()) {}
     Part(const RepairRequest& request, const scene::rays::RayGroup& rays)
         : band(rays, request.limit), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
-    Part(const RepairRequest& request, const choice::IdealRays& rays)
+    Part(const RepairRequest& request, const choose::IdealRays& rays)
         : band(rays.band(request.limit)), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
 
     [[nodiscard]] evaluate::RowInputs rows() const { return shared_.inputs_of(row_); }
@@ -165,7 +165,7 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_
     });
     std::vector<RowQuality> qualities;
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
-        qualities.push_back(choice::quality_of(summaries[r], tested_forms[r], request_.requirement));
+        qualities.push_back(choose::quality_of(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
@@ -224,7 +224,7 @@ std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& t
 }
 
 std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
-    choice::ChoiceRequest choice_request{
+    choose::ChoiceRequest choice_request{
         .scene = request.scene, .rows = comparable_forms(request.row), .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
@@ -234,8 +234,8 @@ std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
     return ranked;
 }
 
-std::vector<choice::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape) {
-    choice::ChoiceRequest choice_request{
+std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape) {
+    choose::ChoiceRequest choice_request{
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
     const tape::TapeForm form(*request.row.form, request.row.format, tape, "mended", "");

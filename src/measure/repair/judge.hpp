@@ -9,18 +9,18 @@
 #include <variant>
 #include <vector>
 
-#include "measure/choice/file_rays.hpp"
-#include "measure/choice/margin.hpp"
+#include "measure/choose/file_rays.hpp"
+#include "measure/choose/margin.hpp"
 #include "measure/tape/tape_form.hpp"
 
 namespace lostbits::measure::repair {
 
-using choice::Requirement;
-using choice::RowQuality;
+using choose::Requirement;
+using choose::RowQuality;
 
 struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
-    const choice::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
+    const choose::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
     evaluate::TestedForm row;                ///< in f32 or f64
     Requirement requirement{};
     bool two_words = false;  ///< wider arithmetic is two floats in place of a double; for double always two doubles
@@ -36,7 +36,7 @@ struct RepairRequest {
 };
 
 /// Rays that replace those of a request: stored numbers, or ideal rays that each format rounds.
-using MovedRays = std::variant<scene::rays::RayGroup, choice::IdealRays>;
+using MovedRays = std::variant<scene::rays::RayGroup, choose::IdealRays>;
 
 /// Measures the quality of tapes on the rays of a request. If there are at most `max_kept_rays` rays, their truth is
 /// found once and kept; otherwise it is found again in every call.
@@ -105,6 +105,6 @@ inline constexpr int few_rays = 4096;
 
 /// Ranges in which the requirement holds for a form that has the contract of the request's form and the operations of
 /// the tape.
-std::vector<choice::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape);
+std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape);
 
 }  // namespace lostbits::measure::repair

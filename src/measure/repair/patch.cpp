@@ -15,7 +15,7 @@
 #include "intersect/function/function.hpp"
 #include "intersect/source_text/source_tokens.hpp"
 #include "measure/attribution/operation.hpp"
-#include "measure/choice/candidates.hpp"
+#include "measure/choose/candidates.hpp"
 #include "measure/repair/repair.hpp"
 #include "measure/repair/shared_nodes.hpp"
 #include "measure/repair/source_words.hpp"
@@ -167,7 +167,7 @@ public:
             position = text_.find('\n', position);
             if (position != std::string::npos) ++position;
         }
-        if (request.scene) smaller_scene_ = choice::with_smaller_picture(*request.scene, few_rays);
+        if (request.scene) smaller_scene_ = choose::with_smaller_picture(*request.scene, few_rays);
         if (smaller_scene_) judge_.emplace(request, *smaller_scene_);
         else judge_.emplace(request);
         locate_nodes();

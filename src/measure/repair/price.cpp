@@ -164,7 +164,7 @@ std::string make_library_source(const std::vector<RepairedSource>& forms) {
 
 /// Returns the work with scalar arithmetic. Rows under a matrix use the current register width, so the width is
 /// `scalar` while they run.
-speed::TimedWork in_scalar_arithmetic(speed::TimedWork work) {
+trade::TimedWork in_scalar_arithmetic(trade::TimedWork work) {
     work.pass = [pass = std::move(work.pass)] {
         const simd::Isa previous_isa = simd::current_isa();
         set_isa(simd::Isa::scalar);
@@ -219,11 +219,11 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
 }
 
 std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& tested_forms,
-                                  const speed::TimingPlan& plan) {
-    auto work_on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
-                                      : speed::SceneWork(request.rays->sample, request.limit);
+                                  const trade::TimingPlan& plan) {
+    auto work_on_rays = request.scene ? trade::SceneWork(*request.scene, request.limit)
+                                      : trade::SceneWork(request.rays->sample, request.limit);
     const simd::Isa isa = simd::current_isa();
-    std::vector<speed::TimedWork> work;
+    std::vector<trade::TimedWork> work;
     std::vector<Price> prices;
     for (const evaluate::TestedForm& tested_form : tested_forms) {
         const bool uses_packs = tested_form.form->is_placed || is_packed(*tested_form.form, isa);

@@ -28,7 +28,7 @@ struct RepairedSource {
 /// Time in seconds for one ray and one primitive.
 struct Price {
     std::string_view isa = {};  ///< instruction set of `packed`; `scalar` if the form is not timed in packs
-    speed::Timing packed{}, single{};
+    trade::Timing packed{}, single{};
 };
 
 /// Compiles all forms into one library, also for packs of the current width, and loads it. The library stays loaded.
@@ -40,6 +40,6 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
 
 /// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
 std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& tested_forms,
-                                  const speed::TimingPlan& plan);
+                                  const trade::TimingPlan& plan);
 
 }  // namespace lostbits::measure::repair

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geometry/affine.hpp"
-#include "measure/choice/ideal_rays.hpp"
+#include "measure/choose/ideal_rays.hpp"
 #include "measure/repair/judge.hpp"
 
 namespace lostbits::measure::repair {

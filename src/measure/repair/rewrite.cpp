@@ -10,7 +10,7 @@
 #include "measure/answer/owners.hpp"
 #include "measure/attribution/attribution.hpp"
 #include "measure/attribution/rerun.hpp"
-#include "measure/choice/candidates.hpp"
+#include "measure/choose/candidates.hpp"
 #include "measure/tape/tape_form.hpp"
 
 namespace lostbits::measure::repair {
@@ -191,7 +191,7 @@ RaySample::RaySample(const RepairRequest& request, int rays)
     : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& tested_form = request.row;
     std::optional<scene::file::Scene> smaller_scene;
-    if (request.scene) smaller_scene = choice::with_smaller_picture(*request.scene, rays);
+    if (request.scene) smaller_scene = choose::with_smaller_picture(*request.scene, rays);
     const truth::Band band =
         smaller_scene ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
                       : truth::Band(sample_rays(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);

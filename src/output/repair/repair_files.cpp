@@ -7,16 +7,16 @@
 #include <utility>
 
 #include "number/error.hpp"
-#include "output/choice/choice_files.hpp"
+#include "output/choose/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/map/row_names.hpp"
 #include "output/repair/form_code.hpp"
-#include "output/speed/trade_files.hpp"
 #include "output/table/shared_columns.hpp"
+#include "output/trade/trade_files.hpp"
 
 namespace lostbits::output::repair {
 
-using measure::speed::ParetoPoint;
+using measure::trade::ParetoPoint;
 using table::or_missing;
 using table::Table;
 using table::when;
@@ -29,8 +29,8 @@ ParetoPoint point_of(const FormRow& row) {
             row.quality->wrong_fraction(), row.quality->kept_bits};
 }
 
-std::string kept_bits_text(const RowQuality& quality, const measure::choice::Requirement& requirement) {
-    return std::isnan(quality.kept_bits) ? "no" : choice::kept_bits_text(quality.kept_bits, requirement);
+std::string kept_bits_text(const RowQuality& quality, const measure::choose::Requirement& requirement) {
+    return std::isnan(quality.kept_bits) ? "no" : choose::kept_bits_text(quality.kept_bits, requirement);
 }
 
 int marker_of(const FormRow& row) {
@@ -115,7 +115,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     spec.title = fmt::format("{} against kept bits: {} on {}", is_timed ? "Time" : "Wider operations",
                              summary.request.row.form->info->name, summary.request.id());
     spec.subtitle = {
-        fmt::format("Required: {}.", choice::requirement_text(requirement)),
+        fmt::format("Required: {}.", choose::requirement_text(requirement)),
         "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
             (is_timed ? std::string() : " The catalogue: only forms in " + summary.request.row.format.name + ".")};
     if (is_timed)
@@ -123,12 +123,12 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     else spec.x = {"operations in " + wider_format_name(summary.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = form_rows(summary);
-    std::vector<speed::KernelPoint> points;
+    std::vector<trade::KernelPoint> points;
     for (const FormRow& row : rows) {
         const bool is_of_repair = row.kind != "catalogue";
         // Forms of the catalogue that compute in a wider format have no count of wider operations.
         const bool can_be_drawn = is_timed ? row.price != nullptr
-                                           : is_of_repair || measure::choice::computing_format(row.tested_form).name ==
+                                           : is_of_repair || measure::choose::computing_format(row.tested_form).name ==
                                                                  row.tested_form.format.name;
         if (!can_be_drawn || (!is_of_repair && row.tested_form.form == summary.request.row.form)) continue;
         points.push_back({.tested_form = row.tested_form,
@@ -139,7 +139,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
                           .is_hollow = !row.quality->decides_as_required(requirement),
                           .label = is_of_repair ? row.name : map::short_name(*row.tested_form.form->info)});
     }
-    speed::add_kernel_points(spec, points);
+    trade::add_kernel_points(spec, points);
     spec.keys = {{"the form", 3, plot::ink_colour},
                  {"operations in " + wider_format_name(summary.repair.wider), 1, plot::ink_colour},
                  {"written another way", 2, plot::ink_colour},
@@ -163,7 +163,7 @@ Table<FormRow> form_table() {
                {"operations", "number of its rounding operations; missing for the catalogue",
                 [](const R& r) { return when(r.operations != 0, r.operations); }},
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
-    table.add(choice::quality_columns(), &R::quality);
+    table.add(choose::quality_columns(), &R::quality);
     table.add({"meets", "true if it meets the requirement", &R::meets_requirement});
     table.add<RowQuality>(
         {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
@@ -282,7 +282,7 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
     const std::string form_name(summary.request.row.form->info->name), method = method_text(summary, proposal);
     std::vector<std::string> head_lines{
         fmt::format("{}, {}:", form_name, method),
-        fmt::format("{} on every {} of {}.", choice::requirement_text(summary.request.requirement),
+        fmt::format("{} on every {} of {}.", choose::requirement_text(summary.request.requirement),
                     summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
         "Made by " + command};
     if (summary.request.row.form->is_placed)

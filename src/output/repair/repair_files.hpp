@@ -17,7 +17,7 @@
 
 namespace lostbits::output::repair {
 
-using measure::choice::GrowthMargin;
+using measure::choose::GrowthMargin;
 using measure::repair::Price;
 using measure::repair::RowQuality;
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "measure/attribution/tape_text.hpp"
-#include "output/choice/choice_files.hpp"
+#include "output/choose/choice_files.hpp"
 #include "output/repair/form_code.hpp"
 #include "output/repair/tape_code.hpp"
 #include "scene/toml/counted.hpp"
@@ -25,35 +25,35 @@ TapeText text_of(const RepairSummary& summary) {
 }
 
 /// `22.1 bits, no wrong decision`
-std::string quality_text(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+std::string quality_text(const RowQuality& quality, const measure::choose::Requirement& requirement) {
     const std::string bits = std::isnan(quality.kept_bits)
                                  ? "no bits, because form and truth agree on no hit"
-                                 : choice::kept_bits_text(quality.kept_bits, requirement) + " bits";
+                                 : choose::kept_bits_text(quality.kept_bits, requirement) + " bits";
     if (quality.wrong == 0) return bits + ", no wrong decision";
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong,
                        scene::toml::count_with_noun(quality.rays, "ray"));
 }
 
 /// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
-std::string quality_clause(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+std::string quality_clause(const RowQuality& quality, const measure::choose::Requirement& requirement) {
     const std::string predicate =
         std::isnan(quality.kept_bits)
             ? "agree with the truth on no hit"
-            : fmt::format("keep {} bits", choice::kept_bits_text(quality.kept_bits, requirement));
+            : fmt::format("keep {} bits", choose::kept_bits_text(quality.kept_bits, requirement));
     if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
     return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
                        scene::toml::count_with_noun(quality.rays, "ray"));
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
-    const auto growth_name = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
+    const auto growth_name = measure::choose::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = summary.request.requirement;
     if (margin.holding_factor == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", growth_name,
                            quality_text(margin.end_quality, requirement));
     return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", growth_name, margin.holding_factor,
-                       margin.value, margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
-           choice::margin_end_text(margin, summary.request.rays,
+                       margin.value, margin.growth == measure::choose::Growth::view ? "degrees" : "units of length") +
+           choose::margin_end_text(margin, summary.request.rays,
                                    fmt::format("; first broken at a factor of {:.4g}: {}", margin.end_factor,
                                                quality_text(margin.end_quality, requirement)));
 }
@@ -105,7 +105,7 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairS
     if (margins.empty()) return "";
     const auto ray_count =
         summary.request.scene
-            ? measure::choice::with_smaller_picture(*summary.request.scene, measure::repair::few_rays).pixels()
+            ? measure::choose::with_smaller_picture(*summary.request.scene, measure::repair::few_rays).pixels()
             : summary.request.rays->sample.rays.size();
     std::string text =
         fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::count_with_noun(ray_count, "ray"),
@@ -385,7 +385,7 @@ std::string repair_text(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const auto& repair = summary.repair;
     std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(),
-                                   choice::requirement_text(requirement), summary.request.row.form->info->name,
+                                   choose::requirement_text(requirement), summary.request.row.form->info->name,
                                    summary.request.row.format.name, quality_text(repair.own_quality, requirement));
     if (!repair.wider_set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",

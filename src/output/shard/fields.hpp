@@ -2,7 +2,7 @@
 // that `BitWriter` and `BitReader` call.
 #pragma once
 
-#include "measure/claim/claim.hpp"
+#include "measure/check/claim.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/edges/nearest.hpp"
 #include "measure/evaluate/evaluate.hpp"
@@ -72,7 +72,7 @@ LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, float_answers, most_digits,
                 inexact_decimals, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
-LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
+LOSTBITS_FIELDS(measure::check::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
                 further_measured, bounds, seconds)
 
 /// Returns the bits of values, as `BitWriter` writes them.

@@ -5,7 +5,7 @@
 #include "intersect/bounding_box/box_methods.hpp"
 #include "intersect/transform/transformed_form.hpp"
 #include "measure/columns/columns.hpp"
-#include "output/claim/claim_files.hpp"
+#include "output/check/claim_files.hpp"
 #include "output/file/result_folder.hpp"
 #include "output/image/exr_parts.hpp"
 
@@ -42,6 +42,6 @@ namespace image {
 std::pair<std::string, std::string> compiler_attribute() { unreached(); }
 }  // namespace image
 namespace claim {
-std::string quantity_text(const scene::claim::Claim& /*claim*/) { unreached(); }
+std::string quantity_text(const scene::check::Claim& /*claim*/) { unreached(); }
 }  // namespace claim
 }  // namespace lostbits::output

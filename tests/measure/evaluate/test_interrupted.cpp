@@ -3,23 +3,23 @@
 #include <functional>
 
 #include "catch.hpp"
-#include "measure/choice/candidates.hpp"
-#include "measure/claim/claim.hpp"
+#include "measure/check/claim.hpp"
+#include "measure/choose/candidates.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/evaluate/map.hpp"
 #include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/offset/offsets.hpp"
-#include "measure/picture/render.hpp"
+#include "measure/render/render.hpp"
 #include "measure/rows.hpp"
-#include "measure/speed/timing.hpp"
 #include "measure/study/study.hpp"
+#include "measure/trade/timing.hpp"
 
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"
 #include "number/error.hpp"
-#include "scene/claim/claims_file.hpp"
+#include "scene/check/claims_file.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 
@@ -95,8 +95,8 @@ TEST_CASE("every computation stops where its own request says so") {
             file.path(), {.container = scene::dump::Container::csv, .primitive = Shape::sphere, .stop = token});
     };
     const auto rays = open({});
-    std::vector<scene::claim::Claim> claims{scene::claim::read_claims(data / "claims/sphere.toml").front()};
-    measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warms_up = false};
+    std::vector<scene::check::Claim> claims{scene::check::read_claims(data / "claims/sphere.toml").front()};
+    measure::trade::TimedWork pass{.pass = [] {}, .items = 1, .warms_up = false};
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map",
@@ -107,10 +107,10 @@ TEST_CASE("every computation stops where its own request says so") {
          }},
         {"render",
          [&] {
-             m::study::run_study(m::picture::RenderStudy{.scene = scene,
-                                                         .stages = {scene::file::Stage::visible},
-                                                         .rows = tested_forms,
-                                                         .limit = {.stop = stop}});
+             m::study::run_study(m::render::RenderStudy{.scene = scene,
+                                                        .stages = {scene::file::Stage::visible},
+                                                        .rows = tested_forms,
+                                                        .limit = {.stop = stop}});
          }},
         {"offsets",
          [&] {
@@ -141,13 +141,13 @@ TEST_CASE("every computation stops where its own request says so") {
          }},
         {"a file of rays", [&] { open(stop); }},
         {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).primitives()); }},
-        {"choice", [&] { m::choice::quality_of({.scene = &scene, .rows = tested_forms, .limit = limit}); }},
-        {"claims", [&] { m::claim::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
+        {"choice", [&] { m::choose::quality_of({.scene = &scene, .rows = tested_forms, .limit = limit}); }},
+        {"claims", [&] { m::check::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
         {"times",
          [&] {
-             m::speed::sample_interleaved({&pass, 1}, {.stop = stop});
+             m::trade::sample_interleaved({&pass, 1}, {.stop = stop});
          }},
-        {"times of threads", [&] { m::speed::thread_speedups([](std::size_t) { return [] {}; }, {.stop = stop}); }}};
+        {"times of threads", [&] { m::trade::thread_speedups([](std::size_t) { return [] {}; }, {.stop = stop}); }}};
     for (const auto& [what, ask] : all) {
         INFO(what);
         CHECK_THROWS_AS(ask(), Interrupted);

@@ -2,7 +2,7 @@
 #include "measure/metric/statistics.hpp"
 
 #include "catch.hpp"
-#include "measure/claim/claim.hpp"
+#include "measure/check/claim.hpp"
 
 namespace test_spread {
 
@@ -14,16 +14,16 @@ namespace {
 
 const double none = std::nan("");
 
-claim::ClaimResult result_of(double own, std::vector<double> further) {
-    claim::ClaimResult r;
+check::ClaimResult result_of(double own, std::vector<double> further) {
+    check::ClaimResult r;
     r.measured = own;
     r.samples = 1024;
     r.further_measured = std::move(further);
     return r;
 }
 
-scene::claim::Claim claim_about(const std::string& metric, const std::string& onset = "") {
-    scene::claim::Claim c;
+scene::check::Claim claim_about(const std::string& metric, const std::string& onset = "") {
+    scene::check::Claim c;
     c.metric = metric;
     c.onset = onset;
     return c;
@@ -42,8 +42,8 @@ TEST_CASE("a spread covers the draws that have the number, and its median is one
 }
 
 TEST_CASE("a claim's interval is the range of its draws plus half of it on either side, within possible values") {
-    const auto interval = [](const scene::claim::Claim& c, double own, std::vector<double> further) {
-        const auto s = claim::expected_interval(c, result_of(own, std::move(further)));
+    const auto interval = [](const scene::check::Claim& c, double own, std::vector<double> further) {
+        const auto s = check::expected_interval(c, result_of(own, std::move(further)));
         return std::pair(s.low, s.high);
     };
     CHECK(interval(claim_about("lost_bits_p50"), 10, {12, 11}) == std::pair(9.0, 13.0));

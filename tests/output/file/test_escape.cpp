@@ -19,8 +19,8 @@
 #include "output/file/escape.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/helpers.hpp"
-#include "output/page/text.hpp"
 #include "output/repair/form_code.hpp"
+#include "output/report/text.hpp"
 #include "scene/toml/toml_tree.hpp"
 
 namespace test_escape {
@@ -184,7 +184,7 @@ TEST_CASE("every XML file that is written can be parsed back to the same text", 
 
 TEST_CASE("escaped text in HTML is plain text", "[escape]") {
     for_texts(many, [](const std::string& text) {
-        const std::string page = output::page::html(text);
+        const std::string page = output::report::html(text);
         REQUIRE(page.find_first_of("<>\"") == std::string::npos);
         REQUIRE(unescaped(page, {{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}}) == xml_text(text));
     });
@@ -192,7 +192,7 @@ TEST_CASE("escaped text in HTML is plain text", "[escape]") {
 
 TEST_CASE("text in JSON reads back, and cannot end a script element", "[escape]") {
     for_texts(many, [](const std::string& text) {
-        const std::string json = output::page::compact_json(output::page::Json(text));
+        const std::string json = output::report::compact_json(output::report::Json(text));
         REQUIRE(json.find('<') == std::string::npos);
         REQUIRE(to_valid_utf8(nlohmann::json::parse(json).get<std::string>()).size() >= text.size() / 4);
         if (to_valid_utf8(text) == text) REQUIRE(nlohmann::json::parse(json) == text);

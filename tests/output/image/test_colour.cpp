@@ -14,7 +14,7 @@
 #include "output/image/eyes.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/picture/render_files.hpp"
+#include "output/render/render_files.hpp"
 
 namespace test_colour {
 
@@ -243,10 +243,10 @@ TEST_CASE("people with any kind of colour vision can tell the classes of a pictu
     check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
     check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
     check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});
-    auto seen = colours_of(picture::seen_categories());
+    auto seen = colours_of(render::seen_categories());
     seen.push_back(outcome_colours.front());
     check_apart("what is seen", seen);
-    check_apart("shadows", colours_of(picture::shadow_categories()));
+    check_apart("shadows", colours_of(render::shadow_categories()));
 }
 
 TEST_CASE("every outcome has a colour and a name", "[colour]") {

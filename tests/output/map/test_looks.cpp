@@ -10,7 +10,7 @@
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/plot/line_plot_parts.hpp"
-#include "output/speed/trade_files.hpp"
+#include "output/trade/trade_files.hpp"
 
 namespace test_looks {
 
@@ -111,26 +111,26 @@ TEST_CASE("no two entries of a legend share a colour in any map", "[looks]") {
 
 TEST_CASE("every key in speed-accuracy plots has its own style, and the plot says that times are for easy rays",
           "[looks]") {
-    std::vector<measure::speed::TradeKernel> kernels;
+    std::vector<measure::trade::TradeKernel> kernels;
     for (const auto& row :
          {lostbits::test::row("sphere.unified", "f32"), lostbits::test::row("sphere.unified", "f64")}) {
         for (const char* isa : {"scalar", "128", "256", "512"}) kernels.push_back({row, isa});
     }
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
                                                               measure::metric::find_metric("excess_bits")};
-    const measure::speed::TradeRequest request{.kernels = kernels, .metrics = metrics, .loads = {{"l1", 1024, 0.5}}};
-    measure::speed::TradeResult result{.times = {}, .operations = {}, .row_indices = {}, .rows = {}};
+    const measure::trade::TradeRequest request{.kernels = kernels, .metrics = metrics, .loads = {{"l1", 1024, 0.5}}};
+    measure::trade::TradeResult result{.times = {}, .operations = {}, .row_indices = {}, .rows = {}};
     for (std::size_t k = 0; k < kernels.size(); ++k) {
         result.times.push_back({{}});
         result.operations.emplace_back();
         result.row_indices.push_back(k);
     }
-    const auto sets = measure::speed::ray_sets(Shape::sphere);
+    const auto sets = measure::trade::ray_sets(Shape::sphere);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         auto& rows = result.rows.emplace_back();
         for (std::size_t k = 0; k < kernels.size(); ++k) rows.emplace_back(metrics);
     }
-    const auto spec = speed::trade_plot(request, result, 0);
+    const auto spec = trade::trade_plot(request, result, 0);
     std::set<std::tuple<int, std::size_t, bool, bool>> seen;
     for (const auto& key : spec.keys) {
         CAPTURE(key.label);
@@ -140,7 +140,7 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
     CHECK(spec.x.has_decimal_ticks);
     REQUIRE(sets.size() > 1);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto of_set = speed::trade_plot(request, result, s);
+        const auto of_set = trade::trade_plot(request, result, s);
         const std::string& said = of_set.subtitle.front();
         INFO(said);
         CHECK(said.find("of the set " + std::string(sets[s].name) + ".") != std::string::npos);

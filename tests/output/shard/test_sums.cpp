@@ -4,7 +4,7 @@
 #include "catch.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/offset/offsets.hpp"
-#include "measure/picture/render.hpp"
+#include "measure/render/render.hpp"
 #include "measure/rows.hpp"
 #include "measure/study/bands.hpp"
 #include "measure/study/study.hpp"
@@ -60,9 +60,9 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
                                              .strategies = {&measure::offset::strategies().front()},
                                              .finds_quiet_offset = false});
     const auto acne = load("raycast-acne", 8, 4200);  // two bands
-    check_parts(measure::picture::RenderStudy{.scene = acne,
-                                              .stages = {scene::file::Stage::visible, scene::file::Stage::shadows},
-                                              .rows = {row("sphere.half_b", "f32")}});
+    check_parts(measure::render::RenderStudy{.scene = acne,
+                                             .stages = {scene::file::Stage::visible, scene::file::Stage::shadows},
+                                             .rows = {row("sphere.half_b", "f32")}});
 }
 
 TEST_CASE("study: bands are blocks of 16 lines, and shards never split one", "[output][study]") {

@@ -1,0 +1,85 @@
+#include "measure/choose/file_rays.hpp"
+
+#include "measure/judge/judge.hpp"
+
+namespace lostbits::measure::choose {
+
+namespace {
+
+/// Keeps every n-th ray of a file of unknown length. When the sample is full, n is doubled and every other ray is
+/// dropped.
+class Sampler {
+public:
+    void add(const scene::dump::Chunk& chunk) {
+        for (std::size_t i = 0; i < chunk.size(); ++i) {
+            if ((chunk.first + i) % step_ != 0) continue;
+            if (sample_.rays.size() == most_rays) halve();
+            if ((chunk.first + i) % step_ != 0) continue;
+            sample_.rays.push(chunk.rays[i]);
+            sample_.rays.push_range(chunk.rays, i);
+            if (!chunk.primitives.empty()) sample_.primitives.push_back(chunk.primitives[i]);
+        }
+    }
+
+    scene::rays::RayGroup take(const FileTerms& terms) {
+        sample_.rays.set_as_list();
+        sample_.paired = !sample_.primitives.empty();
+        if (!sample_.paired)
+            sample_.primitives = scene::rays::primitive_list_of({{}, terms.primitives, {}, false, terms.mesh}).all();
+        return std::move(sample_);
+    }
+
+private:
+    static constexpr std::size_t most_rays = 4096;
+
+    void halve() {
+        step_ *= 2;
+        const auto drop_every_other = [](auto& column) {
+            for (std::size_t i = 0; 2 * i < column.size(); ++i) column[i] = column[2 * i];
+            column.resize((column.size() + 1) / 2);
+        };
+        for (auto* numbers : sample_.rays.numbers()) drop_every_other(*numbers);
+        drop_every_other(sample_.rays.tmin), drop_every_other(sample_.rays.tmax);
+        drop_every_other(sample_.primitives);
+    }
+
+    scene::rays::RayGroup sample_;
+    std::uint64_t step_ = 1;
+};
+
+}  // namespace
+
+FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
+    judge::JudgeRequest judge_request{.primitives = terms.primitives,
+                                      .mesh = terms.mesh,
+                                      .rows = request.rows,
+                                      .metrics = request.requirement.metrics(),
+                                      .limit = request.limit};
+    judge_request.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
+    intersect::Info contract = terms.contract;
+    if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
+    const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.representatives().front().shape;
+    const judge::FileForm answers(terms.id, shape, contract);
+    if (dump.layout().has_answers()) {
+        judge_request.file_answers_form = &answers.form();
+        judge_request.rows.insert(judge_request.rows.begin(), {judge_request.file_answers_form, dump.format()});
+    }
+    Sampler sampler;
+    const judge::JudgeResult result = judge::run_judge(
+        dump, judge_request,
+        [&sampler](std::size_t row_index, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
+            if (row_index == 0) sampler.add(chunk);
+        });
+    FileRays rays{
+        .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
+    for (std::size_t r = 0; r < judge_request.rows.size(); ++r) {
+        const RowQuality quality = quality_of(result.summaries[r], judge_request.rows[r], request.requirement);
+        if (judge_request.is_file_row(judge_request.rows[r]))
+            rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
+        else rays.quality.push_back(quality);
+    }
+    rays.sample = sampler.take(terms);
+    return rays;
+}
+
+}  // namespace lostbits::measure::choose

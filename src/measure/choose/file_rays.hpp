@@ -1,0 +1,53 @@
+// Files of rays for a choice: read once, with every ray judged and a sample kept for repeated measurements.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measure/choose/candidates.hpp"
+#include "scene/dump/dump.hpp"
+#include "scene/rays/rays.hpp"
+#include "scene/rays/stored_mesh.hpp"
+
+namespace lostbits::measure::choose {
+
+/// Answers that the files bring with them. Their time is not known.
+struct FileAnswers {
+    std::string name;  ///< `file.NAME`
+    Format format;
+    RowQuality quality{};
+};
+
+struct FileRays {
+    std::string id;    ///< name of the results
+    std::string name;  ///< names of the files, as typed
+    Format format;     ///< format in which their numbers are stored
+    std::uint64_t rays = 0;
+    std::uint64_t rounded = 0;             ///< numbers that the format cannot represent, and that were rounded
+    std::vector<RowQuality> quality = {};  ///< one for each of the request's rows, measured on every ray
+    std::optional<FileAnswers> answers = {};
+    scene::rays::RayGroup sample = {};  ///< every n-th ray, n a power of two: all, or 2049 to 4096 of them
+};
+
+/// Properties of the files that their columns do not contain; the command line gives them.
+struct FileTerms {
+    std::string id;  ///< name of the results
+    /// Primitives of all rays. If there are none and no mesh, each ray has its own.
+    std::vector<Primitive<double>> primitives = {};
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
+    intersect::Info contract{};                                 ///< contract of the answers
+    /// Receives the number of bytes read since the last call; may throw to stop.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+    [[nodiscard]] std::vector<Primitive<double>> representatives() const {
+        return scene::rays::representatives_of(primitives, mesh.get());
+    }
+};
+
+/// Reads the dump to its end, for the rows, requirement and limit of the request. Throws InputError as
+/// `judge::run_judge` does.
+FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request);
+
+}  // namespace lostbits::measure::choose

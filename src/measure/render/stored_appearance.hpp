@@ -1,0 +1,64 @@
+// Light and paint of a scene as stored numbers, rounded in the same way as its geometry.
+#pragma once
+
+#include <vector>
+
+#include "measure/render/shade.hpp"
+#include "number/format.hpp"
+#include "number/real.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::measure::render {
+
+/// Light and paint in numbers of type S. S is double for shared inputs (each number rounded once to binary32) and for
+/// the numbers of a format. S is Real for own inputs.
+template <class S>
+struct StoredAppearance {
+    Vec<S> background{S(0), S(0), S(0)};
+    Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has no light
+    S shadow_on_background{S(1)};    ///< factor
+    S epsilon{S(0)};
+    std::vector<Paint<S>> paints;  ///< one per sphere
+};
+
+template <class S, class Lift>
+auto lifted(const Vec<S>& v, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    return Vec<T>(lift(v.x), lift(v.y), lift(v.z));
+}
+
+template <class S, class Lift>
+auto lifted(const Paint<S>& p, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.shiny};
+}
+
+/// Converts each number by `lift`. A shiny sphere stays shiny even if a format rounds its ks to 0; its highlight is
+/// then 0.
+template <class S, class Lift>
+auto lifted(const StoredAppearance<S>& appearance, Lift lift) {
+    using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
+    StoredAppearance<T> result{lifted(appearance.background, lift),
+                               lifted(appearance.light, lift),
+                               lift(appearance.shadow_on_background),
+                               lift(appearance.epsilon),
+                               {}};
+    for (const Paint<S>& p : appearance.paints) result.paints.push_back(lifted(p, lift));
+    return result;
+}
+
+/// Returns light and paint in ideal numbers.
+StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
+/// Returns light and paint with each number rounded once to binary32: the inputs that all formats share.
+StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
+/// Returns light and paint as a form in the format receives them, like `scene::rays::input_rays`.
+StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& format);
+
+/// Returns the points of the pixels of rows [y0, y1) in the plane z = 0, or nothing if the camera does not have its
+/// pixels there. S is as in `StoredAppearance`.
+template <class S>
+std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
+/// Returns these points as a form in the format receives them.
+std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& format);
+
+}  // namespace lostbits::measure::render

@@ -1,0 +1,190 @@
+#include "measure/trade/timing_work.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "measure/truth/unit_direction.hpp"
+#include "scene/sweep/distributions.hpp"
+#include "shapes/lift.hpp"
+
+namespace lostbits::measure::trade {
+
+namespace {
+
+using scene::rays::RayGroup;
+using scene::sweep::DistributionRow;
+
+std::vector<Ray<double>> unit_rays(const RayGroup& group) {
+    std::vector<Ray<double>> rays;
+    for (std::size_t i = 0; i < group.rays.size(); ++i) {
+        const Ray<double> ray = group.rays[i];
+        rays.push_back({ray.origin, truth::unit_direction(ray.direction, binary32)});
+    }
+    return rays;
+}
+
+const DistributionRow& distribution_of(Shape shape) {
+    return *std::ranges::find(scene::sweep::distributions(), shape, &DistributionRow::shape);
+}
+
+/// Row of a form in a table; null if the table does not have the form.
+template <class Row>
+const Row* row_of(std::span<const Row> rows, std::string_view form) {
+    const auto found = std::ranges::find_if(rows, [form](const Row& row) { return row.info->name == form; });
+    return found == rows.end() ? nullptr : &*found;
+}
+
+template <class S>
+TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warms_up) {
+    return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warms_up};
+}
+
+template <class S, class Kernel>
+TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warms_up) {
+    return {[store, kernel] { store->run(kernel); }, store->slice(), warms_up};
+}
+
+}  // namespace
+
+std::span<const RaySet> ray_sets(Shape shape) {
+    return is_primitive(shape) ? distribution_of(shape).sets() : std::span<const RaySet>();
+}
+
+RayPool ray_pool(Shape shape) {
+    const scene::rays::HitsAndMisses rays = distribution_of(shape).timed();
+    return {rays.hits.primitives.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
+}
+
+template <class S>
+RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed)
+    : primitive_(lift_primitive<S>(pool.primitive)),
+      rays_(std::max(bytes / bytes_per_ray / ray_granularity, std::size_t{1}) * ray_granularity),
+      slice_(slice == 0 ? rays_ : std::min(rays_, (slice + ray_granularity - 1) / ray_granularity * ray_granularity)) {
+    constexpr std::size_t cache_line = 64, stagger = 5 * cache_line;
+    const std::size_t column = (rays_ * sizeof(S) + stagger + cache_line - 1) / cache_line * cache_line;
+    memory_.resize(numbers * column + rays_ + cache_line);
+    void* start = memory_.data();
+    std::size_t space = memory_.size();
+    std::align(cache_line, memory_.size() - cache_line, start, space);
+    auto* const first = static_cast<std::byte*>(start);
+    for (std::size_t c = 0; c < numbers; ++c) columns_[c] = reinterpret_cast<S*>(first + c * column);
+    hit_ = reinterpret_cast<std::uint8_t*>(first + numbers * column);
+    fill(pool, hit_rate, seed);
+}
+
+template <class S>
+void RayStore<S>::fill(const RayPool& pool, double hit_rate, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::vector<char> hits(rays_);
+    std::fill_n(hits.begin(), static_cast<std::size_t>(hit_rate * static_cast<double>(rays_) + 0.5), 1);
+    for (std::size_t i = rays_; i > 1; --i) std::swap(hits[i - 1], hits[random() % i]);
+    for (std::size_t i = 0; i < rays_; ++i) {
+        const auto& rays = hits[i] ? pool.hits : pool.misses;
+        const Ray<double>& ray = rays[random() % rays.size()];
+        const double parts[] = {ray.origin.x,    ray.origin.y,    ray.origin.z,
+                                ray.direction.x, ray.direction.y, ray.direction.z};
+        for (std::size_t c = 0; c < 6; ++c) columns_[c][i] = static_cast<S>(parts[c]);
+    }
+}
+
+template <class S>
+double RayStore<S>::hit_share() const {
+    return static_cast<double>(std::count(hit_, hit_ + rays_, std::uint8_t{1})) / static_cast<double>(rays_);
+}
+
+template class RayStore<float>;
+template class RayStore<double>;
+
+template <class S>
+BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1), S(-0.25), S(0.125)}} {
+    constexpr std::size_t cache_line = 64, stagger = 5 * cache_line, numbers = 7;
+    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers * sizeof(S)) / 64) * 64,
+                      column = boxes * sizeof(S) + stagger;
+    memory_.resize(numbers * column + cache_line);
+    void* start = memory_.data();
+    std::size_t space = memory_.size();
+    std::align(cache_line, numbers * column, start, space);
+    const auto span_of = [&](std::size_t c) {
+        return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes);
+    };
+    std::mt19937 engine(2);
+    std::uniform_real_distribution<float> position(-2, 2), side(0.1F, 1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        columns[axis] = span_of(axis);
+        columns[axis + 3] = span_of(axis + 3);
+        for (std::size_t i = 0; i < boxes; ++i) {
+            columns[axis][i] = position(engine);
+            columns[axis + 3][i] = columns[axis][i] + S(side(engine));
+        }
+    }
+    t = span_of(6);
+    std::ranges::fill(t, std::numeric_limits<S>::infinity());
+}
+
+template <class S>
+std::array<const S*, 6> BoxField<S>::pointers() const {
+    return {columns[0].data(), columns[1].data(), columns[2].data(),
+            columns[3].data(), columns[4].data(), columns[5].data()};
+}
+
+template <class S>
+std::array<S, 6> BoxField<S>::ray_numbers() const {
+    return {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
+}
+
+template class BoxField<float>;
+template class BoxField<double>;
+
+std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
+    constexpr std::size_t mebibyte = std::size_t{1} << 20;
+    if (name == "l1") return caches.l1 / 2;
+    if (name == "l2") return caches.l2 / 2;
+    return name == "memory" ? std::clamp(2 * caches.last, 64 * mebibyte, 1024 * mebibyte) : 0;
+}
+
+bool fits_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
+
+const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_structs() {
+    const BoxField<float>& field = *f32();
+    auto& boxes = box_structs_(field.t.size());
+    for (std::size_t i = 0; i < field.t.size(); ++i)
+        for (std::size_t c = 0; c < 6; ++c) (*boxes)[i].numbers[c] = field.columns[c][i];
+    return boxes;
+}
+
+std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
+    const bool warms_up = fits_in_cache(bytes_);
+    const intersect::simd::PlainRow* const plain =
+        k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
+    if (plain && k.kernel == "plain-256")
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
+                             loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
+                         },
+                         f32()->t.size(), warms_up};
+    if (plain && k.kernel == "plain-structs-256")
+        return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = box_structs(), loop = plain->structs] {
+                             loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
+                         },
+                         f32()->t.size(), warms_up};
+    const auto isa = intersect::simd::find_isa(k.kernel);
+    const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
+    if (row && row->takes_tmax && row->f32 && k.format == "f32") return packed_work(f32(), row->f32, warms_up);
+    if (row && row->takes_tmax && row->f64 && k.format == "f64") return packed_work(f64(), row->f64, warms_up);
+    return std::nullopt;
+}
+
+std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
+    const auto isa = intersect::simd::find_isa(k.kernel);
+    const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
+    if (!row) return std::nullopt;
+    const bool warms_up = fits_in_cache(bytes_);
+    const Shape shape =
+        intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
+    if (row->f32 && k.format == "f32") return packed_work(f32(shape), row->f32, warms_up);
+    if (row->f64 && k.format == "f64") return packed_work(f64(shape), row->f64, warms_up);
+    return std::nullopt;
+}
+
+}  // namespace lostbits::measure::trade

@@ -1,0 +1,199 @@
+#include "output/check/claim_files.hpp"
+
+#include <fmt/format.h>
+
+#include <pugixml.hpp>
+
+#include <sstream>
+
+#include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
+#include "output/file/json.hpp"
+#include "output/table/table.hpp"
+
+namespace lostbits::output::check {
+
+namespace {
+
+using State = ClaimResult::State;
+
+std::string verdict_name(const Claim& claim) { return std::string(name_of(claim.verdict)); }
+
+struct ClaimRow {
+    const Claim& claim;
+    const ClaimResult& result;
+    measure::metric::Spread spread;
+};
+
+table::Table<ClaimRow> claim_table() {
+    using R = ClaimRow;
+    using table::when;
+    const auto claim_value = [](const auto& value) {
+        return [value](const R& r) { return std::invoke(value, r.claim); };
+    };
+    const auto result_value_unless_zero = [](const auto& value) {
+        return [value](const R& r) { return when(std::invoke(value, r.result) != 0, std::invoke(value, r.result)); };
+    };
+    const auto draws_value = [](const auto& value) {
+        return [value](const R& r) {
+            return when(r.result.is_random() && r.spread.draws > 0, std::invoke(value, r.spread));
+        };
+    };
+    using S = measure::metric::Spread;
+    return {
+        {"id", "the claim", claim_value(&Claim::id)},
+        {"statement", "its statement", claim_value(&Claim::statement)},
+        {"source", "source of the statement", claim_value(&Claim::source)},
+        {"quotation", "words of the source that state the claim; empty if they were not looked up",
+         claim_value(&Claim::quotation)},
+        {"verdict", "what was found: holds, qualified or refuted", claim_value(verdict_name)},
+        {"condition", "condition under which a qualified statement is true, which its source does not state",
+         claim_value(&Claim::condition)},
+        {"sourced", "true: the statement is from a source; false: it is our own", claim_value(&Claim::is_sourced)},
+        {"subject", "scene, sweep or table, and the position in it",
+         [](const R& r) { return subject_texts(r.claim).subject; }},
+        {"form", "form under test", claim_value(&Claim::form)},
+        {"format", "format it computes in", claim_value(&Claim::format)},
+        {"quantity", "what is measured", claim_value(quantity_text)},
+        {"criterion",
+         "what the statement says about the quantity, from which the verdict follows; empty if it describes the "
+         "number, which the expected interval then does",
+         [](const R& r) { return r.claim.criterion ? r.claim.criterion->text : ""; }},
+        {"expected_low", "smallest value that agrees", claim_value(&Claim::low)},
+        {"expected_high", "largest value that agrees", claim_value(&Claim::high)},
+        {"measured", "the measured number; missing if nothing could be measured",
+         table::or_missing([](const R& r) { return r.result.measured; })},
+        {"samples", "number of independent random samples; 0: nothing is random",
+         [](const R& r) { return r.result.samples; }},
+        {"floats",
+         "number of floats, every one in a range; missing if the claim does not rest on all floats of a range",
+         result_value_unless_zero(&ClaimResult::floats)},
+        {"evidence", "what a statement about all cases rests on: proof, exhaustive, search or sample; empty for others",
+         [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
+        {"lemma", "the inequality of a proof", claim_value(&Claim::lemma)},
+        {"evaluations", "rays that a search tried; missing if there was no search",
+         result_value_unless_zero(&ClaimResult::evaluations)},
+        {"draws", "number of draws of the samples, one per seed; missing if nothing is random", draws_value(&S::draws)},
+        {"draw_low", "smallest number measured over the draws", draws_value(&S::low)},
+        {"draw_median", "median over the draws, the lower of two", draws_value(&S::median)},
+        {"draw_high", "largest number measured over the draws", draws_value(&S::high)},
+        {"interval_draws",
+         "number of draws that the expected interval comes from: their range, widened by half on either side (in "
+         "logarithms for onsets and fractions)",
+         [](const R& r) { return when(r.claim.draws != 0, r.claim.draws); }},
+        {"state", "agrees, disagrees, broken (could not be measured) or skipped",
+         [](const R& r) { return state_name(r.result.state); }},
+        {"witness", "the worst ray of the measurement in hexadecimal floats",
+         [](const R& r) { return witness_text(r.result); }},
+        {"witness_explain", "the command that explains that ray",
+         [](const R& r) { return witness_command(r.claim, r.result); }}};
+}
+
+}  // namespace
+
+void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                      const std::vector<ClaimResult>& results) {
+    const auto table = claim_table();
+    file::CsvWriter csv(path, table.columns());
+    for (std::size_t i = 0; i < claims.size(); ++i) table.add_row(csv, {claims[i], results[i], results[i].spread()});
+    csv.close();
+}
+
+void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                       const std::vector<ClaimResult>& results) {
+    using Json = file::OrderedJson;
+    using file::json_number;
+    auto array = Json::array();
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& claim = claims[i];
+        auto further = Json::array();
+        for (const double x : results[i].further_measured) further.push_back(json_number(x));
+        const auto& p99_bounds = results[i].bounds;
+        const auto bounds = p99_bounds ? Json{json_number(p99_bounds->low), json_number(p99_bounds->high)} : Json();
+        array.push_back({{"id", claim.id},
+                         {"statement", claim.statement},
+                         {"source", claim.source},
+                         {"quotation", claim.quotation},
+                         {"note", claim.note},
+                         {"verdict", verdict_name(claim)},
+                         {"condition", claim.condition},
+                         {"sourced", claim.is_sourced()},
+                         {"subject", subject_texts(claim).subject},
+                         {"form", claim.form},
+                         {"format", claim.format},
+                         {"quantity", quantity_text(claim)},
+                         {"criterion", claim.criterion ? claim.criterion->text : ""},
+                         {"expected", {json_number(claim.low), json_number(claim.high)}},
+                         {"measured", json_number(results[i].measured)},
+                         {"samples", results[i].samples},
+                         {"p99_bounds", bounds},
+                         {"floats", results[i].floats},
+                         {"evidence", std::string(name_of(claim.evidence))},
+                         {"lemma", claim.lemma},
+                         {"evaluations", results[i].evaluations},
+                         {"further_draws", further},
+                         {"interval_draws", claim.draws},
+                         {"state", state_name(results[i].state)},
+                         {"witness", witness_text(results[i])},
+                         {"witness_explain", witness_command(claim, results[i])},
+                         {"reproduce", subject_texts(claim).command}});
+    }
+    file::write_file(path, file::json_text(array));
+}
+
+void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                 const std::vector<ClaimResult>& results, bool strict) {
+    pugi::xml_document document;
+    auto suite = document.append_child("testsuites").append_child("testsuite");
+    suite.append_attribute("name") = "lostbits claims";
+    std::size_t failures = 0, errors = 0, skips = 0;
+    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"),
+               broken = suite.append_attribute("errors"), skipped = suite.append_attribute("skipped"),
+               time = suite.append_attribute("time");
+    double seconds = 0;
+    const CountsBySource counts = count_verdicts(claims, results);
+    auto properties = suite.append_child("properties");
+    for (const auto& [name, text] :
+         {std::pair{"from a source", counts.sourced.text()}, {"our own", counts.own.text()}}) {
+        auto property = properties.append_child("property");
+        property.append_attribute("name") = name;
+        property.append_attribute("value") = text.c_str();
+    }
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& claim = claims[i];
+        auto test = suite.append_child("testcase");
+        test.append_attribute("name") = file::xml_text(claim.id).c_str();
+        test.append_attribute("classname") = file::xml_text(claim.subject_name()).c_str();
+        test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
+        seconds += results[i].seconds;
+        if (results[i].state == State::agrees) continue;
+        if (results[i].state == State::skipped) {
+            ++skips;
+            test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].reason).c_str();
+            continue;
+        }
+        const std::string explanation = file::xml_text(explanation_text(claim, results[i]));
+        const std::string details = file::xml_text(
+            fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", claim.statement, claim.where.text(), explanation,
+                        witness_text(results[i]), witness_command(claim, results[i]), subject_texts(claim).command));
+        if (claim.severity == Claim::Severity::warn && !strict) {
+            test.append_child("system-out").text().set(details.c_str());
+            continue;
+        }
+        const bool is_failure = results[i].state == State::disagrees;
+        ++(is_failure ? failures : errors);
+        auto node = test.append_child(is_failure ? "failure" : "error");
+        node.append_attribute("message") = explanation.c_str();
+        node.text().set(details.c_str());
+    }
+    pugi::xml_attribute(time).set_value(fmt::format("{:.6f}", seconds).c_str());
+    pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));
+    pugi::xml_attribute(failed).set_value(static_cast<unsigned long long>(failures));
+    pugi::xml_attribute(broken).set_value(static_cast<unsigned long long>(errors));
+    pugi::xml_attribute(skipped).set_value(static_cast<unsigned long long>(skips));
+    std::ostringstream text;
+    document.save(text, "  ");
+    file::write_file(path, text.str());
+}
+
+}  // namespace lostbits::output::check

@@ -1,0 +1,319 @@
+// Sentences about a choice (see `choice_text`).
+#include "output/choose/choice_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/answer/wrong_decision_phrase.hpp"
+#include "measure/choose/file_rays.hpp"
+#include "output/file/number_text.hpp"
+#include "scene/toml/counted.hpp"
+
+namespace lostbits::output::choose {
+
+using measure::choose::Growth;
+using measure::choose::MarginEnd;
+
+namespace {
+
+double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
+
+std::string candidate_name(const Candidate& c) {
+    const Format inner_format = measure::choose::computing_format(c.row);
+    return fmt::format("{} in {}{}", c.row.form->info->name, c.row.format.name,
+                       inner_format == c.row.format ? "" : fmt::format(", which computes in {}", inner_format.name));
+}
+
+std::string register_phrase(const Candidate& c) {
+    return c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa);
+}
+
+/// True if the times of two candidates differ by no more than they vary: the ranges between their quartiles overlap.
+bool is_as_fast(const Candidate& a, const Candidate& b) {
+    return a.time.low_quartile <= b.time.high_quartile && b.time.low_quartile <= a.time.high_quartile;
+}
+
+/// Among the other candidates that are as fast as the fastest one (`is_as_fast`), the fastest; null if there is none.
+const Candidate* find_rival(const Candidate& fastest, const std::vector<Candidate>& candidates) {
+    const Candidate* rival = nullptr;
+    for (const Candidate& c : candidates) {
+        if (&c != &fastest && is_as_fast(c, fastest) && (!rival || c.time.median < rival->time.median)) rival = &c;
+    }
+    return rival;
+}
+
+/// Sentence that names the candidates timed one ray at a time, if others were timed with several rays in a register.
+std::string single_ray_text(const std::vector<Candidate>& candidates) {
+    constexpr std::size_t max_names = 6;
+    std::string names;
+    std::string_view register_bits;
+    std::size_t scalar_count = 0;
+    for (const Candidate& c : candidates) {
+        if (c.isa != "scalar") register_bits = c.isa;
+        else if (++scalar_count <= max_names)
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", candidate_name(c));
+    }
+    if (scalar_count == 0 || register_bits.empty()) return "";
+    if (scalar_count > max_names) names += fmt::format(" and {} more", scalar_count - max_names);
+    return fmt::format(
+        "Timed one ray at a time, because they take no more: {}; the others in registers of {} bits. --single times "
+        "all one ray at a time.\n",
+        names, register_bits);
+}
+
+std::string kept_bits_phrase(const RowQuality& quality, int precision, const Requirement& requirement) {
+    return std::isnan(quality.kept_bits)
+               ? "no hit to keep bits of"
+               : fmt::format("{} of {} bits{}", kept_bits_text(quality.kept_bits, requirement), precision,
+                             distance_error_text(quality.distance_error, requirement));
+}
+
+std::string decisions_phrase(const RowQuality& quality) {
+    if (quality.wrong == 0)
+        return fmt::format("no wrong decision in {}", scene::toml::count_with_noun(quality.rays, "ray"));
+    const auto share = quality.wrong_fraction();
+    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong,
+                       scene::toml::count_with_noun(quality.rays, "ray"),
+                       share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
+}
+
+/// Assumptions of the form about its rays and inputs; empty if there are none.
+std::string assumptions_text(const intersect::Info& info) {
+    std::string text;
+    const auto add = [&text](const char* assumption) { text += (text.empty() ? "" : ", ") + std::string(assumption); };
+    if (info.direction == intersect::Direction::unit) add("directions of unit length");
+    if (info.roots == intersect::Roots::near_only) add("rays that start outside");
+    if (info.touching == intersect::Touching::miss) add("touching is a miss");
+    if (info.formats == intersect::Formats::binary32_only) add("inputs and answers in binary32");
+    return text;
+}
+
+std::string times_phrase(double factor) { return fmt::format("{:.2f} times", factor); }
+
+std::string failure_phrase(const GrowthMargin& margin, const Requirement& requirement, int precision) {
+    if (!margin.end_quality.decides_as_required(requirement)) {
+        const std::string_view main_fault =
+            measure::answer::wrong_decision_phrase(margin.end_quality.main_fault.value());
+        const std::string ray_count = scene::toml::count_with_noun(margin.end_quality.rays, "ray");
+        if (margin.end_quality.main_fault_count == margin.end_quality.wrong)
+            return fmt::format("{} ({} of {})", main_fault, margin.end_quality.wrong, ray_count);
+        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.end_quality.wrong, ray_count,
+                           margin.end_quality.main_fault_count, main_fault);
+    }
+    return std::isnan(margin.end_quality.kept_bits)
+               ? "no hit on which form and truth agree"
+               : "keeping " + kept_bits_phrase(margin.end_quality, precision, requirement);
+}
+
+/// Beginning of a clause on the largest growth at which the requirement is met. If `rays_from_files`, there is no
+/// camera.
+const char* growth_phrase(Growth growth, bool rays_from_files) {
+    switch (growth) {
+        case Growth::distance: return rays_from_files ? "the rays start" : "the camera is";
+        case Growth::radius: return "the primitives are";
+        case Growth::offset: return "everything lies";
+        case Growth::view: return "the view is";
+    }
+    return "";
+}
+
+std::string limit_phrase(const GrowthMargin& margin, bool rays_from_files) {
+    switch (margin.growth) {
+        case Growth::distance:
+            return fmt::format("{:.3g} times farther ({:.4g} units{})", margin.holding_factor, margin.value,
+                               rays_from_files ? ", the median" : "");
+        case Growth::radius:
+            return fmt::format("{:.3g} times larger (radius {:.4g})", margin.holding_factor, margin.value);
+        case Growth::offset: return fmt::format("{:.4g} units away from where it is", margin.value);
+        case Growth::view: return fmt::format("{:.3g} degrees wide", margin.value);
+    }
+    return "";
+}
+
+std::string margin_text(const GrowthMargin& margin, const ChoiceResult& result, int precision) {
+    const Requirement& requirement = result.request.requirement;
+    const bool rays_from_files = result.request.rays != nullptr;
+    if (margin.holding_factor == 0) {
+        return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
+                           measure::choose::growth_names[static_cast<std::size_t>(margin.growth)],
+                           rays_from_files ? "sample of the rays" : "smaller picture",
+                           failure_phrase(margin, requirement, precision));
+    }
+    const std::string until = fmt::format("until {} {}", growth_phrase(margin.growth, rays_from_files),
+                                          limit_phrase(margin, rays_from_files));
+    return "holds " + until +
+           margin_end_text(margin, result.request.rays,
+                           "; beyond that, it fails by " + failure_phrase(margin, requirement, precision));
+}
+
+/// Sentence on the cheapest strategies that start the next ray safely.
+std::string next_ray_text(const ChoiceResult& result) {
+    if (!result.offsets || result.offsets->points == 0) return "";
+    const auto& [outside, both, points, rays] = *result.offsets;
+    const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
+        return safe.empty() ? std::string("none")
+                            : fmt::format("{} ({})", safe.front().strategy->name,
+                                          scene::toml::count_with_noun(safe.front().operations, "operation"));
+    };
+    return fmt::format(
+        "  Cheapest strategy for the next ray that is right for all {} from {}: {} if rays only leave the primitive, "
+        "{} if rays go into it too.\n",
+        scene::toml::count_with_noun(rays, "ray"), scene::toml::count_with_noun(points, "point"), cheapest_of(outside),
+        cheapest_of(both));
+}
+
+/// Sentences on the accuracy of the answers in the files; empty if they hold none.
+std::string file_answers_text(const ChoiceResult& result) {
+    if (!result.request.rays || !result.request.rays->answers) return "";
+    const auto& [name, format, quality] = *result.request.rays->answers;
+    return fmt::format(
+        "The answers in the file, {} in {}: {}, {}; {} the requirement. Their time is not known.\n", name, format.name,
+        kept_bits_phrase(quality, format.parameters.precision, result.request.requirement), decisions_phrase(quality),
+        quality.meets(result.request.requirement) ? "they meet" : "they do not meet");
+}
+
+std::string cost_text(const ChoiceResult& result, const Candidate& cheapest) {
+    const auto& candidates = result.candidates;
+    const Requirement& requirement = result.request.requirement;
+    std::string text;
+    const Candidate &fastest = candidates[*measure::choose::fastest(candidates)],
+                    &most_accurate = candidates[*measure::choose::most_accurate(candidates)];
+    const auto details_of = [&](const Candidate& other) {
+        return fmt::format("{} ({:.2f} ns{}; {}, {})", candidate_name(other), nanoseconds(other),
+                           other.isa == cheapest.isa ? "" : " " + register_phrase(other),
+                           kept_bits_phrase(other.quality, other.row.format.parameters.precision, requirement),
+                           decisions_phrase(other.quality));
+    };
+    const Candidate* const rival = &fastest == &cheapest           ? find_rival(cheapest, candidates)
+                                   : is_as_fast(cheapest, fastest) ? &fastest
+                                                                   : nullptr;
+    if (rival)
+        text +=
+            fmt::format("  The timing noise is too large to say whether this or {} is faster.\n", details_of(*rival));
+    else if (&fastest == &cheapest) text += "  It is the fastest of all.\n";
+    else
+        text += fmt::format("  {} the time of the fastest, {}.\n",
+                            times_phrase(nanoseconds(cheapest) / nanoseconds(fastest)), details_of(fastest));
+    if (&most_accurate == &cheapest) text += "  It is the most accurate of all.\n";
+    else
+        text += fmt::format(
+            "  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
+            times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)), candidate_name(most_accurate),
+            nanoseconds(most_accurate),
+            kept_bits_phrase(most_accurate.quality, most_accurate.row.format.parameters.precision, requirement));
+    return text;
+}
+
+std::string nothing_meets_text(const ChoiceResult& result) {
+    const Candidate& nearest =
+        result.candidates[*measure::choose::nearest(result.candidates, result.request.requirement)];
+    const int precision = nearest.row.format.parameters.precision;
+    std::string text =
+        fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", candidate_name(nearest),
+                    kept_bits_phrase(nearest.quality, precision, result.request.requirement),
+                    decisions_phrase(nearest.quality), nanoseconds(nearest));
+    return result.obstacle ? text + obstacle_text(result, nearest) : text;
+}
+
+/// Sentences on the forms that were repaired to meet the requirement; empty if no repair was requested.
+std::string mended_text(const ChoiceResult& result) {
+    if (!result.repaired) return "";
+    if (result.repaired->empty())
+        return "The repair gave no new form: each form here already meets the requirement, or cannot be repaired to "
+               "meet it.\n";
+    const Requirement& requirement = result.request.requirement;
+    std::string text;
+    for (const RepairedCandidate& repair : *result.repaired) {
+        const auto candidate = std::ranges::find(result.candidates, repair.name,
+                                                 [](const Candidate& c) { return c.row.form->info->name; });
+        const int precision = candidate->row.format.parameters.precision;
+        text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.method,
+                            kept_bits_phrase(candidate->quality, precision, requirement),
+                            decisions_phrase(candidate->quality), nanoseconds(*candidate));
+        text += fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
+                            kept_bits_phrase(repair.held_out_quality, precision, requirement),
+                            decisions_phrase(repair.held_out_quality),
+                            repair.held_out_quality.meets(requirement) ? "" : ", which does not meet the requirement",
+                            repair.file);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string margin_end_text(const GrowthMargin& margin, const measure::choose::FileRays* rays,
+                            const std::string& failure_text) {
+    switch (margin.end) {
+        case MarginEnd::fails: return failure_text;
+        case MarginEnd::nothing_hit: return "; beyond that no ray hits anything";
+        case MarginEnd::other_scene:
+            return fmt::format("; beyond that, the scene rounded to {} is another scene",
+                               rays ? rays->format.name : "binary32");
+        case MarginEnd::none: break;
+    }
+    return ", the largest change that was tried";
+}
+
+std::string kept_bits_text(double kept_bits, const Requirement& requirement) {
+    std::string text;
+    for (int digits = 1; digits <= 9; ++digits) {
+        text = file::kept_bits_text(kept_bits, digits);
+        if ((file::parse_number(text).value_or(kept_bits) < requirement.bits) == (kept_bits < requirement.bits)) break;
+    }
+    return text;
+}
+
+std::string distance_error_text(double distance_error, const Requirement& requirement) {
+    if (!requirement.has_tolerance() || std::isnan(distance_error)) return "";
+    std::string text;
+    for (int digits = 2; digits <= 17; ++digits) {
+        text = fmt::format("{:.{}g}", distance_error, digits);
+        if ((file::parse_number(text).value_or(distance_error) <= requirement.tolerance) ==
+            (distance_error <= requirement.tolerance))
+            break;
+    }
+    return ", " + text + " off";
+}
+
+std::string requirement_text(const Requirement& requirement) {
+    // All typed digits are shown, because p99.99999 is not every hit.
+    const std::string hits =
+        requirement.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", requirement.quantile * 100);
+    const std::string wrong =
+        requirement.wrong == 0 ? "no wrong decision"
+                               : fmt::format("at most {:.12g}% of the rays decided wrongly", requirement.wrong * 100);
+    if (!requirement.has_tolerance()) return fmt::format("{:g} correct bits of {}, {}", requirement.bits, hits, wrong);
+    const std::string off = fmt::format("at most {} off", requirement.tolerance);
+    if (requirement.bits == 0) return fmt::format("{} {}, {}", hits, off, wrong);
+    return fmt::format("{:g} correct bits of {} and {}, {}", requirement.bits, hits, off, wrong);
+}
+
+std::string choice_text(const ChoiceResult& result) {
+    std::string text = fmt::format("{}: {}\n", result.request.id(), requirement_text(result.request.requirement));
+    if (!result.cheapest_index) {
+        text += nothing_meets_text(result);
+    } else {
+        const Candidate& c = result.candidates[*result.cheapest_index];
+        const int precision = c.row.format.parameters.precision;
+        text += fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
+                            kept_bits_phrase(c.quality, precision, result.request.requirement),
+                            decisions_phrase(c.quality));
+        text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), register_phrase(c));
+        const std::string assumptions = assumptions_text(*c.row.form->info);
+        text += assumptions.empty() ? "  It assumes nothing about the ray.\n"
+                                    : fmt::format("  It assumes: {}.\n", assumptions);
+        text += cost_text(result, c);
+        for (const GrowthMargin& margin : result.margins)
+            text += fmt::format("  It {}.\n", margin_text(margin, result, precision));
+        text += next_ray_text(result);
+    }
+    if (result.requirement_map) text += requirement_map_text(result, *result.requirement_map);
+    text += mended_text(result) + file_answers_text(result) + single_ray_text(result.candidates);
+    return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
+                              scene::toml::count_with_noun(result.timed.rays, "ray"),
+                              result.request.rays ? "file" : "scene", result.timed.primitives);
+}
+
+}  // namespace lostbits::output::choose

@@ -1,0 +1,215 @@
+#include "output/report/sweep_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "measure/evaluate/summary_columns.hpp"
+#include "measure/truth/missing.hpp"
+#include "output/attribution/explain_command.hpp"
+#include "output/report/text.hpp"
+#include "output/sweep/case_files.hpp"
+#include "output/sweep/sweep_plots.hpp"
+#include "output/trade/trade_files.hpp"
+#include "scene/toml/counted.hpp"
+
+namespace lostbits::output::report {
+
+using measure::metric::Metric;
+
+namespace {
+
+/// Numbers of a row at every step, cell or case:
+/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`.
+/// `summary_at(cell)` is the result of the row in that cell.
+Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vector<const Metric*>& metrics,
+              std::size_t cells, const auto& summary_at) {
+    const auto columns = measure::evaluate::summary_columns(metrics);
+    Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
+    for (const std::string_view name : sweep_statistics) {
+        const measure::evaluate::SummaryColumn* const column = measure::evaluate::find_column(columns, name);
+        Json& column_values = values.emplace_back(Json::array());
+        for (std::size_t c = 0; c < cells; ++c)
+            column_values.push_back(number_json(column ? column->value(summary_at(c)) : measure::truth::missing));
+    }
+    for (std::size_t c = 0; c < cells; ++c) {
+        outcomes.push_back(summary_at(c).outcomes);
+        true_hits.push_back(summary_at(c).true_hits);
+    }
+    return {{"form", tested_form.form->info->name},
+            {"format", tested_form.format.name},
+            {"precision", tested_form.format.parameters.precision},
+            {"from", attribution::plugin_options_for(tested_form.form->info->name)},
+            {"values", std::move(values)},
+            {"outcomes", std::move(outcomes)},
+            {"true_hits", std::move(true_hits)}};
+}
+
+/// Adds the statistics and the rows of a sweep. `summary_at(r, cell)` is the result of row r in a cell.
+/// `add_details(json, r)` adds the other members of row r.
+Json with_rows(Json json, const auto& request, std::size_t cells, const auto& summary_at, const auto& add_details) {
+    json["statistics"] = sweep_statistics;
+    Json& rows = json["rows"] = Json::array();
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const auto row_summary_at = [&](std::size_t cell) -> const FormSummary& { return summary_at(r, cell); };
+        add_details(rows.emplace_back(row_json(request.rows[r], request.metrics, cells, row_summary_at)), r);
+    }
+    return json;
+}
+
+Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
+    return {{"name", axis.name}, {"label", axis.label}, {"values", array_of(values, number_json)}};
+}
+
+}  // namespace
+
+Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
+                const std::vector<Onset>& onsets) {
+    const scene::sweep::Axis& axis = request.sweep.axes.front();
+    return with_rows(
+        {{"id", request.sweep.id},
+         {"kind", "line"},
+         {"axis", axis.name},
+         {"label", axis.label},
+         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
+         {"is_drawn", request.sweep.has_random_rays()}},
+        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
+        [&](Json& row, std::size_t r) {
+            Json& row_onsets = row["onsets"] = Json::array();
+            for (const Onset& o : onsets) {
+                if (o.row != r || !o.found) continue;
+                const auto spread = o.spread();
+                row_onsets.push_back(Json::array(
+                    {o.event, o.statistic, number_json(o.threshold), o.from_start ? Json() : number_json(o.last_good),
+                     number_json(o.first_bad), number_json(spread.low), number_json(spread.high)}));
+            }
+        });
+}
+
+Json plane_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
+    const sweep::SweepGrid plane(request, steps);
+    const std::size_t columns = plane.x.size();
+    const auto& axes = request.sweep.axes;
+    return with_rows(
+        {{"id", request.sweep.id},
+         {"kind", "plane"},
+         {"is_drawn", request.sweep.has_random_rays()},
+         {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}},
+        request, columns * plane.y.size(),
+        [&](std::size_t r, std::size_t cell) -> const FormSummary& {
+            return plane.at(r, cell % columns, cell / columns);
+        },
+        [](Json&, std::size_t) {});
+}
+
+Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases) {
+    const scene::sweep::CaseFile& file = request.file;
+    const std::size_t inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
+    Json names = Json::array();
+    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
+    return with_rows(
+        {{"id", file.id},
+         {"kind", "cases"},
+         {"cases", names},
+         {"within_means", sweep::within_meaning(file)},
+         {"conventions", array_of(file.conventions, intersect::convention_name)}},
+        request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
+        [&](Json& row, std::size_t r) {
+            row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+                return number_json(inherent_index < request.metrics.size()
+                                       ? case_summaries[r].metrics[inherent_index].quantile(1)
+                                       : measure::truth::missing);
+            });
+            row["judged"] = intersect::convention_name(request.rows[r].touching);
+            row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+                return measure::sweep::verdict_names[static_cast<std::size_t>(
+                    measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
+            });
+        });
+}
+
+namespace {
+
+/// `427 (400 to 510)`: the onset in the file's own draw, and its range over all draws.
+std::string onset_text(const Onset& o) {
+    const auto spread = o.spread();
+    return spread.low == spread.high ? number_html(o.first_bad)
+                                     : fmt::format("{} ({} to {})", number_html(o.first_bad), number_html(spread.low),
+                                                   number_html(spread.high));
+}
+
+/// Number of rays among which a first failure was found, and number of draws.
+std::string draws_text(const std::vector<Onset>& onsets) {
+    if (onsets.empty()) return "";
+    const Onset& first_onset = onsets.front();
+    return fmt::format(", among {}{}", scene::toml::count_with_noun(first_onset.rays, "ray"),
+                       first_onset.further_first_bad.empty()
+                           ? ""
+                           : fmt::format(" ({} draws)", 1 + first_onset.further_first_bad.size()));
+}
+
+}  // namespace
+
+std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
+    struct EventColumn {
+        const char *title, *event, *statistic;
+        double share;  ///< share of the significand, or 4: 4 bits; 0: the threshold is 1
+    };
+    std::vector<EventColumn> columns{
+        {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
+        {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
+        {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_primitive", "count", 0},
+        {"first NaN", "not_a_number", "count", 0}};
+    // Most sweeps have one primitive, and most forms give no NaN, so avoid columns of dashes.
+    std::erase_if(columns, [&onsets](const EventColumn& column) {
+        return (std::string_view(column.event) == "wrong_primitive" ||
+                std::string_view(column.event) == "not_a_number") &&
+               std::ranges::none_of(onsets, [&column](const Onset& o) { return o.found && o.event == column.event; });
+    });
+    std::vector<std::string> names{"form", "format"};
+    for (const EventColumn& column : columns) names.emplace_back(column.title);
+    std::string text = begin_table(names, "",
+                                   fmt::format("First value of {} at which each event happens{}",
+                                               html(request.sweep.axes.front().name), draws_text(onsets)));
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const measure::evaluate::TestedForm& tested_form = request.rows[r];
+        text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(tested_form.form->info->name),
+                            tested_form.format.name);
+        for (const EventColumn& column : columns) {
+            const double threshold = column.share == 0   ? 1
+                                     : column.share == 4 ? 4
+                                                         : column.share * tested_form.format.parameters.precision;
+            const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
+                return o.row == r && o.event == column.event && o.statistic == column.statistic &&
+                       o.threshold == threshold;
+            });
+            const bool is_found = onset != onsets.end() && onset->found;
+            text += fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
+                                is_found && onset->from_start ? " (from the start)" : "");
+        }
+        text += "</tr>\n";
+    }
+    return text + end_table;
+}
+
+Json trade_json(const measure::trade::TradeRequest& request, const measure::trade::TradeResult& result) {
+    const auto sets = measure::trade::ray_sets(request.shape);
+    Json parts = Json::array();
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        const auto set_points = trade::pareto_points(request, result, s);
+        Json points = Json::array();
+        for (std::size_t k = 0; k < set_points.size(); ++k) {
+            const measure::trade::TradeKernel& kernel = request.kernels[k];
+            points.push_back({{"form", kernel.measured.form->info->name},
+                              {"format", kernel.measured.format.name},
+                              {"registers", trade::register_text(kernel)},
+                              {"time_ns", number_json(set_points[k].time_ns)},
+                              {"kept_bits", number_json(set_points[k].kept_bits)},
+                              {"wrong_fraction", number_json(set_points[k].wrong_fraction)}});
+        }
+        parts.push_back({{"name", sets[s].name}, {"title", sets[s].title}, {"points", std::move(points)}});
+    }
+    return {{"shape", name_of(request.shape)}, {"sets", std::move(parts)}};
+}
+
+}  // namespace lostbits::output::report

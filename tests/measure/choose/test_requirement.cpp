@@ -1,0 +1,164 @@
+// Requirements of each pixel, compared with maps of each row by itself.
+#include <algorithm>
+#include <numeric>
+
+#include "catch.hpp"
+#include "measure/choose/requirement_map.hpp"
+#include "measure/evaluate/map.hpp"
+#include "measure/rows.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test::test_requirement {
+
+using namespace lostbits::measure::choose;
+using measure::answer::Outcome;
+using measure::evaluate::TestedForm;
+
+namespace {
+
+scene::file::Scene small_scene(const char* name) { return test::load(name, 40, 30); }
+
+std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
+    std::vector<TestedForm> tested_forms;
+    for (const char* form : forms)
+        for (const char* format : formats) tested_forms.push_back(test::row(form, format));
+    return tested_forms;
+}
+
+/// Outcomes and lost bits of a row, pixel by pixel.
+struct Kept {
+    std::vector<Outcome> outcomes;
+    std::vector<double> lost;
+    void add_band(const measure::evaluate::BandResult& r) {
+        outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
+        lost.insert(lost.end(), r.metrics[0].begin(), r.metrics[0].end());
+    }
+    [[nodiscard]] bool right(std::size_t i, double bits, int precision) const {
+        return outcomes[i] == Outcome::agree_miss ||
+               (outcomes[i] == Outcome::agree_hit && static_cast<double>(precision) - lost[i] >= bits);
+    }
+};
+
+/// Maps of every row by itself.
+std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
+    std::vector<Kept> kept(tested_forms.size());
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
+        measure::evaluate::run_map(
+            {.scene = &scene, .rows = {tested_forms[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
+            [&one = kept[r]](std::size_t, const auto& band) { one.add_band(band); });
+    }
+    return kept;
+}
+
+struct Asked {
+    ChoiceRequest request;
+    std::vector<Candidate> all;
+    RequirementMap requirement_map;
+};
+
+/// With fixed costs for the rows, so that a test does not depend on the clock.
+Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms,
+              const std::vector<double>& prices, double bits, const std::vector<TestedForm>& untimed_rows = {}) {
+    Asked asked{.request = {.scene = &scene, .rows = tested_forms, .untimed_rows = untimed_rows},
+                .all = {},
+                .requirement_map = {}};
+    asked.request.requirement.bits = bits;
+    MetPixelsByForm meetings(asked.request, tested_forms);
+    asked.request.show = meetings.show();
+    const auto quality = quality_of(asked.request);
+    for (std::size_t r = 0; r < tested_forms.size(); ++r) {
+        asked.all.push_back({.row = tested_forms[r], .quality = quality[r]});
+        asked.all.back().time.median = prices[r];
+    }
+    asked.requirement_map = requirement_map_of(asked.request, asked.all, meetings);
+    return asked;
+}
+
+}  // namespace
+
+TEST_CASE("each pixel takes the cheapest right row, and the narrowest format that has a right row") {
+    for (const char* name : {"rtg-fig-7-3-4100-oblique", "near-benign", "grazing"}) {
+        const auto scene = small_scene(name);
+        const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point", "sphere.unified"}, {"f32", "f64"});
+        const std::vector<double> prices{1, 4, 2, 5, 3, 6};
+        const auto untimed_rows = rows_of({"sphere.schoolbook", "sphere.unified"}, {"fp16", "p14"});
+        const double bits = 13;
+        const auto [request, all, r] = require(scene, rows, prices, bits, untimed_rows);
+        auto every = rows;
+        every.insert(every.end(), untimed_rows.begin(), untimed_rows.end());
+        const auto maps = maps_of(scene, every);
+        REQUIRE(r.pixels() == scene.pixels());
+        REQUIRE(r.formats.size() == 4);
+        CHECK(r.formats[0].name == "fp16");
+        CHECK(r.formats[3].name == "f64");
+        for (std::size_t i = 0; i < r.pixels(); ++i) {
+            int cheapest = RequirementMap::none, narrowest = 1000;
+            for (std::size_t k = 0; k < every.size(); ++k) {
+                if (!maps[k].right(i, bits, every[k].format.parameters.precision)) continue;
+                narrowest = std::min(narrowest, every[k].format.parameters.precision);
+                if (k < rows.size() && (cheapest < 0 || prices[k] < prices[static_cast<std::size_t>(cheapest)]))
+                    cheapest = static_cast<int>(k);
+            }
+            INFO(name << ", pixel " << i);
+            REQUIRE(r.cheapest[i] == cheapest);
+            REQUIRE((r.narrowest[i] < 0
+                         ? 1000
+                         : r.formats[static_cast<std::size_t>(r.narrowest[i])].parameters.precision) == narrowest);
+        }
+    }
+}
+
+TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet a stricter requirement") {
+    const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
+    const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point"}, {"f32", "f64"});
+    std::vector<std::uint64_t> before(rows.size(), scene.pixels() + 1);
+    for (const double bits : {0.0, 10.0, 20.0, 24.5, 45.0, 53.5}) {
+        const auto [request, all, r] = require(scene, rows, {1, 3, 2, 4}, bits);
+        const auto sum = [](const std::vector<std::uint64_t>& counts) {
+            return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+        };
+        CHECK(sum(r.pixels_cheapest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
+        CHECK(sum(r.pixels_narrowest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            CHECK(r.pixels_met[k] <= before[k]);
+            CHECK(r.pixels_cheapest[k] <= r.pixels_met[k]);
+            const std::size_t format = rows[k].format.name == "f32" ? 0 : 1;
+            CHECK(r.pixels_met[k] <= r.pixels_any_form_meets[format]);
+        }
+        before = r.pixels_met;
+        const double least = r.least_time(all);
+        CHECK(least >= 1);
+        CHECK(least <= 4);
+    }
+}
+
+TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
+    const auto scene = small_scene("near-benign");
+    const auto rows = rows_of({"sphere.unified"}, {"f32", "f64"});
+    const auto [request, all, r] = require(scene, rows, {1, 2}, 30);
+    const auto maps = maps_of(scene, {rows[1]});
+    const auto hits = static_cast<std::uint64_t>(std::ranges::count(maps[0].outcomes, Outcome::agree_hit));
+    REQUIRE(hits > 0);
+    CHECK(r.pixels_narrowest[1] == hits);
+    CHECK(r.pixels_narrowest[0] == r.pixels() - hits);
+    CHECK(r.pixels_met[1] == r.pixels());
+}
+
+TEST_CASE("a form that computes in double does not show that float is enough") {
+    const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
+    const auto rows = rows_of({"sphere.schoolbook", "sphere.double_inside"}, {"f32"});
+    const auto [request, all, r] = require(scene, rows, {1, 2}, 20);
+    const auto maps = maps_of(scene, rows);
+    REQUIRE(r.formats.size() == 2);
+    CHECK(r.formats[1].name == "f64");
+    std::uint64_t by_float = 0, by_double = 0;
+    for (std::size_t i = 0; i < r.pixels(); ++i) {
+        const bool narrow = maps[0].right(i, 20, 24);
+        by_float += narrow;
+        by_double += !narrow && maps[1].right(i, 20, 24);
+    }
+    CHECK(by_double > 0);
+    CHECK(r.pixels_narrowest == std::vector<std::uint64_t>{by_float, by_double});
+}
+
+}  // namespace lostbits::test::test_requirement
