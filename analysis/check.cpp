@@ -17,9 +17,9 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/toml/counted.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/files_of_run.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis {
 
@@ -54,7 +54,7 @@ void require_claim_path(const std::string& path, const std::filesystem::path& da
     std::vector<std::string> names;
     if (std::filesystem::is_directory(folder, error))
         for (const auto& claim_file : scene::check::claim_files(folder)) names.push_back(claim_file.stem().string());
-    const auto closest_name = scene::toml::closest(std::filesystem::path(path).stem().string(), names);
+    const auto closest_name = text::closest(std::filesystem::path(path).stem().string(), names);
     throw InputError(path + ": no such file or folder; " +
                      (closest_name ? "did you mean \"" + (folder / (*closest_name + ".toml")).string() + "\"?"
                                    : "name a claim file, or a folder of claim files such as " + folder.string()));
@@ -281,7 +281,7 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
     complete_folder(folder);
     if (!common.quiet) {
         // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
-        fmt::print("{} confirmed, {} failed{}\n", scene::toml::count_with_noun(agreed, "verdict"),
+        fmt::print("{} confirmed, {} failed{}\n", text::count_with_noun(agreed, "verdict"),
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
         if (agreed > 0) fmt::print("{}\n", counts.text());
     }

@@ -52,9 +52,9 @@ public:
         ChoiceRequest quiet_request = request_;
         quiet_request.progress = [](std::uint64_t) {};
         const auto quality = quality_of(quiet_request);
-        for (std::size_t r = 0; r < request_.rows.size(); ++r)
-            if (!quality[r].meets(request_.requirement) && !request_.rows[r].form->is_placed)
-                repair_one(request_.rows[r]);
+        for (std::size_t r = 0; r < request_.tested_forms.size(); ++r)
+            if (!quality[r].meets(request_.requirement) && !request_.tested_forms[r].form->is_placed)
+                repair_one(request_.tested_forms[r]);
     }
 
     std::vector<measure::repair::RepairedSource> sources = {};
@@ -187,7 +187,7 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
             std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
     measure::choose::TimedRays timed_rays;
     std::optional<measure::choose::MetPixelsByForm> met_pixels;
-    if (request.scene) request.show = met_pixels.emplace(request, request.rows).show();
+    if (request.scene) request.show = met_pixels.emplace(request, request.tested_forms).show();
     const auto measured_candidates = measure_candidates(request, timed_rays);
     auto requirement_map =
         met_pixels ? std::optional(requirement_map_of(request, measured_candidates, *met_pixels)) : std::nullopt;
@@ -212,27 +212,27 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     selection::refuse_generated_rays({scene}, "choose");
     ChoiceRequest request = make_request(options, common.stop);
     request.scene = &scene;
-    request.rows =
+    request.tested_forms =
         select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
-        request.rows.begin(), request.rows.end(),
+        request.tested_forms.begin(), request.tested_forms.end(),
         [](const measure::evaluate::TestedForm& tested_form) { return !tested_form.format.is_emulated(); });
-    request.untimed_rows.assign(emulated, request.rows.end());
-    request.rows.erase(emulated, request.rows.end());
+    request.untimed_forms.assign(emulated, request.tested_forms.end());
+    request.tested_forms.erase(emulated, request.tested_forms.end());
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder =
         take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choose::ChoiceFiles files(folder);
-    output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed_rows.size()),
+    output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
-    if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.rows);
+    if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.tested_forms);
     if (!options.mend) return choose(request, files, result_folder, progress, common);
     LoadedRepairs repairs = load_repairs(
         request, {options.compiler, selection::form_flags_folder()}, folder,
         common.typed_command.for_subject(selection::name_of_scene(scene, selection::data_folder(common.data))));
     for (const auto& repair : repairs.forms)
-        request.rows.push_back({.form = &repair.formula.row, .format = repair.format});
+        request.tested_forms.push_back({.form = &repair.formula.row, .format = repair.format});
     return choose(request, files, result_folder, progress, common, std::move(repairs.candidates));
 }
 
@@ -241,9 +241,10 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     const std::string& id = opened_rays.id;
     const Shapes shapes = opened_rays.shapes;
     ChoiceRequest request = make_request(options, common.stop);
-    request.rows = select_tested_forms(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
+    request.tested_forms =
+        select_tested_forms(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
-        std::erase_if(request.rows, [](const auto& tested_form) { return tested_form.format.is_emulated(); });
+        std::erase_if(request.tested_forms, [](const auto& tested_form) { return tested_form.format.is_emulated(); });
     if (emulated > 0 && !common.quiet)
         fmt::print(stderr,
                    "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "

@@ -11,8 +11,8 @@
 #include "commands.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
-#include "scene/toml/counted.hpp"
 #include "shapes/primitive.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis {
 
@@ -193,7 +193,7 @@ MapSides sides_of(const DiffOptions& options) {
     if (options.forms.size() != 2)
         throw InputError(
             fmt::format("-i names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
-                        scene::toml::count_with_noun(options.forms.size(), "form")));
+                        text::count_with_noun(options.forms.size(), "form")));
     if (!options.b.empty())
         throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + options.b +
                          ", or leave out -i to compare the two folders");

@@ -19,8 +19,9 @@
 #include "scene/dump/number_parser.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/stored_mesh.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis {
 
@@ -36,22 +37,22 @@ namespace {
 /// The metrics of the request, made for its forms.
 std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_metrics, const JudgeRequest& request,
                                         bool has_matrices, measure::metric::MetricSet& metric_set) {
-    std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
-    std::erase_if(tested_rows, [&request](const measure::evaluate::TestedForm& tested_form) {
-        return request.is_file_row(tested_form);
+    std::vector<measure::evaluate::TestedForm> tested_forms = request.tested_forms;
+    std::erase_if(tested_forms, [&request](const measure::evaluate::TestedForm& tested_form) {
+        return request.is_file_form(tested_form);
     });
-    if (tested_rows.empty()) return selection::with_default_metrics(drawn_metrics, request.rows);
+    if (tested_forms.empty()) return selection::with_default_metrics(drawn_metrics, request.tested_forms);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
         group.primitives.resize(1);
-        group.primitives.front().shape = tested_rows.front().form->shape;
+        group.primitives.front().shape = tested_forms.front().form->shape;
     }
     for (Primitive<double>& primitive : group.primitives)
         if (has_matrices) primitive.placed = selection::placeholder_matrix();
     group.march = request.march;
-    return metric_set.adapt_to_forms(selection::with_default_metrics(drawn_metrics, request.rows),
-                                     measure::evaluate::forms_of(tested_rows),
+    return metric_set.adapt_to_forms(selection::with_default_metrics(drawn_metrics, request.tested_forms),
+                                     measure::evaluate::forms_of(tested_forms),
                                      [&group] { return measure::attribution::OwnedSetting(group); });
 }
 
@@ -109,9 +110,9 @@ void print_results(const JudgeRequest& request, const JudgeResult& result, const
         table.add(std::move(cells));
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
-        const bool is_file = request.is_file_row(request.rows[r]);
-        add_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r],
-                is_file);
+        const bool is_file = request.is_file_form(request.tested_forms[r]);
+        add_row(std::string(request.tested_forms[r].form->info->name), request.tested_forms[r].format.name,
+                result.summaries[r], is_file);
         for (const measure::evaluate::Group& group : result.groups.all())
             add_row(fmt::format("  {} {}", group_column, group.value), "", group.summaries[r], is_file);
     }
@@ -170,8 +171,8 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     auto findings = shard::result_with_files(
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
-                dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
-                    files.add_piece(row_index, chunk, band);
+                dump, request, [&files](std::size_t form_index, const auto& chunk, const auto& band) {
+                    files.add_piece(form_index, chunk, band);
                 });
             return {std::move(result), files.worst(), *request.stages};
         });
@@ -211,8 +212,8 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_answers_form = &answers.form();
     request.group_column = selection::group_column(options, dump->layout());
-    request.rows = select_tested_forms(options, *dump, can_test, request.file_answers_form, common);
-    if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.rows, common.quiet);
+    request.tested_forms = select_tested_forms(options, *dump, can_test, request.file_answers_form, common);
+    if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.tested_forms, common.quiet);
 
     if (!options.against.empty()) {
         const auto against_forms = selection::select_forms({options.against}, "--against");
@@ -220,8 +221,8 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
         if (mixed_shapes && !(against_forms.front()->shapes() == *mixed_shapes))
             throw InputError(fmt::format("--against {}: {}{}", options.against, options.file,
                                          selection::forms_advice({{against_forms.front(), dump->format()}}, can_test)));
-        selection::compare_against(request.rows, options.against, common.quiet);
-        if (request.file_answers_form && !request.file_row_index())
+        selection::compare_against(request.tested_forms, options.against, common.quiet);
+        if (request.file_answers_form && !request.file_form_index())
             throw InputError(
                 fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
                             "--answer-format",
@@ -242,9 +243,9 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     measure::metric::MetricSet metric_set;
     auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                                  : selection::select_metrics(options.metrics, metric_set);
-    drawn_metrics = selection::applicable_metrics(drawn_metrics, request.rows, options.file);
+    drawn_metrics = selection::applicable_metrics(drawn_metrics, request.tested_forms, options.file);
     if (!options.against.empty()) selection::add_comparison_metrics(drawn_metrics);
-    selection::note_forms_without_formula(drawn_metrics, request.rows, common.quiet);
+    selection::note_forms_without_formula(drawn_metrics, request.tested_forms, common.quiet);
     auto measured_metrics = drawn_metrics;
     selection::add_requirement(options, metric_set, measured_metrics);
     request.metrics = make_metrics(measured_metrics, request, dump->layout().has_matrix(), metric_set);
@@ -263,7 +264,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     shard::Division& division = run_division.division;
     division.expect({"judge"});
     const auto folder = std::filesystem::path(options.out) / stem;
-    const auto result_folder = take_folder(run_division, folder, common, output::attribution::shell_word(options.file));
+    const auto result_folder = take_folder(run_division, folder, common, text::shell_word(options.file));
     output::judge::JudgeFiles files(request, *dump,
                                     {.folder = folder,
                                      .id = stem,
@@ -291,21 +292,21 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     if (!common.quiet) {
         selection::note_rounded(options.file, result.rounded, dump->format());
         note_digits(options.file, dump->format(), result);
-        fmt::print("{} of {}, read as {}\n", scene::toml::count_with_noun(result.rays, "ray"), options.file,
+        fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file,
                    dump->format().name);
         print_results(request, result, options.by);
-        print_comparisons(request.rows, request.metrics, result.summaries);
+        print_comparisons(request.tested_forms, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
         if (request.picture) print_figures(folder / "contact.png");
         else fmt::print("{}\n", (folder / "summary.csv").string());
         if (wrote_worst_rays) fmt::print("{}\n", (folder / "worst.toml").string());
     }
-    if (const auto file_row = request.file_row_index())
-        note_suspicions({request.rows[*file_row]}, common, [&](const measure::evaluate::TestedForm&) {
+    if (const auto file_form = request.file_form_index())
+        note_suspicions({request.tested_forms[*file_form]}, common, [&](const measure::evaluate::TestedForm&) {
             const std::string suspicion_text =
                 measure::contract::suspicion_text(result.first_samples, measure::contract::AnswerSource::file,
-                                                  result.scaled_right_misses(result.summaries[*file_row]));
-            const bool is_whole_file = result.has_all_samples(result.summaries[*file_row]);
+                                                  result.scaled_right_misses(result.summaries[*file_form]));
+            const bool is_whole_file = result.has_all_samples(result.summaries[*file_form]);
             return measure::contract::name_counted_rays(
                 options.file, is_whole_file ? result.rays : result.first_samples.size(), result.rays,
                 "of its rays that hit or should hit", suspicion_text);

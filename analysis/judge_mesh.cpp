@@ -12,8 +12,9 @@
 #include "output/judge/mesh_answer_files.hpp"
 #include "output/map/row_names.hpp"
 #include "scene/rays/stored_mesh.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis {
 
@@ -120,7 +121,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     request.progress = [&](std::uint64_t bytes) { progress.advance(counts_bytes ? bytes : 0); };
     const std::string stem = scene::toml::result_name(options.file), name = measure::judge::name_of_answers(stem);
     const auto folder = std::filesystem::path(options.out) / stem;
-    const auto result_folder = take_folder(folder, common, output::attribution::shell_word(options.file));
+    const auto result_folder = take_folder(folder, common, text::shell_word(options.file));
     output::judge::MeshAnswerFiles files(
         {.folder = folder,
          .name = name,
@@ -136,8 +137,8 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     if (!common.quiet) {
         selection::note_rounded(options.file, result.rounded, dump.format());
         fmt::print("{} of {}, read as {}\n",
-                   scene::toml::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"),
-                   options.file, dump.format().name);
+                   text::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), options.file,
+                   dump.format().name);
         print_answers(name, dump.format(), result);
         print_faults(result);
         fmt::print("{}\n", (folder / "summary.csv").string());

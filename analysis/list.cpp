@@ -19,8 +19,8 @@
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis {
 
@@ -212,7 +212,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases:
             return describe(scene::sweep::CaseFile(path),
-                            [](const auto& f) { return scene::toml::count_with_noun(f.size(), "case"); });
+                            [](const auto& f) { return text::count_with_noun(f.size(), "case"); });
         case SweepKind::search:
             return describe(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
         case SweepKind::edge_search:

@@ -22,7 +22,7 @@
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis {
 
@@ -75,7 +75,7 @@ struct SceneWork {
     std::optional<BitsNeededStudy> bits_needed;
 
     [[nodiscard]] std::uint64_t work_units() const {
-        return map.scene->pixels() * map.rows.size() + (bits_needed ? bits_needed->units() : 0);
+        return map.scene->pixels() * map.tested_forms.size() + (bits_needed ? bits_needed->units() : 0);
     }
 };
 
@@ -86,7 +86,7 @@ SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::v
     if (options.bits_needed > 0) {
         selection::refuse_generators(tested_forms, "--bits");
         work.bits_needed.emplace(BitsNeededStudy{.scene = scene,
-                                                 .rows = forms_of_any_width(work.map.rows),
+                                                 .tested_forms = forms_of_any_width(work.map.tested_forms),
                                                  .bits = options.bits_needed,
                                                  .limit = work.map.limit});
     }
@@ -97,7 +97,7 @@ SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::v
 void note_forms_without_every_width(const std::vector<SceneWork>& scene_works) {
     std::set<std::string_view> noted_names;
     for (const SceneWork& work : scene_works) {
-        for (const TestedForm& tested_form : work.map.rows) {
+        for (const TestedForm& tested_form : work.map.tested_forms) {
             const intersect::Info& info = *tested_form.form->info;
             if (tested_form.form->rounded != nullptr || !noted_names.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
@@ -130,14 +130,14 @@ void note_missed_crossings(const SceneWork& work, const std::vector<measure::eva
     if (!range.open.tmin && !(range.tmin > 0)) return;
     std::string missing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const TestedForm& tested_form = work.map.rows[r];
+        const TestedForm& tested_form = work.map.tested_forms[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
         if (missed == 0 || tested_form.form->is_set() ||
             intersect::yields_next_crossing(*tested_form.form->info, tested_form.form->shape))
             continue;
         missing_forms +=
             fmt::format("{}{} {} ({} of {})", missing_forms.empty() ? "" : ", ", tested_form.form->info->name,
-                        tested_form.format.name, missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
+                        tested_form.format.name, missed, text::count_with_noun(summaries[r].true_hits, "hit"));
     }
     if (missing_forms.empty()) return;
     fmt::print(
@@ -150,9 +150,9 @@ void note_missed_crossings(const SceneWork& work, const std::vector<measure::eva
 
 void print_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
                    bool verbose) {
-    fmt::print("{}: {}\n", work.map.scene->id, scene::toml::count_with_noun(work.map.scene->pixels(), "ray"));
+    fmt::print("{}: {}\n", work.map.scene->id, text::count_with_noun(work.map.scene->pixels(), "ray"));
     print_table(work.map, summaries.map);
-    print_comparisons(work.map.rows, work.map.metrics, summaries.map);
+    print_comparisons(work.map.tested_forms, work.map.metrics, summaries.map);
     if (work.bits_needed) print_table(*work.bits_needed, summaries.bits_needed);
     if (verbose) print_stages(*work.map.stages);
     print_figures(folder / "contact.png");
@@ -270,7 +270,8 @@ Exit run(MapOptions options, const CommonOptions& common) {
     for (const auto& scene : scenes)
         scene_works.push_back(plan_scene(scene, options, rows, measured_metrics, metric_set));
     for (const SceneWork& work : scene_works)
-        static_cast<void>(selection::applicable_metrics(drawn_metrics, work.map.rows, "scene " + work.map.scene->id));
+        static_cast<void>(
+            selection::applicable_metrics(drawn_metrics, work.map.tested_forms, "scene " + work.map.scene->id));
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
     auto run_division = divide_run(options.shard, options.out, files, common);
@@ -283,10 +284,10 @@ Exit run(MapOptions options, const CommonOptions& common) {
     options.out = run_division.out.string();
     SceneFolders folders(scenes, run_division, common);
     for (const SceneWork& work : scene_works)
-        selection::note_forms_without_formula(drawn_metrics, work.map.rows, common.quiet);
+        selection::note_forms_without_formula(drawn_metrics, work.map.tested_forms, common.quiet);
     if (options.bits_needed > 0 && !common.quiet) note_forms_without_every_width(scene_works);
     for (const SceneWork& work : scene_works)
-        selection::note_numbers(*work.map.scene, options.scenes.set, work.map.rows, common.quiet);
+        selection::note_numbers(*work.map.scene, options.scenes.set, work.map.tested_forms, common.quiet);
 
     std::uint64_t units = 0;
     for (const SceneWork& work : scene_works) units += work.work_units();
@@ -298,19 +299,20 @@ Exit run(MapOptions options, const CommonOptions& common) {
             const auto bands = measure::study::Bands(*work.map.scene, run_division.division.share()).size();
             output::file::Estimate estimate(
                 progress, work.map.scene->id,
-                work.map.scene->pixels() * work.map.rows.size() / run_division.division.share().count, common.quiet,
-                bands);
+                work.map.scene->pixels() * work.map.tested_forms.size() / run_division.division.share().count,
+                common.quiet, bands);
             work.map.progress = advance_callback(progress, &estimate);
             work.map.stages = &stages;
-            return map_scene(work, options,
-                             measured_metrics_of(
-                                 selection::applicable_metrics(drawn_metrics, work.map.rows, work.map.scene->id), work),
-                             {common, progress, run_division, complete,
-                              scene_index == 0 ? "" : scene_works.front().map.scene->id + "/contact"});
+            return map_scene(
+                work, options,
+                measured_metrics_of(
+                    selection::applicable_metrics(drawn_metrics, work.map.tested_forms, work.map.scene->id), work),
+                {common, progress, run_division, complete,
+                 scene_index == 0 ? "" : scene_works.front().map.scene->id + "/contact"});
         });
     if (!finish_run(run_division, common)) return Exit::done;
     for (const SceneWork& work : scene_works)
-        note_suspicions(work.map.rows, common, [&work](const TestedForm& tested_form) {
+        note_suspicions(work.map.tested_forms, common, [&work](const TestedForm& tested_form) {
             return measure::contract::suspicion_text(*work.map.scene, tested_form);
         });
     return report_unproved(unresolved);

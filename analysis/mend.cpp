@@ -16,6 +16,7 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/repair/repair_files.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis {
 
@@ -80,7 +81,7 @@ void add_prices(RepairSummary& result, const MendOptions& options, const std::st
 }
 
 std::string mend_command(const MendOptions& options) {
-    using output::attribution::shell_word;
+    using text::shell_word;
     std::string command =
         fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(options.subjects.front()),
                     shell_word(options.form), shell_word(options.format), options.bits);
@@ -157,7 +158,7 @@ private:
     }
     measure::choose::FileRays judge(const RepairRequest& request,
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
-        measure::choose::ChoiceRequest choice_request{.rows = tested_forms, .requirement = request.requirement};
+        measure::choose::ChoiceRequest choice_request{.tested_forms = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }

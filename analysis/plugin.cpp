@@ -16,8 +16,8 @@
 #include "intersect/external/plugin.hpp"
 #include "intersect/process/own_state.hpp"
 #include "measure/contract/probe.hpp"
-#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis {
 
@@ -65,7 +65,7 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
     const Contract& contract = form.contract;
     fmt::print("{} in binary{}, {}: {}{}\n", contract.name, contract.bits, with_article(contract.shape),
                broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken),
-               warned == 0 ? "" : "; " + scene::toml::count_with_noun(static_cast<std::size_t>(warned), "warning"));
+               warned == 0 ? "" : "; " + text::count_with_noun(static_cast<std::size_t>(warned), "warning"));
     if (!contract.title.empty() && !quiet) fmt::print("  {}\n", contract.title);
     if (!contract.source.empty() && !quiet) fmt::print("  from {}\n", contract.source);
     for (const Observation& f : findings) {

@@ -22,7 +22,7 @@
 #include "scene/check/report_file.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis {
 
@@ -85,7 +85,7 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
         throw InputError(name + ": is neither a file, nor a scene or sweep in " + data.string() + "; " +
-                         scene::toml::did_you_mean(name, names));
+                         text::did_you_mean(name, names));
     }
 }
 
@@ -205,9 +205,9 @@ bool is_chosen(const Claim& c, const ReportOptions& options, const ReportWork& w
     if (options.subjects.empty()) return true;
     return std::ranges::any_of(
                work.maps,
-               [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_tested_form(m.rows, c); }) ||
+               [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_tested_form(m.tested_forms, c); }) ||
            std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
-               return is_about_sweep(c, s.path.stem()) && has_tested_form(s.rows, c);
+               return is_about_sweep(c, s.path.stem()) && has_tested_form(s.tested_forms, c);
            });
 }
 
@@ -301,9 +301,10 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
     const auto data = selection::data_folder(common.data);
     ReportWork work = plan_report(options, data);
     std::vector<TestedForm> shown_rows;
-    for (const MapWork& map : work.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
+    for (const MapWork& map : work.maps)
+        shown_rows.insert(shown_rows.end(), map.tested_forms.begin(), map.tested_forms.end());
     for (const SweepWork& sweep : work.sweeps)
-        shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
+        shown_rows.insert(shown_rows.end(), sweep.tested_forms.begin(), sweep.tested_forms.end());
     selection::note_unmeasured(options.forms, shown_rows, common.quiet);
     const selection::ThreadLimit limit(common.threads);
     const auto folder = take_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});

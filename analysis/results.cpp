@@ -14,11 +14,11 @@
 #include "output/file/atomic_file.hpp"
 #include "output/image/figure.hpp"
 #include "output/map/row_names.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis {
 
-using scene::toml::count_with_noun;
+using text::count_with_noun;
 
 void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
@@ -31,8 +31,8 @@ std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::p
     for (const std::string& kind : common.figures)
         if (std::ranges::find(rules.figures, kind) == rules.figures.end()) rules.figures.push_back(kind);
     output::file::Provenance provenance{common.typed_command.for_subject(subject), program_and_version};
-    for (const auto& catalogue_row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
-        provenance.forms.emplace_back(catalogue_row.info->name, catalogue_row.info->source);
+    for (const auto& form : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
+        provenance.forms.emplace_back(form.info->name, form.info->source);
     return std::make_unique<output::file::ResultFolder>(folder, std::move(provenance), rules);
 }
 
@@ -241,8 +241,8 @@ void print_table(const measure::evaluate::MapStudy& request,
     bool is_withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& summary = summaries[r];
-        std::vector<std::string> cells{std::string(request.rows[r].form->info->name),
-                                       std::string(request.rows[r].format.name)};
+        std::vector<std::string> cells{std::string(request.tested_forms[r].form->info->name),
+                                       std::string(request.tested_forms[r].format.name)};
         if (has_mesh) add_mesh_cells(cells, summary, true);
         add_wrong_cells(cells, summary);
         cells.insert(cells.end(), {std::to_string(summary.count(measure::answer::Outcome::agree_hit)),
@@ -266,7 +266,7 @@ void print_table(const measure::evaluate::BitsNeededStudy& request,
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
         const auto bits = [&all](double q) { return fmt::format("{}", all.quantile(q)); };
-        table.add({std::string(request.rows[f]->info->name), bits(0.5), bits(0.99), bits(1),
+        table.add({std::string(request.tested_forms[f]->info->name), bits(0.5), bits(0.99), bits(1),
                    std::to_string(summaries[f].hits_beyond), std::to_string(summaries[f].misses_beyond)});
     }
     table.print();

@@ -115,7 +115,7 @@ public:
             for (const double factor : steps_[a].values) {
                 const Scene moved_scene = measure::offset::move_along(study.scene, steps_[a].axis, factor);
                 const OffsetStudy moved_study{.scene = moved_scene,
-                                              .rows = study.rows,
+                                              .tested_forms = study.tested_forms,
                                               .strategies = study.strategies,
                                               .limit = study.limit,
                                               .progress = study.progress};
@@ -136,7 +136,7 @@ private:
 /// The number of pixels of all rows of a study and of its further files.
 template <class Adapter>
 std::uint64_t count_units(const typename Adapter::View::Study& study, const study::StudyValues& values) {
-    return (study.scene.pixels() + ExtraFiles<Adapter>::pixels(study, values)) * study.rows.size();
+    return (study.scene.pixels() + ExtraFiles<Adapter>::pixels(study, values)) * study.tested_forms.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a

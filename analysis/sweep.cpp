@@ -33,7 +33,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
         if (!onset.found || (onset.from_last && onset.from_start)) continue;
-        const TestedForm& tested_form = request.rows[onset.row];
+        const TestedForm& tested_form = request.tested_forms[onset.row];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
         fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14.8g}  {:>15}  {}\n",
@@ -52,15 +52,17 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
-    measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
+    const auto rows =
+        selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return file.meets(forms); });
+    measure::sweep::CaseRequest request{
+        .file = file, .tested_forms = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm tested_form : rows) {
         for (const auto& convention : file.conventions) {
             tested_form.touching = convention;
-            request.rows.push_back(tested_form);
+            request.tested_forms.push_back(tested_form);
         }
     }
     if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, rows);
@@ -69,7 +71,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     std::optional<output::sweep::CaseFiles> files;
     if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
-    const auto units = request.share.unit_range(file.size()).size() * request.rows.size();
+    const auto units = request.share.unit_range(file.size()).size() * request.tested_forms.size();
     const auto case_results = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!case_results) return;
     files->finish(*case_results);
@@ -82,12 +84,12 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.options), common.stop);
     sweep.title += chosen.options.title_suffix();
     auto request = study::sweep_request(
-        sweep, selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+        sweep, selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep.meets(forms); }),
         chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
-    selection::note_forms_without_formula(chosen.extra_metrics, request.rows, common.quiet);
+    selection::note_forms_without_formula(chosen.extra_metrics, request.tested_forms, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
-    if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.rows, common.stop);
+    if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.tested_forms, common.stop);
     const auto folder = chosen.folder_of(sweep.id);
     const auto result_folder = chosen.take_sweep_folder(sweep.id, path);
     const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
@@ -99,7 +101,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.options.pictures == "all");
     files->finish(steps, onsets);
     complete_folder(result_folder);
-    note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& tested_form) {
+    note_suspicions(request.tested_forms, common, [&sweep](const measure::evaluate::TestedForm& tested_form) {
         std::vector<double> first_values;
         std::string position;
         for (const scene::sweep::Axis& axis : sweep.axes) {
@@ -155,7 +157,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
         std::vector<std::string> names;
         for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which is not a metric; " +
-                         scene::toml::did_you_mean(search.metric, names));
+                         text::did_you_mean(search.metric, names));
     }
     if (metric->depends_on_forms)
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
@@ -184,7 +186,7 @@ Exit run(SweepOptions options, const CommonOptions& common) {
                           run_division,
                           options,
                           common};
-    if (!options.against.empty()) selection::compare_against(chosen.rows, options.against, common.quiet);
+    if (!options.against.empty()) selection::compare_against(chosen.tested_forms, options.against, common.quiet);
     // The plots of a sweep have the envelope, which is the error that the problem itself costs.
     if (!options.metrics.empty()) chosen.extra_metrics = selection::select_metrics(options.metrics, metric_set);
     if (!options.against.empty()) selection::add_comparison_metrics(chosen.extra_metrics);
@@ -215,7 +217,7 @@ Exit run(SweepOptions options, const CommonOptions& common) {
         sweeps.push_back({path, kind, check_file(path, kind, options, data, common.stop)});
     }
     const auto handling_forms = selection::drop_unhandled(
-        sweeps, {chosen.rows, options.forms, common.quiet},
+        sweeps, {chosen.tested_forms, options.forms, common.quiet},
         [](const Sweep& s, Shapes forms) { return s.can_test(forms); },
         [](const Sweep& s) { return s.path.stem().string(); });
     selection::note_unmeasured(options.forms, handling_forms, common.quiet);

@@ -49,10 +49,10 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
     for (TestedForm tested_form :
-         selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+         selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (tested_form.format.engine != Format::Engine::native32) continue;
         tested_form.touching = sweep_.convention;
-        request_.rows.push_back(tested_form);
+        request_.tested_forms.push_back(tested_form);
     }
 }
 
@@ -66,7 +66,7 @@ void ExhaustiveRun::resume() {
 
 ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
     require_writable(state_file_.path());
-    const std::uint64_t rays_per_float = sweep_.rays.size() * request_.rows.size();
+    const std::uint64_t rays_per_float = sweep_.rays.size() * request_.tested_forms.size();
     const std::uint64_t floats = measure::sweep::count_floats(sweep_, request_.share);
     ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common,
                                   state_.floats_tried * rays_per_float);
@@ -152,22 +152,22 @@ std::string excluding_keys_text(const scene::sweep::SearchFile& search) {
 void run_search(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SearchFile search(path, selection::read_changes(chosen.options).set);
     search.title += chosen.options.title_suffix();
-    measure::sweep::WorstRequest request{
-        .search = search,
-        .rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
-        .metrics = {},
-        .limit = {.stop = chosen.common.stop}};
+    measure::sweep::WorstRequest request{.search = search,
+                                         .tested_forms = selection::filter_tested_forms(
+                                             chosen.tested_forms, [&](Shapes forms) { return forms == search.shape; }),
+                                         .metrics = {},
+                                         .limit = {.stop = chosen.common.stop}};
     Primitive<double> example;  // labels do not depend on its numbers
     example.shape = search.shape;
     request.metrics = chosen.metric_set.adapt_to_forms(
-        selection::with_default_metrics({chosen.metric_set.find(search.metric)}, request.rows),
-        measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
+        selection::with_default_metrics({chosen.metric_set.find(search.metric)}, request.tested_forms),
+        measure::evaluate::forms_of(request.tested_forms), measure::attribution::Setting{std::span(&example, 1)});
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto worst_rays = chosen.measure_or_join(search.id, request.share.unit_range(request.rows.size()).size(),
-                                                   request, measure::sweep::find_worst);
+    const auto worst_rays = chosen.measure_or_join(
+        search.id, request.share.unit_range(request.tested_forms.size()).size(), request, measure::sweep::find_worst);
     if (!worst_rays) return;
     if (std::ranges::none_of(*worst_rays, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() + ": no form hit anything with a ray of these ranges; " +
@@ -186,7 +186,7 @@ void add_contracted(std::vector<TestedForm>& tested_forms) {
     for (const TestedForm& tested_form : tested_forms) {
         all.push_back(tested_form);
         if (!measure::tape::has_tape(*tested_form.form)) continue;
-        const auto& contracted = measure::tape::contracted_row(*tested_form.form);
+        const auto& contracted = measure::tape::contracted_form(*tested_form.form);
         if (contracted.exists_in(tested_form.format)) all.push_back({&contracted, tested_form.format});
     }
     tested_forms = std::move(all);
@@ -198,12 +198,12 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.options).set,
                                         chosen.common.stop);
     search.title += chosen.options.title_suffix();
-    measure::edges::EdgeRequest request{
-        .search = search,
-        .rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
-        .limit = {.stop = chosen.common.stop}};
-    if (chosen.takes_all_forms()) add_contracted(request.rows);
-    for (const TestedForm& tested_form : request.rows)
+    measure::edges::EdgeRequest request{.search = search,
+                                        .tested_forms = selection::filter_tested_forms(
+                                            chosen.tested_forms, [&](Shapes forms) { return search.meets(forms); }),
+                                        .limit = {.stop = chosen.common.stop}};
+    if (chosen.takes_all_forms()) add_contracted(request.tested_forms);
+    for (const TestedForm& tested_form : request.tested_forms)
         if (scene::rays::generator_of(*tested_form.form) != nullptr)
             throw InputError(std::string(tested_form.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
@@ -211,7 +211,8 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto units = measure::edges::progress_units_per_row * request.share.unit_range(request.rows.size()).size();
+    const auto units =
+        measure::edges::progress_units_per_row * request.share.unit_range(request.tested_forms.size()).size();
     const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!edge_results) return;
     const output::sweep::NearestFiles files{request, *edge_results,

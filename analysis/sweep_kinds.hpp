@@ -46,7 +46,7 @@ private:
 
 /// The forms, metrics, options and folders of a run of `lostbits sweep`.
 struct SweepSelection {
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     std::vector<const measure::metric::Metric*> extra_metrics;  ///< metrics in addition to the default ones
     measure::metric::MetricSet& metric_set;
     RunDivision& run_division;

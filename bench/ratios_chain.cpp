@@ -59,7 +59,7 @@ void print_rows() {
                 const auto inputs = band->inputs(row.format, {});
                 measure::evaluate::FormSummary summary(metrics);
                 rest = std::min(rest, seconds_of([&] {
-                                    measure::evaluate::measure_row({row, metrics}, *band, inputs, summary);
+                                    measure::evaluate::measure_form({row, metrics}, *band, inputs, summary);
                                 }));
             }
             std::printf("%-28s %-6s %12.1f %12.1f\n", form, format, 1e9 * truth / rays, 1e9 * rest / rays);
@@ -111,7 +111,7 @@ radius = 1
     const scene::sweep::ExhaustiveFile sweep(file, {});
     for (const char* form : {"sphere.schoolbook", "sphere.unified"}) {
         const measure::sweep::ExhaustiveRequest request{.sweep = sweep,
-                                                        .rows = {{&form_named(form), *find_format("f32")}}};
+                                                        .tested_forms = {{&form_named(form), *find_format("f32")}}};
         measure::sweep::ExhaustiveState state;
         const double seconds = seconds_of([&] { measure::sweep::run_exhaustive(request, state); });
         std::printf("%-28s %-6s %25.1f   (all processors together)\n", form, "f32",

@@ -41,9 +41,9 @@ scene::file::Scene flake_scene(int levels, double distance, const char* fov_deg)
 
 void print_map_of(const scene::file::Scene& scene, const char* view, const char* form, const char* format) {
     measure::evaluate::MapStudy request{
-        .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
+        .scene = &scene, .tested_forms = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
     for (const intersect::table::Intersector& i : intersect::table::intersectors(Shape::sphere)) {
-        if (i.info->name == form) request.rows.push_back({&i, *find_format(format)});
+        if (i.info->name == form) request.tested_forms.push_back({&i, *find_format(format)});
     }
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << "5";  // forget the peak so far

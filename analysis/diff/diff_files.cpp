@@ -7,8 +7,8 @@
 
 #include "number/error.hpp"
 #include "output/file/escape.hpp"
-#include "scene/toml/counted.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
 
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::Comparison;
 using output::file::terminal_line;
-using scene::toml::count_with_noun;
+using text::count_with_noun;
 
 namespace {
 
@@ -151,7 +151,7 @@ void refuse_unknown_columns(const CompareOptions& options, const std::set<std::s
         if (std::ranges::any_of(names,
                                 [&](const std::string& name) { return output::diff::names_column(pattern, name); }))
             return;
-        const std::string hint = scene::toml::did_you_mean(pattern, {names.begin(), names.end()});
+        const std::string hint = text::did_you_mean(pattern, {names.begin(), names.end()});
         throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern,
                                      hint.empty() ? "no file here has columns or channels" : hint));
     };

@@ -9,15 +9,15 @@
 #include "output/diff/difference.hpp"
 #include "output/file/escape.hpp"
 #include "output/image/figure.hpp"
-#include "scene/toml/counted.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
 
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::RowChanges;
-using scene::toml::count_with_noun;
+using text::count_with_noun;
 
 namespace {
 
@@ -69,9 +69,8 @@ MapDifference compare_forms(const MapSides& sides, const CompareOptions& options
     const auto forms = forms_below(sides.a);
     for (const std::string& form : {sides.form_a, sides.form_b}) {
         if (std::ranges::find(forms, form) == forms.end())
-            throw InputError(
-                fmt::format("-i {}: no table below {} has rows of that form; {}", form, sides.a.string(),
-                            forms.empty() ? "map it there first" : scene::toml::did_you_mean(form, forms)));
+            throw InputError(fmt::format("-i {}: no table below {} has rows of that form; {}", form, sides.a.string(),
+                                         forms.empty() ? "map it there first" : text::did_you_mean(form, forms)));
     }
     throw InputError(fmt::format("-i {} -i {}: no table below {} has rows of both; map both in one run", sides.form_a,
                                  sides.form_b, sides.a.string()));

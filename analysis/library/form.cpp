@@ -1,6 +1,6 @@
 // Forms of the caller, and the choice of forms, formats and metrics of a call.
 #include "analysis/library/handles.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -29,7 +29,7 @@ TapeOp parse_operation(const char* name) {
     std::vector<std::string> names;
     for (const TapeOpRow& operation : tape_operations) names.emplace_back(operation.name);
     throw InputError("operation \"" + std::string(name ? name : "") + "\" is unknown; " +
-                     scene::toml::did_you_mean(name ? name : "", names));
+                     text::did_you_mean(name ? name : "", names));
 }
 
 /// Updates both forms after a formula was added.
@@ -81,7 +81,7 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
         require(form, "form");
         if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
         auto created = std::make_unique<lostbits_form>();
-        created->foreign_form = std::make_unique<intersect::external::ForeignRow>(make_foreign_form(forms[0]));
+        created->foreign_form = std::make_unique<intersect::external::ForeignIntersector>(make_foreign_form(forms[0]));
         if (count == 2) created->foreign_form->add(make_foreign_form(forms[1]));
         update_forms(*created);
         *form = created.release();

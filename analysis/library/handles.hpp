@@ -133,7 +133,7 @@ struct lostbits_scene {
 };
 
 struct lostbits_form {
-    std::unique_ptr<lostbits::intersect::external::ForeignRow> foreign_form = {};
+    std::unique_ptr<lostbits::intersect::external::ForeignIntersector> foreign_form = {};
     /// A function of C, C++ or Rust; set if `foreign_form`, `formulas` and `written` are not.
     std::unique_ptr<lostbits::intersect::function::UserFunction> function = {};
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64

@@ -20,20 +20,20 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
     static_cast<void>(selection::applicable_metrics(metrics, chosen.tested_forms, "scene " + scene.id));
     auto request = study::map_study(scene, chosen.tested_forms, metrics, chosen.metric_set, settings.stop());
-    request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
+    request.progress = settings.advance_callback(scene.pixels() * request.tested_forms.size());
 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> ray_tables;
-    for (const TestedForm& tested_form : request.rows) {
+    for (const TestedForm& tested_form : request.tested_forms) {
         if (chosen.arguments.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
             std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
             RayTable::columns(request.metrics));
         ray_tables.emplace_back(ray_table, tested_form, request.metrics);
     }
-    const auto show = ray_tables.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(ray_tables);
+    const auto show = ray_tables.empty() ? measure::evaluate::ShowForms() : measure::evaluate::show_to_each(ray_tables);
     const auto summaries = measure::evaluate::run_map(request, show);
     auto csv = table.writer();
     const auto name_worst_ray = [&](const measure::evaluate::WorstRay& ray) {
@@ -42,9 +42,9 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
                    : output::attribution::explain_pixel_arguments(scene_handle.explain_arguments,
                                                                   static_cast<int>(ray.x), ray.y);
     };
-    for (std::size_t r = 0; r < request.rows.size(); ++r)
-        summary.add_row(csv, {request.rows[r], &summaries[r], name_worst_ray});
-    result->texts = selection::suspicions_of(request.rows, [&scene](const TestedForm& tested_form) {
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r)
+        summary.add_row(csv, {request.tested_forms[r], &summaries[r], name_worst_ray});
+    result->texts = selection::suspicions_of(request.tested_forms, [&scene](const TestedForm& tested_form) {
         return measure::contract::suspicion_text(scene, tested_form);
     });
     return result;

@@ -12,8 +12,8 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 #include "scene/rays/stored_mesh.hpp"
-#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -94,8 +94,8 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
                 "a scene");
         result.shape = *shape;
         if (rays.paired != 0 && rays.primitive_count != rays.count)
-            throw InputError("there are " + scene::toml::count_with_noun(rays.count, "ray") + " and " +
-                             scene::toml::count_with_noun(rays.primitive_count, "primitive") +
+            throw InputError("there are " + text::count_with_noun(rays.count, "ray") + " and " +
+                             text::count_with_noun(rays.primitive_count, "primitive") +
                              "; pairs need the same number of both");
         if (rays.paired == 0 && rays.primitive_count == 0)
             throw InputError("the list of primitives is empty; give at least one");
@@ -158,12 +158,12 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Cal
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (given_rays.dump->layout().has_answers()) {
         request.file_answers_form = &answers.form();
-        request.rows.push_back({request.file_answers_form, given_rays.dump->format()});
+        request.tested_forms.push_back({request.file_answers_form, given_rays.dump->format()});
     }
-    request.rows.insert(request.rows.end(), chosen.tested_forms.begin(), chosen.tested_forms.end());
+    request.tested_forms.insert(request.tested_forms.end(), chosen.tested_forms.begin(), chosen.tested_forms.end());
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
-    request.metrics = selection::with_default_metrics(metrics, request.rows);
+    request.metrics = selection::with_default_metrics(metrics, request.tested_forms);
     if (!chosen.tested_forms.empty()) {
         RayGroup group;
         group.primitives = given_rays.representatives();
@@ -191,7 +191,7 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Cal
                                                     request.group_column ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
-    for (const TestedForm& tested_form : request.rows) {
+    for (const TestedForm& tested_form : request.tested_forms) {
         if (chosen.arguments.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
             std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
@@ -203,17 +203,17 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Cal
             if (!rows.empty()) rows[r].add_band(band);
         });
     auto csv = table.writer();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         for (const auto& row :
-             output::map::summary_rows(r, request.rows[r], judgement.summaries[r], judgement.groups,
+             output::map::summary_rows(r, request.tested_forms[r], judgement.summaries[r], judgement.groups,
                                        [](const measure::evaluate::WorstRay& ray) {
                                            return output::attribution::explain_ray_arguments(ray.given.get());
                                        }))
             summary.add_row(csv, row);
     }
-    if (const auto file_row = request.file_row_index())
-        result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
-            const auto& summary_of_file = judgement.summaries[*file_row];
+    if (const auto file_form = request.file_form_index())
+        result->texts = selection::suspicions_of({request.tested_forms[*file_form]}, [&](const TestedForm&) {
+            const auto& summary_of_file = judgement.summaries[*file_form];
             const std::string suspicion_text =
                 measure::contract::suspicion_text(judgement.first_samples, measure::contract::AnswerSource::file,
                                                   judgement.scaled_right_misses(summary_of_file));

@@ -95,7 +95,7 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
                           [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
     auto study = Adapter::make_study(scene, chosen.tested_forms, study::study_values(Adapter::options(), options),
                                      settings.stop());
-    study.progress = settings.advance_callback(scene.pixels() * study.rows.size());
+    study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
@@ -167,13 +167,13 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     request.requirement = requirement;
     request.limit.stop = request.plan.stop = settings.stop();
     request.scene = &scene;
-    request.rows = selection::select_timed_forms(scene.id, {chosen.tested_forms, chosen.forms, true},
-                                                 [&scene](Shapes forms) { return scene.meets(forms); });
-    std::erase_if(request.rows, [](const TestedForm& tested_form) { return tested_form.format.is_emulated(); });
-    if (request.rows.empty())
+    request.tested_forms = selection::select_timed_forms(scene.id, {chosen.tested_forms, chosen.forms, true},
+                                                         [&scene](Shapes forms) { return scene.meets(forms); });
+    std::erase_if(request.tested_forms, [](const TestedForm& tested_form) { return tested_form.format.is_emulated(); });
+    if (request.tested_forms.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
-    request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
+    request.progress = settings.advance_callback(scene.pixels() * request.tested_forms.size());
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto choice = output::choose::choose_among(request, candidates, timed_rays);

@@ -43,14 +43,15 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::CaseFile file(work.path);
     measure::sweep::CaseRequest request{
         .file = file,
-        .rows = {},
+        .tested_forms = {},
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
+            work.tested_forms),
         .limit = {.stop = stop}};
-    for (TestedForm tested_form : work.rows) {
+    for (TestedForm tested_form : work.tested_forms) {
         for (const auto& touching : file.conventions) {
             tested_form.touching = touching;
-            request.rows.push_back(tested_form);
+            request.tested_forms.push_back(tested_form);
         }
     }
     const auto cases = measure::sweep::run_cases(request);
@@ -59,7 +60,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .title = file.title,
                    .note = file.note,
                    .source = file.source,
-                   .row_names = row_keys(work.rows)};
+                   .row_names = row_keys(work.tested_forms)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = output::report::case_json(request, cases);
     for (const auto& touching : file.conventions) {
@@ -108,26 +109,27 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::SweepFile sweep(work.path, work.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
-        .rows = work.rows,
+        .tested_forms = work.tested_forms,
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
+            work.tested_forms),
         .limit = {.stop = stop}};
-    for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
+    for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,
                    .title = sweep.title,
                    .note = sweep.note,
                    .source = sweep.source,
-                   .row_names = row_keys(work.rows)};
+                   .row_names = row_keys(work.tested_forms)};
     if (sweep.axes.size() == 2) {
         const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
         part.axes = {plane.x, plane.y};
         part.json = output::report::plane_json(request, steps);
-        for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const std::string alt =
-                fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
+        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+            const std::string alt = fmt::format("{}: {} in {}", sweep.title, request.tested_forms[r].form->info->name,
+                                                request.tested_forms[r].format.name);
             part.charts.push_back(
                 {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
         }
@@ -154,7 +156,7 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
                                  const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
     measure::evaluate::MapStudy request{
-        .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
+        .scene = &scene, .tested_forms = work.tested_forms, .metrics = work.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
     output::report::MapData data(request);
@@ -166,9 +168,9 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
                                                   .scene_arguments = work.scene_arguments,
                                                   .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
-                                                                std::size_t row_index, const auto& band) {
-                draw(row_index, band);
-                collect(row_index, band);
+                                                                std::size_t form_index, const auto& band) {
+                draw(form_index, band);
+                collect(form_index, band);
             });
             sheet.finish(summaries);
         });
@@ -181,7 +183,7 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .row_names = row_keys(work.rows),
+            .row_names = row_keys(work.tested_forms),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = output::report::summary_table(request, summaries),
@@ -213,7 +215,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
-        .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
+        .scene = scene, .tested_forms = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
     auto all =
@@ -223,7 +225,7 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
     };
     const auto rows = selection::tested_forms_handling({all, {}, true}, scene.id, can_test);
     if (rows.empty()) return std::nullopt;
-    study.rows = {{rows.front(), offset::HitPointKind::computed}};
+    study.tested_forms = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
     output::report::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};

@@ -21,7 +21,7 @@ using intersect::process::StopToken;
 /// A scene and the forms that can test it.
 struct MapWork {
     scene::file::Scene scene;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     std::vector<const measure::metric::Metric*> metrics;
     bool own_size = true;          ///< the scene's own, not --size
     std::string scene_arguments;   ///< arguments that name the scene, with its size, for a later command
@@ -36,7 +36,7 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
 /// A sweep along one axis, over a plane, or over named cases, and the forms that can test it.
 struct SweepWork {
     std::filesystem::path path, data;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     int further_draws = 0;  ///< more draws of random rays, for the spread of onsets
 };
 output::report::SweepPart sweep_part(const SweepWork& work, StopToken stop);
@@ -45,7 +45,7 @@ output::report::SweepPart sweep_part(const SweepWork& work, StopToken stop);
 struct ChoiceWork {
     scene::file::Scene scene;
     measure::choose::Requirement requirement;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other texts.

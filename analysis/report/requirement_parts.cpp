@@ -72,8 +72,8 @@ ChoiceWork parse_choice(const std::string& text, const std::string& size, const 
                         const std::filesystem::path& data, StopToken stop) {
     const RequirementText parsed("--choose", "a scene", "near-benign", text, {});
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
-    auto timed_rows = selection::select_timed_forms(scene, rows);
-    return {std::move(scene), parsed.requirement, std::move(timed_rows)};
+    auto timed_forms = selection::select_timed_forms(scene, rows);
+    return {std::move(scene), parsed.requirement, std::move(timed_forms)};
 }
 
 MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
@@ -97,7 +97,8 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
 }
 
 output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
-    measure::choose::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .requirement = work.requirement};
+    measure::choose::ChoiceRequest request{
+        .scene = &work.scene, .tested_forms = work.tested_forms, .requirement = work.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;

@@ -26,15 +26,16 @@
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/files_of_run.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::selection {
 
 using intersect::external::ForeignForm;
 using intersect::external::open_pipe;
 using intersect::external::PipeTerms;
-using output::attribution::shell_word;
+using text::shell_word;
 
 namespace {
 
@@ -231,7 +232,7 @@ std::string difference_text(const measure::tape::DriverDifference& found) {
                                               : std::string()));
     if (found.inexact_operation != no_node)
         parts.push_back(fmt::format("is up to {} in the last place off in an operation",
-                                    scene::toml::count_with_noun(static_cast<std::uint64_t>(found.ulps), "unit")));
+                                    text::count_with_noun(static_cast<std::uint64_t>(found.ulps), "unit")));
     return fmt::format("{}", fmt::join(parts, ", and "));
 }
 
@@ -243,15 +244,15 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
     // If the file does not say which root its t is, --shader takes t for the near root, and --function for the first
     // one.
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
-    for (const auto& catalogue_row : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(catalogue_row)) {
+    for (const auto& shader_form : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(shader_form)) {
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
-                catalogue_row.shape != program.shape ||
+                shader_form.shape != program.shape ||
                 returns_both(form->contract.roots) != returns_both(program.info->roots))
                 continue;
-            const auto found = measure::tape::driver_difference(catalogue_row, program);
+            const auto found = measure::tape::driver_difference(shader_form, program);
             const std::string message_prefix =
-                fmt::format("lostbits: {} ({})", catalogue_row.info->name, form->contract.source);
+                fmt::format("lostbits: {} ({})", shader_form.info->name, form->contract.source);
             if (found.differing_rays == 0) {
                 fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n",
                            message_prefix, found.rays);
@@ -305,8 +306,8 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
-    for (const auto& catalogue_row : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(catalogue_row))
+    for (const auto& intersector : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(intersector))
             if (!form->contract.state.empty()) states.try_emplace(form->provider, form->contract.state);
     }
     for (const auto& [library, state] : states)

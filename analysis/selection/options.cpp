@@ -16,6 +16,7 @@
 #include "analysis/selection/select.hpp"
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -39,8 +40,7 @@ std::string shell_text_of(const shell::Option& option) {
         option.short_names().empty() ? "--" + option.long_names().front() : "-" + option.short_names().front();
     if (!option.takes_value()) return " " + name;
     std::string text;
-    for (const std::string& value : option.given_values())
-        text += " " + name + " " + output::attribution::shell_word(value);
+    for (const std::string& value : option.given_values()) text += " " + name + " " + text::shell_word(value);
     return text;
 }
 
@@ -49,8 +49,7 @@ void add_given_options(const shell::Command& command, TypedCommand& typed) {
     for (const shell::Option& option : command.options()) {
         if (option.given_values().empty() || !changes_results(option)) continue;
         if (option.is_argument()) {
-            for (const std::string& value : option.given_values())
-                typed.subjects += " " + output::attribution::shell_word(value);
+            for (const std::string& value : option.given_values()) typed.subjects += " " + text::shell_word(value);
         } else typed.options += shell_text_of(option);
     }
 }

@@ -19,10 +19,10 @@
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/sweep/sweep_head.hpp"
-#include "scene/toml/counted.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -163,7 +163,7 @@ NamedRay parse_named_ray(const scene::sweep::CaseFile& file, const std::string& 
                            std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
     if (const std::size_t found = index_of(name); has_index && found < names.size()) return {found, std::stoi(digits)};
     throw InputError(fmt::format("--case {}: {} has no case of that name; {}", text, file.id,
-                                 scene::toml::did_you_mean(has_index ? name : text, names)));
+                                 text::did_you_mean(has_index ? name : text, names)));
 }
 
 /// The convention to judge by: that of --convention, else each form's own if the file has it, else the file's first.
@@ -223,7 +223,7 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
     const int count = rays * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
-                                     scene::toml::count_with_noun(count, "ray")));
+                                     text::count_with_noun(count, "ray")));
     const int k = ray_index ? *ray_index : worst_ray_index(groups, rays, tested_form, options.stop);
     SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), tested_form.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,

@@ -12,8 +12,9 @@
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "scene/rays/stored_mesh.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -54,7 +55,7 @@ std::vector<Scene> load_scenes(const SceneOptions& options, const std::filesyste
 }
 
 std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
-    using output::attribution::shell_word;
+    using text::shell_word;
     if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);
     const std::string stem = scene.path.stem().string();
     const std::string variant = scene.id == stem ? "" : " --variant " + shell_word(scene.id.substr(stem.size() + 1));
@@ -62,7 +63,7 @@ std::string name_of_scene(const Scene& scene, const std::filesystem::path& data)
 }
 
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
-    return output::attribution::shell_word(sweep_name_in_claims(path, data));
+    return text::shell_word(sweep_name_in_claims(path, data));
 }
 
 std::string scene_name_in_claims(const Scene& scene, const std::filesystem::path& data) {
@@ -189,7 +190,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
                             "takes; name a file of rays",
                             file, answers_column(dumps.back()->layout())));
         result.id += (result.id.empty() ? "" : "+") + scene::toml::result_name(file);
-        result.quoted_files += (result.quoted_files.empty() ? "" : " ") + output::attribution::shell_word(file);
+        result.quoted_files += (result.quoted_files.empty() ? "" : " ") + text::shell_word(file);
     }
     result.dump = scene::dump::join_dumps(std::move(dumps));
     result.terms = {.id = result.id,
@@ -208,7 +209,7 @@ void note_rounded(const std::string& files, std::uint64_t count, const Format& f
         stderr,
         "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
         "with --answer-format\n",
-        files, scene::toml::count_with_noun(count, "value is not", "values are not"), format.name,
+        files, text::count_with_noun(count, "value is not", "values are not"), format.name,
         count == 1 ? "was" : "were");
 }
 

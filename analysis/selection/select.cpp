@@ -9,8 +9,8 @@
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "scene/rays/composed_forms.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "shapes/number_names.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -35,13 +35,13 @@ std::string name_advice(const std::string& name, const std::vector<std::string>&
     if (name.starts_with(function_prefix) &&
         std::ranges::none_of(names, [&](const std::string& known) { return known.starts_with(function_prefix); }))
         return "forms with this prefix come from --function FILE:NAME, which is missing";
-    if (scene::toml::closest(name, names)) return scene::toml::did_you_mean(name, names);
+    if (text::closest(name, names)) return text::did_you_mean(name, names);
     const std::size_t dot = name.find('.');
     std::vector<std::string> names_of_group;
     if (dot != std::string::npos)
         std::ranges::copy_if(names, std::back_inserter(names_of_group),
                              [&](const std::string& known) { return known.starts_with(name.substr(0, dot + 1)); });
-    return scene::toml::did_you_mean(name, names_of_group.empty() ? names : names_of_group);
+    return text::did_you_mean(name, names_of_group.empty() ? names : names_of_group);
 }
 
 [[noreturn]] void refuse_unknown_format(const std::string& name, const char* option) {
@@ -52,7 +52,7 @@ std::string name_advice(const std::string& name, const std::vector<std::string>&
     const auto elsewhere = std::ranges::find(formats_elsewhere, name, &std::pair<std::string_view, const char*>::first);
     std::string hint = elsewhere != std::end(formats_elsewhere)
                            ? fmt::format("here it is called \"{}\"", elsewhere->second)
-                           : scene::toml::did_you_mean(name, names);
+                           : text::did_you_mean(name, names);
     throw InputError(
         fmt::format("{} {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", option, name, hint));
 }

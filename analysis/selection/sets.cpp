@@ -268,7 +268,7 @@ Forms select_composed(const std::string& pattern, const char* option) {
              [option](const std::string& part_pattern) {
                  return select_items(intersect::bounding_box::box_methods(), {part_pattern}, "bounding box", option);
              },
-         .contracted = measure::tape::contracted_row});
+         .contracted = measure::tape::contracted_form});
     if (composed.empty() && is_contracted)
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "

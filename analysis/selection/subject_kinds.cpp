@@ -16,6 +16,7 @@
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -172,7 +173,7 @@ void refuse_other_kind(const std::string& word, const ArgumentKinds& row, const 
     if (!kind || std::ranges::find(row.kinds, *kind) != row.kinds.end()) return;
     // A folder of claims may hold results too.
     if (*kind == Kind::results && std::ranges::find(row.kinds, Kind::claims) != row.kinds.end()) return;
-    const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), output::attribution::shell_word(word));
+    const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), text::shell_word(word));
     if (const auto options = options_taking(row, *kind); !options.empty())
         throw InputError(fmt::format("{} is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
                                      command, enumerated_or(options),

@@ -92,7 +92,7 @@ int worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const Test
 SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& tested_form,
                                 StopToken stop) {
     const measure::evaluate::MapStudy request{
-        .scene = scene.get(), .rows = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .scene = scene.get(), .tested_forms = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::evaluate::run_map(request);
     const OverallWorst worst(summaries);
     if (worst.ray == nullptr) refuse_without_worst(tested_form, "scene " + scene->id, worst);
@@ -107,11 +107,11 @@ SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene,
 
 SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const TestedForm& tested_form, StopToken stop) {
     const measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .sweep = sweep, .tested_forms = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
     std::vector<FormSummary> summaries;
     std::vector<std::vector<double>> values;
     for (auto& step : measure::sweep::run_sweep(request)) {
-        summaries.push_back(std::move(step.rows.front()));
+        summaries.push_back(std::move(step.summaries.front()));
         values.push_back(std::move(step.values));
     }
     const OverallWorst worst(summaries);

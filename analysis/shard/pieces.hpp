@@ -17,8 +17,8 @@ enum class RecordKind : std::uint8_t { piece, end };
 /// Returns a function that records the pieces of a job's rows in a shard; an empty function in other runs.
 inline output::pixel::PieceReceiver piece_recorder(Division& division, const std::string& job) {
     if (!division.is_shard()) return {};
-    return [&division, job](std::size_t row_index, output::pixel::Piece&& piece) {
-        if (!piece.is_empty()) division.put(job, RecordKind::piece, std::uint64_t{row_index}, piece);
+    return [&division, job](std::size_t form_index, output::pixel::Piece&& piece) {
+        if (!piece.is_empty()) division.put(job, RecordKind::piece, std::uint64_t{form_index}, piece);
     };
 }
 

@@ -12,7 +12,8 @@
 #include <type_traits>
 
 #include "output/attribution/explain_command.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::shell {
 
@@ -22,7 +23,7 @@ constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
 std::string not_one_of_text(const std::string& option, const std::string& value,
                             const std::vector<std::string>& known) {
-    const auto suggestion = scene::toml::closest(value, known);
+    const auto suggestion = text::closest(value, known);
     // The name of a positional argument, such as WHAT, means nothing to a user.
     const std::string subject = option.starts_with('-') ? option + " " + value : "\"" + value + "\"";
     return fmt::format("{} is not one of {}{}", subject, fmt::join(known, ", "),
@@ -101,7 +102,7 @@ std::vector<std::string> split_items(const std::string& value, const std::string
             throw InputError(
                 value.find(',') == std::string::npos
                     ? option + ": its value is empty"
-                    : option + " " + output::attribution::shell_word(value) +
+                    : option + " " + text::shell_word(value) +
                           ": has an empty value before, between or after its commas; remove the extra comma");
         begin = end + 1;
     }

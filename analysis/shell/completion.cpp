@@ -4,10 +4,11 @@
 #include <fmt/ranges.h>
 
 #include "intersect/process/child.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::shell {
 
-using intersect::process::shell_word;
+using text::shell_word;
 using Kind = Values::Kind;
 
 namespace {

@@ -9,7 +9,7 @@
 
 #include "analysis/shell/option_table.hpp"
 #include "output/file/escape.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::shell {
 
@@ -40,7 +40,7 @@ std::string unknown_option(const Command& program, const std::string& word) {
     }
     const std::string bare_name =
         word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
-    const auto suggestion = scene::toml::closest(bare_name, names);
+    const auto suggestion = text::closest(bare_name, names);
     const std::string hint = usage_elsewhere(program, bare_name);
     return fmt::format("{} is not an option of `{}`{}", word, program.command_path(),
                        !hint.empty() ? "; try `" + hint + "`"
@@ -72,10 +72,10 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
     if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.command_path());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
     const std::vector<std::string> subcommands = command.command_names();
-    const auto suggestion = scene::toml::closest(word, subcommands);
+    const auto suggestion = text::closest(word, subcommands);
     if (is_program)
         return fmt::format("\"{}\" is not a command; {}", word,
-                           suggestion ? scene::toml::did_you_mean(word, subcommands)
+                           suggestion ? text::did_you_mean(word, subcommands)
                                       : fmt::format("the commands are {}", fmt::join(subcommands, ", ")));
     if (!subcommands.empty())
         return fmt::format("`{} {}`: unknown command; {}", command.name(), word,

@@ -60,18 +60,21 @@ struct ConsistencyAdapter {
                 "--check: none of these checks applies to the selected forms on scene {}; light needs a [light], and "
                 "segment, short and light need a form that takes directions of any length; try --check reverse",
                 scene.id));
-        return {.scene = scene, .rows = std::move(tested_forms), .checks = std::move(checks), .limit = {.stop = stop}};
+        return {.scene = scene,
+                .tested_forms = std::move(tested_forms),
+                .checks = std::move(checks),
+                .limit = {.stop = stop}};
     }
 
     static void print_results(const Study& study, const Summaries& rows, bool) {
-        for (std::size_t r = 0; r < rows.size(); ++r) print_row(study, study.rows[r], rows[r]);
+        for (std::size_t r = 0; r < rows.size(); ++r) print_row(study, study.tested_forms[r], rows[r]);
         fmt::print("  Each check asks one question in two ways; `lostbits list checks` shows both questions\n");
     }
 
     /// The number of questions whose exact answer is not proved.
     static std::uint64_t unproved(const Summaries& rows) {
         std::uint64_t count = 0;
-        for (const measure::consistency::RowChecks& row : rows)
+        for (const measure::consistency::FormChecks& row : rows)
             for (const measure::consistency::CheckSummary& s : row)
                 count += s.count_of(measure::consistency::CheckResult::unresolved);
         return count;
@@ -127,7 +130,7 @@ private:
     }
 
     static void print_row(const Study& study, const measure::evaluate::TestedForm& tested_form,
-                          const measure::consistency::RowChecks& checks) {
+                          const measure::consistency::FormChecks& checks) {
         const std::string prefix = fmt::format("{} {}", tested_form.form->info->name, tested_form.format.name);
         std::string same_checks;
         for (std::size_t c = 0; c < checks.size(); ++c) {

@@ -9,8 +9,8 @@
 #include "measure/attribution/culprits.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "shapes/number_names.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::study {
 
@@ -22,10 +22,10 @@ measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vect
                                       const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
                                       intersect::process::StopToken stop) {
     measure::evaluate::MapStudy map{
-        .scene = &scene, .rows = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
-    map.metrics =
-        metric_set.adapt_to_forms(selection::with_default_metrics(metrics, map.rows),
-                                  measure::evaluate::forms_of(map.rows), [&scene] { return OwnedSetting(scene); });
+        .scene = &scene, .tested_forms = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
+    map.metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, map.tested_forms),
+                                            measure::evaluate::forms_of(map.tested_forms),
+                                            [&scene] { return OwnedSetting(scene); });
     map.metrics = measure::evaluate::order_culprits(map, metric_set);
     return map;
 }
@@ -34,17 +34,17 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
                                            std::vector<const Metric*> metrics, measure::metric::MetricSet& metric_set,
                                            intersect::process::StopToken stop) {
     measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
+        .sweep = sweep, .tested_forms = std::move(tested_forms), .metrics = {}, .limit = {.stop = stop}};
     // Forms that march stop short on purpose, so the error alone says little: it is split in two.
-    if (std::ranges::any_of(request.rows,
+    if (std::ranges::any_of(request.tested_forms,
                             [](const TestedForm& tested_form) { return !is_primitive(tested_form.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"})
             metrics.push_back(measure::metric::find_metric(name));
     }
-    request.metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, request.rows),
-                                                measure::evaluate::forms_of(request.rows),
+    request.metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, request.tested_forms),
+                                                measure::evaluate::forms_of(request.tested_forms),
                                                 [&sweep] { return OwnedSetting(sweep.first_rays()); });
-    for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
+    for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
     return request;
@@ -60,8 +60,7 @@ std::vector<TestedForm> select_forms_of_shape(const std::string& given_name, con
     if (!parsed || !is_primitive(*parsed)) {
         std::vector<std::string> names;
         for (const ShapeRow& shape_row : shape_rows) names.emplace_back(shape_row.name);
-        throw InputError(
-            fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
+        throw InputError(fmt::format("shape \"{}\" is unknown; {}", shape_name, text::did_you_mean(shape_name, names)));
     }
     const Shape shape = *parsed;
     const auto rows = selection::filter_tested_forms(selected, [shape](Shapes forms) { return forms == shape; });

@@ -72,7 +72,7 @@ struct NumberStudy {
     static constexpr int pixels_together = 1;
 
     const scene::file::Scene& scene;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     Quantity number;
     measure::truth::ProofLimit limit{};
     measure::shard::Share share = {};
@@ -81,11 +81,12 @@ struct NumberStudy {
     static void require() {}
     [[nodiscard]] static NumberSummary begin(std::size_t) { return {}; }
     [[nodiscard]] static const measure::truth::Band& prepare(const measure::truth::Band& band) { return band; }
-    NumberBand measure(const measure::truth::Band& band, std::size_t row_index, NumberSummary& summary) const {
-        const measure::consistency::FormOnBand on_band(scene, rows[row_index], band);
-        NumberBand result{band.y0(), band.rows(), scene.width, std::vector(on_band.pixels(), measure::truth::missing)};
+    NumberBand measure(const measure::truth::Band& band, std::size_t form_index, NumberSummary& summary) const {
+        const measure::consistency::FormOnBand on_band(scene, rows[form_index], band);
+        NumberBand result{band.y0(), band.scanlines(), scene.width,
+                          std::vector(on_band.pixels(), measure::truth::missing)};
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
-            const measure::truth::Truth truth = band.truth(i, rows[row_index].convention());
+            const measure::truth::Truth truth = band.truth(i, rows[form_index].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||
                 on_band.closest_hits.object[i] != truth.primitive)
@@ -133,11 +134,15 @@ struct NumberAdapter {
     static void require(const scene::file::Scene&) {}
     static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
                             const StudyValues& values, intersect::process::StopToken stop) {
-        return {.scene = scene, .rows = std::move(tested_forms), .number = Quantity(values), .limit = {.stop = stop}};
+        return {.scene = scene,
+                .tested_forms = std::move(tested_forms),
+                .number = Quantity(values),
+                .limit = {.stop = stop}};
     }
     static void print_results(const Study& study, const Summaries& rows, bool) {
         for (std::size_t r = 0; r < rows.size(); ++r)
-            fmt::print("  {} {}: {}\n", study.rows[r].form->info->name, study.rows[r].format.name, in_words(rows[r]));
+            fmt::print("  {} {}: {}\n", study.tested_forms[r].form->info->name, study.tested_forms[r].format.name,
+                       in_words(rows[r]));
     }
     static std::uint64_t unproved(const Summaries& rows) {
         std::uint64_t max_unproved = 0;
@@ -159,7 +164,7 @@ struct NumberAdapter {
     }
     static std::vector<NumberRow> summary_rows(const Study& study, const Summaries& summaries) {
         std::vector<NumberRow> rows;
-        for (std::size_t r = 0; r < summaries.size(); ++r) rows.push_back({&study.rows[r], &summaries[r]});
+        for (std::size_t r = 0; r < summaries.size(); ++r) rows.push_back({&study.tested_forms[r], &summaries[r]});
         return rows;
     }
     static output::table::Table<output::study::PixelInBand<NumberBand>> pixel_table(const Study&) {
@@ -175,7 +180,7 @@ struct NumberAdapter {
         layers.add_number(name, [](const NumberBand& band, std::size_t i) { return band.numbers[i]; });
         return layers;
     }
-    static output::image::ExrSpec exr_spec(const Study& study, std::size_t row_index,
+    static output::image::ExrSpec exr_spec(const Study& study, std::size_t form_index,
                                            const std::vector<output::image::Channel>& channels,
                                            const std::string& command) {
         return {.width = study.scene.width,
@@ -184,13 +189,13 @@ struct NumberAdapter {
                 .attributes = {{"lostbits:command", command},
                                {"lostbits:schema", fmt::format("lostbits-{}/1", name)},
                                {"lostbits:scene", study.scene.id},
-                               {"lostbits:form", std::string(study.rows[row_index].form->info->name)},
-                               {"lostbits:format", study.rows[row_index].format.name},
+                               {"lostbits:form", std::string(study.tested_forms[form_index].form->info->name)},
+                               {"lostbits:format", study.tested_forms[form_index].format.name},
                                output::image::compiler_attribute()}};
     }
 
-    static std::string row_name(const Study& study, std::size_t row_index) {
-        return output::map::row_name(study.rows[row_index]);
+    static std::string row_name(const Study& study, std::size_t form_index) {
+        return output::map::row_name(study.tested_forms[form_index]);
     }
     static std::size_t pixels(const NumberBand& band) { return band.numbers.size(); }
     static std::vector<output::pixel::PixelColumn<NumberBand>> columns(const Study& study) {
@@ -199,8 +204,8 @@ struct NumberAdapter {
                                 Quantity::scale(),
                                 Quantity::unit});
         std::vector<output::pixel::PixelColumn<NumberBand>> all;
-        for (std::size_t r = 0; r < study.rows.size(); ++r) {
-            const measure::evaluate::TestedForm& tested_form = study.rows[r];
+        for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
+            const measure::evaluate::TestedForm& tested_form = study.tested_forms[r];
             all.push_back(
                 {{.file = row_name(study, r) + ".png",
                   .title = Quantity::meaning,
@@ -241,23 +246,23 @@ private:
     }
     static std::vector<const intersect::table::Intersector*> forms_of(const Study& study) {
         std::vector<const intersect::table::Intersector*> forms;
-        for (const auto& tested_form : study.rows)
+        for (const auto& tested_form : study.tested_forms)
             if (std::ranges::find(forms, tested_form.form) == forms.end()) forms.push_back(tested_form.form);
         return forms;
     }
     static std::vector<std::string> formats_of(const Study& study) {
         std::vector<std::string> formats;
-        for (const auto& tested_form : study.rows)
+        for (const auto& tested_form : study.tested_forms)
             if (std::ranges::find(formats, tested_form.format.name) == formats.end())
                 formats.emplace_back(tested_form.format.name);
         return formats;
     }
-    static output::pixel::SheetPosition place_of(const Study& study, std::size_t row_index) {
+    static output::pixel::SheetPosition place_of(const Study& study, std::size_t form_index) {
         const auto forms = forms_of(study);
         const auto formats = formats_of(study);
-        return {
-            static_cast<std::size_t>(std::ranges::find(forms, study.rows[row_index].form) - forms.begin()),
-            static_cast<std::size_t>(std::ranges::find(formats, study.rows[row_index].format.name) - formats.begin())};
+        return {static_cast<std::size_t>(std::ranges::find(forms, study.tested_forms[form_index].form) - forms.begin()),
+                static_cast<std::size_t>(std::ranges::find(formats, study.tested_forms[form_index].format.name) -
+                                         formats.begin())};
     }
 };
 

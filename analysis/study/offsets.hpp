@@ -62,7 +62,7 @@ struct OffsetsAdapter {
                             intersect::process::StopToken stop) {
         using measure::offset::HitPointKind;
         Study study{.scene = scene,
-                    .rows = {},
+                    .tested_forms = {},
                     .strategies = selection::select_items(measure::offset::strategies(), values.at("strategy"),
                                                           "strategy", "--strategy"),
                     .limit = {.stop = stop}};
@@ -72,12 +72,12 @@ struct OffsetsAdapter {
         };
         for (const measure::evaluate::TestedForm& tested_form : tested_forms)
             for (const HitPointKind point : {HitPointKind::computed, HitPointKind::projected})
-                if (is_selected(point)) study.rows.push_back({tested_form, point});
+                if (is_selected(point)) study.tested_forms.push_back({tested_form, point});
         return study;
     }
 
     static void print_results(const Study& study, const Summaries& summaries, bool) {
-        for (std::size_t r = 0; r < study.rows.size(); ++r)
+        for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
             for (const std::string& line : output::offset::summary_lines(study, r, summaries[r]))
                 fmt::print("  {}\n", line);
         if (summaries.front().points == 0)

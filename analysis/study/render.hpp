@@ -74,7 +74,7 @@ struct RenderAdapter {
         if (stages.empty()) stages.insert(scene.appearance.last_stage());
         return {.scene = scene,
                 .stages = {stages.begin(), stages.end()},
-                .rows = std::move(tested_forms),
+                .tested_forms = std::move(tested_forms),
                 .limit = {.stop = stop}};
     }
 
@@ -113,7 +113,7 @@ private:
         fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt",
                    "wrong colour", "wrong sphere", "acne", "flips", "p99 steps", "unproved");
         for (std::size_t r = 0; r < summaries.size(); ++r) {
-            const measure::evaluate::TestedForm& tested_form = study.rows[r];
+            const measure::evaluate::TestedForm& tested_form = study.tested_forms[r];
             for (const measure::render::RenderSummary& s : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
                            tested_form.form->info->name, tested_form.format.name, s.changed_pixels, s.wrong_pixels(),

@@ -21,7 +21,7 @@ namespace {
 /// The study that a claim asks. Work that no column of the question needs is left out.
 template <class Adapter>
 typename Adapter::View::Study make_study(const StudyQuestion& question) {
-    for (const measure::evaluate::TestedForm& tested_form : question.rows)
+    for (const measure::evaluate::TestedForm& tested_form : question.tested_forms)
         if (!Adapter::can_measure(*tested_form.form))
             throw InputError(fmt::format("{}: is not a form for {}; {}", tested_form.form->info->name, Adapter::name,
                                          Adapter::no_form_message));
@@ -29,8 +29,8 @@ typename Adapter::View::Study make_study(const StudyQuestion& question) {
     std::vector<std::string> option_texts;
     for (const auto& [name, values] : question.options)
         for (const std::string& value : values) option_texts.push_back(name + "=" + value);
-    auto study = Adapter::make_study(question.scene, question.rows, study_values(Adapter::options(), option_texts),
-                                     question.stop);
+    auto study = Adapter::make_study(question.scene, question.tested_forms,
+                                     study_values(Adapter::options(), option_texts), question.stop);
     if constexpr (requires { Adapter::skip_unneeded_work(study, question.columns); })
         Adapter::skip_unneeded_work(study, question.columns);
     return study;
@@ -73,10 +73,10 @@ std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& 
     std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     StudyQuestion question{
         .scene = scene,
-        .rows = selection::filter_tested_forms(
+        .tested_forms = selection::filter_tested_forms(
             rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
         .stop = stop};
-    if (question.rows.empty()) return std::nullopt;
+    if (question.tested_forms.empty()) return std::nullopt;
     const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
     output::report::StudyPart part{

@@ -7,7 +7,7 @@
 
 #include "analysis/study/studies.hpp"
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::study {
 
@@ -20,7 +20,7 @@ StudyValues study_values(const std::vector<StudyOption>& options, const std::vec
         if (option == options.end()) {
             std::vector<std::string> names;
             for (const StudyOption& known : options) names.push_back(known.name);
-            throw InputError(fmt::format("option \"{}\" is unknown; {}", name, scene::toml::did_you_mean(name, names)));
+            throw InputError(fmt::format("option \"{}\" is unknown; {}", name, text::did_you_mean(name, names)));
         }
         if (!option->allowed_values.empty() &&
             std::ranges::find(option->allowed_values, value) == option->allowed_values.end())
@@ -34,7 +34,7 @@ StudyValues study_values(const std::vector<StudyOption>& options, const std::vec
 }
 
 void refuse_study(const std::string& name, const std::vector<std::string>& names) {
-    throw InputError(fmt::format("study \"{}\" is unknown; {}", name, scene::toml::did_you_mean(name, names)));
+    throw InputError(fmt::format("study \"{}\" is unknown; {}", name, text::did_you_mean(name, names)));
 }
 
 }  // namespace lostbits::analysis::study

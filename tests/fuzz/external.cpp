@@ -62,7 +62,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
         read_as<std::uint64_t>(bits);
         return read_as<output::pixel::Piece>(bits);
     }
-    if (kind % 11 == 8) return read_as<std::vector<consistency::RowChecks>>(bits);
+    if (kind % 11 == 8) return read_as<std::vector<consistency::FormChecks>>(bits);
     if (kind % 11 == 9) return read_as<std::vector<offset::OffsetSummary>>(bits);
     if (kind % 11 == 10) return read_as<std::vector<render::RenderStudy::Summary>>(bits);
     if (kind % 11 == 5) {

@@ -16,10 +16,10 @@
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/toml_tree.hpp"
 #include "shapes/triangle/mesh/mesh_file.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::fuzz {
 
@@ -161,7 +161,7 @@ void fuzz_words(std::string_view bytes) {
     while (!bytes.empty() && options.overrides.size() < 16) {
         const std::string line = take_line(bytes);
         static_cast<void>(scene::toml::parse_number(line));
-        static_cast<void>(scene::toml::did_you_mean(line.substr(0, 64), {"sphere", "camera"}));
+        static_cast<void>(text::did_you_mean(line.substr(0, 64), {"sphere", "camera"}));
         answer_or_error([&] { options.overrides.push_back(scene::toml::parse_override(line)); });
     }
     answer_or_error([&] { static_cast<void>(file.load(options)); });

@@ -32,7 +32,7 @@ Rows& rows() {
 BoxedFormParts parts_in(const Parts& parts) {
     return std::apply([](auto... part) { return BoxedFormParts{part...}; }, parts);
 }
-BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::ComposedRow*>(context)->parts); }
+BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::ComposedForm*>(context)->parts); }
 
 template <class S>
 Primitive<S> box_around(const BoxedFormParts& form_parts, const Format& format, const Primitive<S>& primitive) {
@@ -149,7 +149,7 @@ std::string join_text(auto... parts) {
     return result;
 }
 
-void fill_row(Rows::ComposedRow& composed) {
+void fill_row(Rows::ComposedForm& composed) {
     const BoxedFormParts parts = parts_of_row(&composed);
     const Info &form = *parts.form->info, &box = *parts.box->info;
     const BoxMethodInfo& box_method = *parts.method->info;
@@ -193,24 +193,23 @@ const Intersector& boxed_form(const BoxMethod& method, const Intersector& box, c
     return rows().row_of({&method, &box, &form}, fill_row);
 }
 
-BoxedFormParts boxed_parts_of(const Intersector& catalogue_row) { return parts_in(rows().parts_of(catalogue_row)); }
+BoxedFormParts boxed_parts_of(const Intersector& form) { return parts_in(rows().parts_of(form)); }
 
-bool has_box(const Intersector& catalogue_row) {
-    if (catalogue_row.is_set())
-        return std::ranges::any_of(catalogue_row.parts, [](const Intersector* part) { return has_box(*part); });
-    if (boxed_parts_of(catalogue_row).form != nullptr) return true;
-    const auto placed = transform::transformed_parts_of(catalogue_row);
+bool has_box(const Intersector& form) {
+    if (form.is_set()) return std::ranges::any_of(form.parts, [](const Intersector* part) { return has_box(*part); });
+    if (boxed_parts_of(form).form != nullptr) return true;
+    const auto placed = transform::transformed_parts_of(form);
     return placed.form != nullptr && has_box(*placed.form);
 }
 
-const Intersector& without_world_boxes(const Intersector& catalogue_row) {
-    const BoxedFormParts parts = boxed_parts_of(catalogue_row);
-    return parts.form != nullptr && catalogue_row.is_placed ? without_world_boxes(*parts.form) : catalogue_row;
+const Intersector& without_world_boxes(const Intersector& form) {
+    const BoxedFormParts parts = boxed_parts_of(form);
+    return parts.form != nullptr && form.is_placed ? without_world_boxes(*parts.form) : form;
 }
 
-std::vector<std::string> names_on_tape(const Intersector& catalogue_row, const Target<double>& target) {
-    std::vector<std::string> names = table::input_names(catalogue_row, target);
-    const Intersector* current = &catalogue_row;
+std::vector<std::string> names_on_tape(const Intersector& form, const Target<double>& target) {
+    std::vector<std::string> names = table::input_names(form, target);
+    const Intersector* current = &form;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
         if (const BoxedFormParts parts = boxed_parts_of(*current); parts.form != nullptr) {
             for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
@@ -225,17 +224,16 @@ std::vector<std::string> names_on_tape(const Intersector& catalogue_row, const T
     }
 }
 
-const Intersector& innermost_form(const Intersector& catalogue_row) {
-    if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
-        return innermost_form(*parts.form);
-    const auto placed = transform::transformed_parts_of(catalogue_row);
-    return placed.form != nullptr ? innermost_form(*placed.form) : catalogue_row;
+const Intersector& innermost_form(const Intersector& form) {
+    if (const BoxedFormParts parts = boxed_parts_of(form); parts.form != nullptr) return innermost_form(*parts.form);
+    const auto placed = transform::transformed_parts_of(form);
+    return placed.form != nullptr ? innermost_form(*placed.form) : form;
 }
 
-const Intersector& with_other_form(const Intersector& catalogue_row, const Intersector& form) {
-    if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
+const Intersector& with_other_form(const Intersector& composed_form, const Intersector& form) {
+    if (const BoxedFormParts parts = boxed_parts_of(composed_form); parts.form != nullptr)
         return boxed_form(*parts.method, *parts.box, with_other_form(*parts.form, form));
-    const auto placed = transform::transformed_parts_of(catalogue_row);
+    const auto placed = transform::transformed_parts_of(composed_form);
     return placed.form != nullptr ? transform::transformed_form(*placed.method, with_other_form(*placed.form, form))
                                   : form;
 }

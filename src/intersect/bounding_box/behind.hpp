@@ -30,21 +30,21 @@ struct BoxedFormParts {
     const table::Intersector *box, *form;
 };
 /// The parts of a row; null pointers if `boxed_form` did not create it.
-BoxedFormParts boxed_parts_of(const table::Intersector& catalogue_row);
+BoxedFormParts boxed_parts_of(const table::Intersector& form);
 
 /// True if a row has a box, in the space of its primitive or in the world. A set has a box if any of its forms has one.
-bool has_box(const table::Intersector& catalogue_row);
+bool has_box(const table::Intersector& form);
 
 /// Returns the row without its boxes in the world. For primitives under matrices, the result is a row that
 /// `transform::transformed_form` created.
-const table::Intersector& without_world_boxes(const table::Intersector& catalogue_row);
+const table::Intersector& without_world_boxes(const table::Intersector& form);
 
 /// Names of the inputs on a row's tape: those of the form, then the numbers of each box, the outermost box first.
-std::vector<std::string> names_on_tape(const table::Intersector& catalogue_row, const Target<double>& target);
+std::vector<std::string> names_on_tape(const table::Intersector& form, const Target<double>& target);
 
 /// Returns the form itself, without boxes and transforms.
-const table::Intersector& innermost_form(const table::Intersector& catalogue_row);
+const table::Intersector& innermost_form(const table::Intersector& form);
 /// Returns the row with the same boxes and transforms around another form of the same shape.
-const table::Intersector& with_other_form(const table::Intersector& catalogue_row, const table::Intersector& form);
+const table::Intersector& with_other_form(const table::Intersector& composed_form, const table::Intersector& form);
 
 }  // namespace lostbits::intersect::bounding_box

@@ -68,9 +68,9 @@ Info info_of(const Contract& contract);
 void register_forms(std::vector<ForeignForm> forms);
 
 /// Returns the external forms of a row: one, or one for each of two formats. Empty for a row of the catalogue.
-std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& catalogue_row);
+std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form);
 
 /// True if a call of the row cannot crash or hang this process: for a row of the catalogue, or of isolated forms.
-bool is_safe_to_run(const table::Intersector& catalogue_row);
+bool is_safe_to_run(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::external

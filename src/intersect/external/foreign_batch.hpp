@@ -40,15 +40,15 @@ private:
     std::mutex one_at_a_time_;
 };
 
-/// The forms of one name, in one format or in both, as a row of the table. A `ForeignRow` must not move in memory,
-/// since the row points into it.
-struct ForeignRow {
+/// The forms of one name, in one format or in both, as a row of the table. A `ForeignIntersector` must not move in
+/// memory, since the row points into it.
+struct ForeignIntersector {
     Info info = {};
     std::unique_ptr<ForeignBatch> batch32 = {}, batch64 = {};
 
-    explicit ForeignRow(ForeignForm first);
-    ForeignRow(const ForeignRow&) = delete;
-    ForeignRow& operator=(const ForeignRow&) = delete;
+    explicit ForeignIntersector(ForeignForm first);
+    ForeignIntersector(const ForeignIntersector&) = delete;
+    ForeignIntersector& operator=(const ForeignIntersector&) = delete;
     /// Adds the same form in the other format. Throws InputError if there is already a form in that format, or if its
     /// contract differs.
     void add(ForeignForm other);

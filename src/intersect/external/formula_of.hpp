@@ -166,18 +166,18 @@ Formula formula_of() {
                   "intersect must be static and take (const Ray<T>&, const Sphere<T>&), or (const Ray<T>&, const "
                   "Box<T>&, const T& tmax), or (const Ray<T>&, const Field&, const intersect::MarchConstants<T>&, "
                   "Watch&)");
-    table::Intersector catalogue_row{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
-    catalogue_row.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
-    catalogue_row.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
-    catalogue_row.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
-    catalogue_row.record = ReportingCall<Form, table::record_of<Form>>::run;
-    catalogue_row.record_all = ReportingCall<Form, table::record_all_of<Form>>::run;
-    catalogue_row.count = ReportingCall<Form, table::count_of<Form>>::run;
-    catalogue_row.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
-    if constexpr (marches<Form>) catalogue_row.log = ReportingCall<Form, table::log_of<Form>>::run;
+    table::Intersector form{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
+    form.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
+    form.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
+    form.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
+    form.record = ReportingCall<Form, table::record_of<Form>>::run;
+    form.record_all = ReportingCall<Form, table::record_all_of<Form>>::run;
+    form.count = ReportingCall<Form, table::count_of<Form>>::run;
+    form.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
+    if constexpr (marches<Form>) form.log = ReportingCall<Form, table::log_of<Form>>::run;
     if constexpr (Form::info.formats == Formats::all) {
-        catalogue_row.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
-        catalogue_row.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
+        form.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
+        form.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
     }
     if (false) check_rules_last<Form>();
     std::array<const lb_form*, 2> first_root_forms{};
@@ -185,7 +185,7 @@ Formula formula_of() {
         first_root_forms[0] = &first_form<Form, float>;
         if constexpr (Form::info.formats == Formats::all) first_root_forms[1] = &first_form<Form, double>;
     }
-    return {catalogue_row,
+    return {form,
             {reporting_pack<Form, 0>(), reporting_pack<Form, 1>(), reporting_pack<Form, 2>()},
             &name_for_messages<Form>,
             first_root_forms};

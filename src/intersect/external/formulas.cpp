@@ -96,7 +96,7 @@ void register_formulas(const std::vector<Formula>& formulas) {
         rows.push_back(formula.row);
         packs.push_back({formula.row.info, formula.packed});
     }
-    table::register_rows(rows);
+    table::register_intersectors(rows);
     simd::register_packs(packs);
 }
 

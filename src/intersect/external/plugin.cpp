@@ -16,6 +16,7 @@
 #include "intersect/process/child.hpp"
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::intersect::external {
 
@@ -124,8 +125,8 @@ bool is_source(const fs::path& file) {
 /// Returns the command that compiles a source file to a library. A formula needs the program's own headers and flags.
 std::string compile_command(const fs::path& source) {
     const bool is_formula = first_bytes(source, 65536).find("lostbits_form.hpp") != std::string::npos;
-    return (is_formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + process::shell_word(source.filename().string()) +
-           " -o " + process::shell_word(source.stem().string() + ".so") + (is_formula ? " @build/form.flags" : "");
+    return (is_formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + text::shell_word(source.filename().string()) +
+           " -o " + text::shell_word(source.stem().string() + ".so") + (is_formula ? " @build/form.flags" : "");
 }
 
 }  // namespace

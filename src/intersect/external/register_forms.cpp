@@ -10,8 +10,8 @@
 namespace lostbits::intersect::external {
 namespace {
 
-std::deque<ForeignRow>& all_registered() {
-    static std::deque<ForeignRow> rows;
+std::deque<ForeignIntersector>& all_registered() {
+    static std::deque<ForeignIntersector> rows;
     return rows;
 }
 
@@ -23,17 +23,17 @@ void answer_batch(void* context, const table::RayBatch<S>& rays, const Target<S>
 
 }  // namespace
 
-ForeignRow::ForeignRow(ForeignForm first) {
+ForeignIntersector::ForeignIntersector(ForeignForm first) {
     store(std::move(first));
     info = info_of((batch32 ? batch32 : batch64)->form().contract);
 }
 
-void ForeignRow::add(ForeignForm other) {
+void ForeignIntersector::add(ForeignForm other) {
     store(std::move(other));
     info.formats = Formats::all;
 }
 
-void ForeignRow::store(ForeignForm form) {
+void ForeignIntersector::store(ForeignForm form) {
     std::unique_ptr<ForeignBatch>& same_format = form.contract.bits == 32 ? batch32 : batch64;
     const std::unique_ptr<ForeignBatch>& other_format = form.contract.bits == 32 ? batch64 : batch32;
     if (same_format)
@@ -53,12 +53,12 @@ void ForeignRow::store(ForeignForm form) {
     same_format = std::make_unique<ForeignBatch>(std::move(form));
 }
 
-table::Intersector ForeignRow::row() const {
+table::Intersector ForeignIntersector::row() const {
     const Contract& contract = (batch32 ? batch32 : batch64)->form().contract;
-    table::Intersector catalogue_row{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
-    if (batch32) catalogue_row.native32 = {answer_batch<float>, batch32.get()};
-    if (batch64) catalogue_row.native64 = {answer_batch<double>, batch64.get()};
-    return catalogue_row;
+    table::Intersector form{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
+    if (batch32) form.native32 = {answer_batch<float>, batch32.get()};
+    if (batch64) form.native64 = {answer_batch<double>, batch64.get()};
+    return form;
 }
 
 void register_forms(std::vector<ForeignForm> forms) {
@@ -66,7 +66,7 @@ void register_forms(std::vector<ForeignForm> forms) {
     for (ForeignForm& form : forms) {
         const auto existing = std::ranges::find_if(
             all_registered().begin() + static_cast<std::ptrdiff_t>(old_count), all_registered().end(),
-            [&form](const ForeignRow& e) { return e.info.name == form.contract.name; });
+            [&form](const ForeignIntersector& e) { return e.info.name == form.contract.name; });
         if (existing != all_registered().end()) {
             existing->add(std::move(form));
             continue;
@@ -75,23 +75,23 @@ void register_forms(std::vector<ForeignForm> forms) {
     }
     std::vector<table::Intersector> rows;
     for (std::size_t i = old_count; i < all_registered().size(); ++i) rows.push_back(all_registered()[i].row());
-    table::register_rows(rows);
+    table::register_intersectors(rows);
 }
 
-std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& catalogue_row) {
+std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form) {
     std::vector<const ForeignForm*> forms;
-    for (const ForeignRow& e : all_registered()) {
-        if (&e.info != catalogue_row.info) continue;
+    for (const ForeignIntersector& e : all_registered()) {
+        if (&e.info != form.info) continue;
         if (e.batch32) forms.push_back(&e.batch32->form());
         if (e.batch64) forms.push_back(&e.batch64->form());
     }
     return forms;
 }
 
-bool is_safe_to_run(const table::Intersector& catalogue_row) {
+bool is_safe_to_run(const table::Intersector& form) {
     const auto catalogue = table::catalogue();
-    if (&catalogue_row >= catalogue.data() && &catalogue_row < catalogue.data() + catalogue.size()) return true;
-    const auto forms = foreign_forms_of(catalogue_row);  // empty for a formula of a library, which runs in this process
+    if (&form >= catalogue.data() && &form < catalogue.data() + catalogue.size()) return true;
+    const auto forms = foreign_forms_of(form);  // empty for a formula of a library, which runs in this process
     return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::is_isolated);
 }
 

@@ -255,7 +255,7 @@ template <class S>
 void require_same_answers(const table::Kernel<S>& native, const table::Kernel<S>& recorded, Shape shape, bool has_t,
                           const std::string& subject) {
     const table::RandomRays<S> rays(shape, 4096, false);
-    const table::RowAnswers<S> compiled_answers = rays.answers(native), recorded_answers = rays.answers(recorded);
+    const table::FormAnswers<S> compiled_answers = rays.answers(native), recorded_answers = rays.answers(recorded);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (compiled_answers.are_same(recorded_answers, i, has_t)) continue;
         std::ostringstream text;
@@ -264,7 +264,7 @@ void require_same_answers(const table::Kernel<S>& native, const table::Kernel<S>
         for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << rays.input(i, k);
         text << " and the " << name_of(shape) << " ";
         for (std::size_t k = 0; k < rays.numbers(i).size(); ++k) text << (k == 0 ? "" : ",") << rays.numbers(i)[k];
-        const auto append_answer = [&](const table::RowAnswers<S>& answers) {
+        const auto append_answer = [&](const table::FormAnswers<S>& answers) {
             if (answers.hit[i] == 0) text << "a miss";
             else text << "t = " << answers.numbers[0][i];
         };
@@ -379,18 +379,18 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     };
     if (signature.bits == 32) bind(0.0F);
     else bind(0.0);
-    user_function->answers = std::make_unique<external::ForeignRow>(std::move(form));
+    user_function->answers = std::make_unique<external::ForeignIntersector>(std::move(form));
     user_function->answers->info.formats = Formats::all;
     user_function->row = user_function->answers->row();
     user_function->written->fill(user_function->row);
-    const table::Intersector recorded_row = user_function->written->row(user_function->answers->info);
+    const table::Intersector recorded_form = user_function->written->row(user_function->answers->info);
     const bool has_t = contract.roots != Roots::none;
     if (signature.bits == 32) {
-        require_same_answers(user_function->row.native32, recorded_row.native32, contract.shape, has_t, subject);
-        user_function->row.native64 = recorded_row.native64;
+        require_same_answers(user_function->row.native32, recorded_form.native32, contract.shape, has_t, subject);
+        user_function->row.native64 = recorded_form.native64;
     } else {
-        require_same_answers(user_function->row.native64, recorded_row.native64, contract.shape, has_t, subject);
-        user_function->row.native32 = recorded_row.native32;
+        require_same_answers(user_function->row.native64, recorded_form.native64, contract.shape, has_t, subject);
+        user_function->row.native32 = recorded_form.native32;
     }
     return user_function;
 }

@@ -48,11 +48,11 @@ struct UserFunction {
     int line = 0;                ///< line of the function's definition
     std::string source;          ///< text of the file; for bitcode its LLVM IR, for SPIR-V its assembly
     std::string signature_text;  ///< the guessed signature in one line
-    std::unique_ptr<external::ForeignRow> answers;  ///< the compiled function as a row
-    std::unique_ptr<table::WrittenForm> written;    ///< the recorded operations of the function
-    std::vector<SourcePlace> places;                ///< the places of operations in the source
-    std::vector<int> place_of_operation;            ///< index of the place of each operation; -1: none
-    std::vector<NamedNumber> names;                 ///< arguments, then variables in the order in which they are set
+    std::unique_ptr<external::ForeignIntersector> answers;  ///< the compiled function as a row
+    std::unique_ptr<table::WrittenForm> written;            ///< the recorded operations of the function
+    std::vector<SourcePlace> places;                        ///< the places of operations in the source
+    std::vector<int> place_of_operation;                    ///< index of the place of each operation; -1: none
+    std::vector<NamedNumber> names;  ///< arguments, then variables in the order in which they are set
     table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
 };
 

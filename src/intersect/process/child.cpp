@@ -22,6 +22,7 @@
 
 #include "intersect/process/shared_memory.hpp"
 #include "number/error.hpp"
+#include "text/shell_word.hpp"
 
 extern char** environ;
 
@@ -98,21 +99,9 @@ int end_process_group(int process) {
 
 }  // namespace
 
-std::string shell_word(std::string_view word) {
-    const auto is_safe = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               std::string_view("_./=,:+-").find(c) != std::string_view::npos;
-    };
-    // zsh replaces a word that begins with = by the path of a command, so such a word is quoted.
-    if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, is_safe)) return std::string(word);
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
-
 std::string shell_command(const ProgramArguments& arguments) {
     std::string command;
-    for (const std::string& argument : arguments) command += (command.empty() ? "" : " ") + shell_word(argument);
+    for (const std::string& argument : arguments) command += (command.empty() ? "" : " ") + text::shell_word(argument);
     return command;
 }
 

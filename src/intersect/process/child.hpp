@@ -12,9 +12,6 @@
 
 namespace lostbits::intersect::process {
 
-/// Quotes a word for a shell: in single quotes if it holds more than letters, digits and _./=,:+-.
-[[nodiscard]] std::string shell_word(std::string_view word);
-
 /// Number of times that each end of a pipe polls before it sleeps; between two polls it yields the processor. Waking on
 /// another processor takes up to 40 µs, many times as long as a batch. If both ends share a processor, the other end
 /// runs at once.

@@ -14,7 +14,7 @@ namespace lostbits::intersect::table {
 template <class Parts>
 class ComposedForms {
 public:
-    struct ComposedRow {
+    struct ComposedForm {
         Parts parts;
         std::string name, title, source;
         Info info;
@@ -31,24 +31,24 @@ public:
     template <class Fill>
     const Intersector& row_of(const Parts& parts, const Fill& fill) {
         const std::lock_guard lock(mutex_);
-        const auto found = std::ranges::find(rows_, parts, &ComposedRow::parts);
+        const auto found = std::ranges::find(rows_, parts, &ComposedForm::parts);
         if (found != rows_.end()) return found->row;
-        ComposedRow& composed = rows_.emplace_back();
+        ComposedForm& composed = rows_.emplace_back();
         composed.parts = parts;
         fill(composed);
         return composed.row;
     }
     /// The parts of a row; null pointers if this object did not create the row.
-    Parts parts_of(const Intersector& catalogue_row) {
+    Parts parts_of(const Intersector& form) {
         const std::lock_guard lock(mutex_);
-        const auto found = std::ranges::find_if(
-            rows_, [&catalogue_row](const ComposedRow& composed) { return &composed.row == &catalogue_row; });
+        const auto found =
+            std::ranges::find_if(rows_, [&form](const ComposedForm& composed) { return &composed.row == &form; });
         return found == rows_.end() ? Parts{} : found->parts;
     }
 
 private:
     std::mutex mutex_;
-    std::deque<ComposedRow> rows_;
+    std::deque<ComposedForm> rows_;
 };
 
 }  // namespace lostbits::intersect::table

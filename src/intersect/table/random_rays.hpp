@@ -16,7 +16,7 @@ namespace lostbits::intersect::table {
 
 /// The answers of a row for all rays.
 template <class S>
-struct RowAnswers {
+struct FormAnswers {
     std::array<std::vector<S>, 3> numbers;  ///< t, near, far
     std::vector<std::uint8_t> hit;
 
@@ -25,7 +25,7 @@ struct RowAnswers {
         if (a_hits != b_hits) return false;
         return !a_hits || (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
     }
-    [[nodiscard]] bool are_same(const RowAnswers& other, std::size_t ray, bool with_t = true) const {
+    [[nodiscard]] bool are_same(const FormAnswers& other, std::size_t ray, bool with_t = true) const {
         return are_same(hit[ray] != 0, with_t ? numbers[0][ray] : 0, other.hit[ray] != 0,
                         with_t ? other.numbers[0][ray] : 0);
     }
@@ -79,8 +79,8 @@ public:
         return k - 6 < numbers(ray).size() ? numbers(ray)[k - 6] : std::numeric_limits<S>::infinity();
     }
 
-    [[nodiscard]] RowAnswers<S> answers(const Kernel<S>& row) const {
-        RowAnswers<S> result;
+    [[nodiscard]] FormAnswers<S> answers(const Kernel<S>& row) const {
+        FormAnswers<S> result;
         for (auto& column : result.numbers) column.resize(size());
         result.hit.resize(size());
         row({columns_[0], columns_[1], columns_[2], columns_[3], columns_[4], columns_[5]},

@@ -32,23 +32,23 @@ void fill_by_ray(std::span<Intersector> rows) {
     static std::deque<WrittenForm> written_forms;  // rows point to its elements
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
-        Intersector& catalogue_row = rows[i++];
+        Intersector& form = rows[i++];
         const EvaluateRecorded* const evaluator = &evaluate_recorded<Form>;
-        catalogue_row.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
-        catalogue_row.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
-        catalogue_row.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
+        form.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
+        form.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
+        form.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
         if constexpr (is_one_program<Form>) {
-            written_forms.emplace_back(catalogue_row).fill_arithmetics(catalogue_row);
-            if (Form::info.formats != Formats::all) catalogue_row.rounded = nullptr;
+            written_forms.emplace_back(form).fill_arithmetics(form);
+            if (Form::info.formats != Formats::all) form.rounded = nullptr;
         } else {
-            if constexpr (Form::info.formats == Formats::all) catalogue_row.rounded = rounded_batch<Form>;
-            catalogue_row.ball = enclosed<Form, Ball>;
-            catalogue_row.interval = enclosed<Form, Interval>;
+            if constexpr (Form::info.formats == Formats::all) form.rounded = rounded_batch<Form>;
+            form.ball = enclosed<Form, Ball>;
+            form.interval = enclosed<Form, Interval>;
         }
-        catalogue_row.count =
+        form.count =
             count_of<Form>;  // counted in the form itself: `a || b` on one ray does not evaluate b if a is true
-        if constexpr (filters<Form>) catalogue_row.filter_arithmetic = filter_arithmetic_of<Form>;
-        if constexpr (marches<Form>) catalogue_row.log = log_of<Form>;
+        if constexpr (filters<Form>) form.filter_arithmetic = filter_arithmetic_of<Form>;
+        if constexpr (marches<Form>) form.log = log_of<Form>;
     });
 }
 

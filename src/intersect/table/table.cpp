@@ -24,18 +24,16 @@ std::span<const Intersector> intersectors() { return all_rows(); }
 
 std::span<const Intersector> catalogue() { return intersectors().first(form_count); }
 
-void register_rows(const std::vector<Intersector>& rows) {
-    for (const Intersector& catalogue_row : rows) {
-        const auto has_same_name = [&catalogue_row](const Intersector& other) {
-            return other.info->name == catalogue_row.info->name;
-        };
+void register_intersectors(const std::vector<Intersector>& rows) {
+    for (const Intersector& form : rows) {
+        const auto has_same_name = [&form](const Intersector& other) { return other.info->name == form.info->name; };
         if (std::ranges::any_of(all_rows(), has_same_name))
             throw InputError(
-                std::string(catalogue_row.info->name) +
+                std::string(form.info->name) +
                 ": two forms have this name; they come from two libraries, from one that is named twice, or from a "
                 "library and lostbits; load one of them, or add a prefix to the names of a library: --plugin new=PATH "
                 "calls its forms new.FORM");
-        all_rows().push_back(catalogue_row);
+        all_rows().push_back(form);
     }
 }
 

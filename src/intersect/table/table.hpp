@@ -152,6 +152,6 @@ std::span<const Intersector> catalogue();
 std::span<const Intersector> intersectors(Shape shape);
 /// Adds rows from outside the catalogue. Their `info` must live as long as the program. Throws InputError for a name
 /// that is taken. Call it before other code uses the rows, since rows move in memory.
-void register_rows(const std::vector<Intersector>& rows);
+void register_intersectors(const std::vector<Intersector>& rows);
 
 }  // namespace lostbits::intersect::table

@@ -342,32 +342,32 @@ WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> formula32,
                          std::shared_ptr<const WrittenFormula> formula64)
     : formula32_(std::move(formula32)), formula64_(std::move(formula64)) {}
 
-WrittenForm::WrittenForm(const Intersector& recorded_row) : recorded_row_(recorded_row) {}
+WrittenForm::WrittenForm(const Intersector& recorded_form) : recorded_form_(recorded_form) {}
 
 const WrittenFormula& WrittenForm::formula_in(const Format& format) const {
-    if (recorded_row_)
+    if (recorded_form_)
         std::call_once(once_, [this] {
             Tape tape;
-            recorded_row_->record_all(Target<double>(Primitive<double>(recorded_row_->shape)), tape);
+            recorded_form_->record_all(Target<double>(Primitive<double>(recorded_form_->shape)), tape);
             formula32_ = std::make_shared<const WrittenFormula>(
-                formula_from_tape(tape, recorded_row_->shape, std::string(recorded_row_->info->name)));
+                formula_from_tape(tape, recorded_form_->shape, std::string(recorded_form_->info->name)));
         });
     return formula32_ == nullptr || (format.engine == Format::Engine::native64 && formula64_ != nullptr) ? *formula64_
                                                                                                          : *formula32_;
 }
 
-void WrittenForm::fill_arithmetics(Intersector& catalogue_row) {
-    catalogue_row.rounded = {answer_rounded, this};
-    catalogue_row.ball = {enclose<Ball>, this};
-    catalogue_row.interval = {enclose<Interval>, this};
+void WrittenForm::fill_arithmetics(Intersector& form) {
+    form.rounded = {answer_rounded, this};
+    form.ball = {enclose<Ball>, this};
+    form.interval = {enclose<Interval>, this};
 }
 
-void WrittenForm::fill(Intersector& catalogue_row) {
-    fill_arithmetics(catalogue_row);
-    catalogue_row.count = {count, this};
-    catalogue_row.record = {record, this};
-    catalogue_row.record_all = {record_all, this};
-    catalogue_row.bounded = {answer_bounded, this};
+void WrittenForm::fill(Intersector& form) {
+    fill_arithmetics(form);
+    form.count = {count, this};
+    form.record = {record, this};
+    form.record_all = {record_all, this};
+    form.bounded = {answer_bounded, this};
 }
 
 std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
@@ -389,12 +389,11 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
 }
 
 Intersector WrittenForm::row(const Info& info) {
-    Intersector catalogue_row{
-        .info = &info, .shape = formula_in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
-    catalogue_row.native32 = {answer_32, this};
-    catalogue_row.native64 = {answer_64, this};
-    fill(catalogue_row);
-    return catalogue_row;
+    Intersector form{.info = &info, .shape = formula_in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
+    form.native32 = {answer_32, this};
+    form.native64 = {answer_64, this};
+    fill(form);
+    return form;
 }
 
 }  // namespace lostbits::intersect::table

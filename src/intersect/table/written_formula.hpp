@@ -56,12 +56,12 @@ public:
     WrittenForm(std::shared_ptr<const WrittenFormula> formula32, std::shared_ptr<const WrittenFormula> formula64);
     /// Uses the formula that `record_all` of a row records, and records it at its first use. The row's `info` must live
     /// as long.
-    explicit WrittenForm(const Intersector& recorded_row);
+    explicit WrittenForm(const Intersector& recorded_form);
     /// Fills the functions of a row for formats chosen at run time and for enclosures. The row then points to this
     /// object.
-    void fill_arithmetics(Intersector& catalogue_row);
+    void fill_arithmetics(Intersector& form);
     /// Fills all functions of a row except the native kernels. The row then points to this object.
-    void fill(Intersector& catalogue_row);
+    void fill(Intersector& form);
     /// Returns a row all of whose functions evaluate the formula, the kernels in f32 and f64 included.
     [[nodiscard]] Intersector row(const Info& info);
     [[nodiscard]] const WrittenFormula& formula_in(const Format& format) const;
@@ -69,7 +69,7 @@ public:
     [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;
 
 private:
-    std::optional<Intersector> recorded_row_ = {};
+    std::optional<Intersector> recorded_form_ = {};
     mutable std::once_flag once_;
     mutable std::shared_ptr<const WrittenFormula> formula32_;
     std::shared_ptr<const WrittenFormula> formula64_;

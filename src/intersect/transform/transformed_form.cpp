@@ -28,7 +28,7 @@ TransformedFormParts to_parts(const Parts& parts) {
     return std::apply([](auto... part) { return TransformedFormParts{part...}; }, parts);
 }
 TransformedFormParts parts_of_row(void* context) {
-    return to_parts(static_cast<const Rows::ComposedRow*>(context)->parts);
+    return to_parts(static_cast<const Rows::ComposedForm*>(context)->parts);
 }
 
 template <class S>
@@ -180,7 +180,7 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
                 });
 }
 
-void fill_row(Rows::ComposedRow& composed) {
+void fill_row(Rows::ComposedForm& composed) {
     const auto& [method, tested_form] = composed.parts;
     const Info& form = *tested_form->info;
     const TransformMethodInfo& method_info = *method->info;
@@ -221,8 +221,6 @@ const Intersector& transformed_form(const TransformMethod& method, const Interse
     return rows().row_of({&method, &form}, fill_row);
 }
 
-TransformedFormParts transformed_parts_of(const Intersector& catalogue_row) {
-    return to_parts(rows().parts_of(catalogue_row));
-}
+TransformedFormParts transformed_parts_of(const Intersector& form) { return to_parts(rows().parts_of(form)); }
 
 }  // namespace lostbits::intersect::transform

@@ -17,6 +17,6 @@ struct TransformedFormParts {
     const table::Intersector* form;
 };
 /// The parts of a row; null pointers if `through` did not create it.
-TransformedFormParts transformed_parts_of(const table::Intersector& catalogue_row);
+TransformedFormParts transformed_parts_of(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::transform

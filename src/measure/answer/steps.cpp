@@ -23,12 +23,11 @@ using intersect::transform::StepFunctions;
 using intersect::transform::TransformMethod;
 using truth::Certified;
 
-std::optional<double> evaluate_one(const intersect::table::Intersector& catalogue_row, const Format& format,
+std::optional<double> evaluate_one(const intersect::table::Intersector& form, const Format& format,
                                    const Ray<double>& ray, const Primitive<double>& primitive, double tmax) {
     std::optional<double> answer;
     intersect::simd::with_kernel(
-        catalogue_row, {catalogue_row.info, catalogue_row.native32, catalogue_row.native64}, format,
-        [&]<class S>(const auto& kernel) {
+        form, {form.info, form.native32, form.native64}, format, [&]<class S>(const auto& kernel) {
             const auto& [o, d] = ray;
             const std::array<S, 6> x{static_cast<S>(o.x), static_cast<S>(o.y), static_cast<S>(o.z),
                                      static_cast<S>(d.x), static_cast<S>(d.y), static_cast<S>(d.z)};
@@ -76,10 +75,10 @@ Real value_of(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static
 template <class T>
 class StepWalk {
 public:
-    StepWalk(const Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
-             const Primitive<double>& primitive, const Range<double>& range)
-        : row_(catalogue_row),
-          parts_(intersect::transform::transformed_parts_of(catalogue_row)),
+    StepWalk(const Intersector& form, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
+             const Range<double>& range)
+        : row_(form),
+          parts_(intersect::transform::transformed_parts_of(form)),
           format_(format),
           primitive_(primitive),
           range_(range) {
@@ -180,14 +179,14 @@ std::optional<std::size_t> Steps::worst() const {
     return worst_step;
 }
 
-Steps steps_of(const Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
+Steps steps_of(const Intersector& form, const Format& format, const Ray<double>& ray,
                const Primitive<double>& primitive, const Range<double>& range) {
     const truth::Truth truth =
-        truth::find_truth(ray, primitive, {}, catalogue_row.info->convention().of(primitive.shape), range);
-    const bool has_unit_directions = catalogue_row.info->direction == intersect::Direction::unit;
+        truth::find_truth(ray, primitive, {}, form.info->convention().of(primitive.shape), range);
+    const bool has_unit_directions = form.info->direction == intersect::Direction::unit;
     return with_number(format, [&]<class T>() {
-        Steps steps = StepWalk<T>(catalogue_row, format, ray, primitive, range)
-                          .walk(has_unit_directions ? truth.distance : truth.t);
+        Steps steps =
+            StepWalk<T>(form, format, ray, primitive, range).walk(has_unit_directions ? truth.distance : truth.t);
         if (!truth.is_hit()) steps.t[0].reset();
         return steps;
     });
@@ -219,16 +218,16 @@ RangedProblem to_object_space(const TransformMethod& method, const Format& forma
 
 }  // namespace
 
-Levels levels_of(const Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
+Levels levels_of(const Intersector& form, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, const Range<double>& range) {
     Levels levels;
     RangedProblem problem{ray, primitive, range};
-    bool is_lost = !evaluate_one(catalogue_row, format, ray, primitive, range.tmax);
+    bool is_lost = !evaluate_one(form, format, ray, primitive, range.tmax);
     const auto lose_to = [&](Level level) {
         if (is_lost) levels.lost_to = level;
         is_lost = false;
     };
-    const Intersector* current = &catalogue_row;
+    const Intersector* current = &form;
     for (;;) {
         if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
             const BoundingBox<double> box = boxed_parts.method->compute_box(format, problem.primitive);
@@ -253,15 +252,15 @@ Levels levels_of(const Intersector& catalogue_row, const Format& format, const R
 }
 
 /// A box test that hits still hits with a later end of the ray. So k is doubled until the row hits, and then bisected.
-double end_margin(const Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
+double end_margin(const Intersector& form, const Format& format, const Ray<double>& ray,
                   const Primitive<double>& primitive, const Range<double>& range) {
-    const auto t = evaluate_one(catalogue_row, format, ray, primitive, range.tmax);
+    const auto t = evaluate_one(form, format, ray, primitive, range.tmax);
     if (!t || !std::isfinite(*t)) return truth::missing;
     const double ulp =
         std::ldexp(1, static_cast<int>(ulp_exponent(format.parameters, *t == 0 ? -100000 : std::ilogb(*t))));
     const auto hits_with = [&](double k) {
         const double end = rounding::to_format(*t + k * ulp, 0, format.parameters);
-        return evaluate_one(catalogue_row, format, ray, primitive, std::min(end, range.tmax)).has_value();
+        return evaluate_one(form, format, ray, primitive, std::min(end, range.tmax)).has_value();
     };
     if (hits_with(0)) return 0;
     double too_small = 0, large_enough = 1;

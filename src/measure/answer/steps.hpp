@@ -19,7 +19,7 @@
 namespace lostbits::measure::answer {
 
 /// Returns the t that a row answers; empty if it misses. The inputs are numbers of the format.
-std::optional<double> evaluate_one(const intersect::table::Intersector& catalogue_row, const Format& format,
+std::optional<double> evaluate_one(const intersect::table::Intersector& form, const Format& format,
                                    const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 
 inline constexpr std::size_t step_count = intersect::transform::step_names.size();
@@ -46,7 +46,7 @@ struct Steps {
 
 /// Returns the steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given
 /// as the form received it, and the primitive under a matrix. Uses the convention of the row, within a range.
-Steps steps_of(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
+Steps steps_of(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
                const Primitive<double>& primitive, const Range<double>& range = {});
 
 enum class Level {
@@ -70,14 +70,14 @@ struct Levels {
 
 /// Returns the levels of a row behind a box, for a ray that truly hits the primitive in its range, both as the form
 /// received them. The hit is lost to the first level, from the outside in, that misses.
-Levels levels_of(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
+Levels levels_of(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, const Range<double>& range);
 
 /// Returns the margin, in ulps of t, that an earlier and farther hit must leave for the row to find this hit: the
 /// earlier hit ends the ray. The margin is the least k for which the row hits when the ray ends at t + k ulp(t), where
 /// t is the row's own answer. 0: the row hits even if the ray ends at t. Infinite if no k up to 2^p is enough; NaN if
 /// the row misses with the range's own end.
-double end_margin(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
+double end_margin(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
                   const Primitive<double>& primitive, const Range<double>& range);
 
 }  // namespace lostbits::measure::answer

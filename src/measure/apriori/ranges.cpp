@@ -14,7 +14,7 @@
 #include "measure/truth/band.hpp"
 #include "number/rounded.hpp"
 #include "scene/rays/random.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::apriori {
 
@@ -97,7 +97,7 @@ void apply_given_ranges(InputBox& box, const RangesRequest& request, const std::
         const auto found = std::ranges::find(names, given_range.name);
         if (found == names.end())
             throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", given_range.name,
-                                         request.form->info->name, scene::toml::did_you_mean(given_range.name, names)));
+                                         request.form->info->name, text::did_you_mean(given_range.name, names)));
         box[static_cast<std::size_t>(found - names.begin())] = {
             rounding::to_format(given_range.range.low, 0, request.format.parameters),
             rounding::to_format(given_range.range.high, 0, request.format.parameters)};

@@ -16,8 +16,8 @@
 #include "measure/tape/contraction.hpp"
 #include "measure/trade/timing.hpp"
 #include "scene/rays/composed_forms.hpp"
-#include "scene/toml/counted.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::check {
 
@@ -29,8 +29,8 @@ namespace {
 /// Names a requirement of a claim that this machine does not meet; empty if it meets all of them.
 std::string unmet_requirement(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
-    const auto has_name = [&claim](const intersect::table::Intersector& catalogue_row) {
-        return catalogue_row.info->name == claim.form;
+    const auto has_name = [&claim](const intersect::table::Intersector& known) {
+        return known.info->name == claim.form;
     };
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, has_name))
         return "no loaded library has " + claim.form + "; add --plugin, --pipe, --shader or --function";
@@ -81,8 +81,8 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
             result.witness = *summary->first_fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
-        result.reason = scene::toml::count_with_noun(summary->count(answer::Outcome::unresolved),
-                                                     "ray has no proved truth", "rays have no proved truth");
+        result.reason = text::count_with_noun(summary->count(answer::Outcome::unresolved), "ray has no proved truth",
+                                              "rays have no proved truth");
     } else if (std::isnan(measured)) {
         result.reason = "no ray to measure it on";
     } else {
@@ -103,14 +103,14 @@ std::vector<const Row*> find_part(const Claim& claim, std::span<const Row> table
     const auto found = std::ranges::find(names, name);
     if (found == names.end())
         scene::toml::fail(claim.where, "unknown " + kind + " \"" + name + "\" in form \"" + claim.form + "\"; " +
-                                           scene::toml::did_you_mean(name, names));
+                                           text::did_you_mean(name, names));
     return {&table[static_cast<std::size_t>(found - names.begin())]};
 }
 
 const intersect::table::Intersector& find_form(const Claim& claim, const std::string& form) {
     const auto rows = intersect::table::intersectors();
     const auto found = std::ranges::find_if(
-        rows, [&form](const intersect::table::Intersector& catalogue_row) { return catalogue_row.info->name == form; });
+        rows, [&form](const intersect::table::Intersector& known) { return known.info->name == form; });
     if (found != rows.end()) return *found;
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
     if (const auto composed = scene::rays::split_composed_name(form); composed && names.size() == 1) {
@@ -130,17 +130,16 @@ const intersect::table::Intersector& find_form(const Claim& claim, const std::st
                                  return find_part(claim, intersect::bounding_box::box_methods(), name,
                                                   "bounding-box method");
                              },
-                         .contracted = tape::contracted_row})
+                         .contracted = tape::contracted_form})
                     .front();
     }
     if (names.size() == 1) {
         std::vector<std::string> known_names;
-        for (const intersect::table::Intersector& catalogue_row : rows)
-            known_names.emplace_back(catalogue_row.info->name);
+        for (const intersect::table::Intersector& known : rows) known_names.emplace_back(known.info->name);
         scene::toml::fail(claim.where,
                           "unknown form \"" + form +
                               "\" (load a form of your own with --plugin, --pipe, --shader or --function); " +
-                              scene::toml::did_you_mean(form, known_names));
+                              text::did_you_mean(form, known_names));
     }
     std::vector<const intersect::table::Intersector*> parts;
     for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(find_form(claim, name)));
@@ -163,7 +162,7 @@ TestedForm tested_form_of(const Claim& claim) {
 void require_proof(ClaimResult& result, std::uint64_t unproved, const char* singular_text, const char* plural_text) {
     if (unproved == 0) return;
     result.state = ClaimResult::State::unmeasurable;
-    result.reason = scene::toml::count_with_noun(unproved, singular_text, plural_text);
+    result.reason = text::count_with_noun(unproved, singular_text, plural_text);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {

@@ -4,7 +4,7 @@
 
 #include "measure/check/claim.hpp"
 #include "measure/evaluate/summary_columns.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::check {
 
@@ -55,8 +55,8 @@ std::vector<std::string> find_operations(const std::string& text, const Claim& c
     }
     if (!matches.empty()) return matches;
     known_names.insert(known_names.end(), operations.begin(), operations.end());
-    scene::toml::fail(claim.quantity, claim.form + " has no operation \"" + text + "\"; " +
-                                          scene::toml::did_you_mean(text, known_names));
+    scene::toml::fail(claim.quantity,
+                      claim.form + " has no operation \"" + text + "\"; " + text::did_you_mean(text, known_names));
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ void ClaimColumns::add_metric_of_label(const Claim& claim) {
     }
     if (!names.empty())
         scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\" of " + claim.form + "; " +
-                                              scene::toml::did_you_mean(claim.metric, names));
+                                              text::did_you_mean(claim.metric, names));
 }
 
 double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
@@ -128,7 +128,7 @@ double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const
     for (const SummaryColumn& c : columns) names.push_back(c.name);
     add_other_columns(names);
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\"; " +
-                                          scene::toml::did_you_mean(claim.metric, names) +
+                                          text::did_you_mean(claim.metric, names) +
                                           " (`lostbits list metrics` lists the metrics)");
 }
 

@@ -5,7 +5,7 @@
 #include "measure/check/claim_subjects.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::check {
 
@@ -28,10 +28,10 @@ std::size_t ray_index(const Claim& claim, const std::string& ray, const Exhausti
     for (const auto& file_ray : file.rays) names.push_back(file_ray.name);
     const auto found = static_cast<std::size_t>(std::ranges::find(names, ray) - names.begin());
     if (found < names.size()) return found;
-    scene::toml::fail(claim.where, ray.empty() ? "claim.given names no ray, and " + file.id + " has several; " +
-                                                     scene::toml::did_you_mean("", names)
-                                               : "unknown ray \"" + ray + "\" in " + file.id + "; " +
-                                                     scene::toml::did_you_mean(ray, names));
+    scene::toml::fail(
+        claim.where, ray.empty()
+                         ? "claim.given names no ray, and " + file.id + " has several; " + text::did_you_mean("", names)
+                         : "unknown ray \"" + ray + "\" in " + file.id + "; " + text::did_you_mean(ray, names));
 }
 
 /// Returns the file with only the range and the ray of a claim.
@@ -72,7 +72,7 @@ double metric_value(const Claim& claim, const TestedForm& tested_form, const Flo
     for (const TallyNumber& number : numbers) names.push_back(number.name);
     scene::toml::fail(claim.quantity, "claim.expect.metric is \"" + claim.metric +
                                           "\", which a sweep over every float does not measure; " +
-                                          scene::toml::did_you_mean(claim.metric, names));
+                                          text::did_you_mean(claim.metric, names));
 }
 
 std::size_t onset_event(const Claim& claim) {
@@ -103,8 +103,8 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_index, std::uint32_t float_index) {
-    const auto float_answer = sweep::answer_at(request, 0, row_index, float_index);
+evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t form_index, std::uint32_t float_index) {
+    const auto float_answer = sweep::answer_at(request, 0, form_index, float_index);
     const auto ray_group =
         std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
     return {.x = 0,
@@ -115,7 +115,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_
             .outcome = float_answer.outcome,
             .ulps = float_answer.ulps,
             .truth = float_answer.truth,
-            .touching = request.rows[row_index].touching,
+            .touching = request.tested_forms[form_index].touching,
             .given = ray_group};
 }
 
@@ -129,19 +129,19 @@ TestedForm row_in_binary32(const Claim& claim, const ExhaustiveFile& file) {
 }
 
 /// Compares the findings of a row in all ranges with the expectation of a claim.
-ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const ExhaustiveRequest& request,
+ClaimResult judge_tally(const Claim& claim, std::size_t form_index, const ExhaustiveRequest& request,
                         const std::vector<RangeFinding>& findings) {
     FloatTally tally;
     std::optional<float> onset;
     // A sweep over all floats has two ranges, from each zero outwards. The onset is that of the first range with an
     // onset.
     for (const RangeFinding& finding : findings) {
-        if (finding.row != row_index) continue;
+        if (finding.row != form_index) continue;
         tally.append(finding.tally);
         if (!claim.onset.empty() && !onset && finding.tally.first_floats[onset_event(claim)])
             onset = float_at(*finding.tally.first_floats[onset_event(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_value(claim, request.rows[row_index], tally)
+    const double measured = claim.onset.empty() ? metric_value(claim, request.tested_forms[form_index], tally)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
@@ -150,7 +150,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const Exhaust
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
-        result.witness = witness_at(request, row_index, *float_index);
+        result.witness = witness_at(request, form_index, *float_index);
     return result;
 }
 
@@ -164,7 +164,8 @@ void measure_range(const RangeClaims& range_claims, truth::ProofLimit limit) {
     ExhaustiveRequest request{.sweep = range_claims.file, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : range_claims.claims)
-        rows.push_back(find_or_add_tested_form(request.rows, row_in_binary32(subject_claim.claim, range_claims.file)));
+        rows.push_back(
+            find_or_add_tested_form(request.tested_forms, row_in_binary32(subject_claim.claim, range_claims.file)));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     const auto findings = sweep::findings_of(request, state);

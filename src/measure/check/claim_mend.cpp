@@ -55,7 +55,7 @@ private:
     RepairRequest request_{};
     std::optional<repair::Judge> judge_;
     Tape tape_;
-    repair::RowQuality own_quality_{};
+    repair::FormQuality own_quality_{};
     std::optional<repair::Rewriting> rewriting_;
 };
 

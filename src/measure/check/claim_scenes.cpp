@@ -9,7 +9,7 @@
 #include "measure/check/claim_columns.hpp"
 #include "measure/check/claim_subjects.hpp"
 #include "measure/evaluate/map.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::check {
@@ -62,8 +62,8 @@ evaluate::FormSummary summarise_pixel(const Claim& claim, const scene::file::Sce
     evaluate::FormSummary row_summary(metrics), pixel_summary(metrics);
     const auto column = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
-    evaluate::measure_row({tested_form, metrics}, shared.inputs_of(tested_form), row_summary,
-                          std::span(&pixel_subset, 1));
+    evaluate::measure_form({tested_form, metrics}, shared.inputs_of(tested_form), row_summary,
+                           std::span(&pixel_subset, 1));
     return pixel_summary;
 }
 
@@ -88,19 +88,19 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
         else pictures.push_back(subject_claim);
     }
     if (pictures.empty()) return;
-    evaluate::MapStudy request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
+    evaluate::MapStudy request{.scene = &scene, .tested_forms = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : pictures)
-        rows.push_back(find_or_add_tested_form(request.rows, tested_form_for(subject_claim.claim, scene)));
+        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form_for(subject_claim.claim, scene)));
     const OwnedSetting setting(scene);
-    const ClaimColumns columns(claim_pointers(pictures), request.rows, setting.get());
+    const ClaimColumns columns(claim_pointers(pictures), request.tested_forms, setting.get());
     request.metrics = columns.metrics();
     const auto is_whole_picture = [](const auto& subject_claim) { return !subject_claim.subject.pixel; };
     const auto summaries = std::ranges::any_of(pictures, is_whole_picture) ? evaluate::run_map(request)
                                                                            : std::vector<evaluate::FormSummary>();
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, subject, result] = pictures[k];
-        const TestedForm& tested_form = request.rows[rows[k]];
+        const TestedForm& tested_form = request.tested_forms[rows[k]];
         const evaluate::FormSummary pixel_summary =
             subject.pixel ? summarise_pixel(claim, scene, tested_form, request.metrics, request.limit)
                           : evaluate::FormSummary();

@@ -41,7 +41,7 @@ void require_names(const StudyClaim& subject_claim, const StudyNames& names) {
             if (!contains(known_names, name))
                 scene::toml::fail(subject_claim.claim.where,
                                   fmt::format("study {} has no {} \"{}\"; {}", subject_claim.subject.study, kind, name,
-                                              scene::toml::did_you_mean(name, known_names)));
+                                              text::did_you_mean(name, known_names)));
     };
     require_known(subject_claim.subject.options, "option", names.options);
     require_known(subject_claim.subject.where, "text column", names.text_columns);
@@ -49,7 +49,7 @@ void require_names(const StudyClaim& subject_claim, const StudyNames& names) {
         scene::toml::fail(subject_claim.claim.where,
                           fmt::format("unknown metric \"{}\" of study {}; {}", subject_claim.claim.metric,
                                       subject_claim.subject.study,
-                                      scene::toml::did_you_mean(subject_claim.claim.metric, names.number_columns)));
+                                      text::did_you_mean(subject_claim.claim.metric, names.number_columns)));
 }
 
 /// Texts by which the row of a claim is found in the summary, by column.
@@ -115,7 +115,7 @@ void judge_claim(const StudyClaim& subject_claim, const StudyRow& row) {
 /// Claims that one run of a study measures.
 struct StudyRun {
     SubjectClaims<StudySubject> claims = {};
-    std::vector<evaluate::TestedForm> rows = {};
+    std::vector<evaluate::TestedForm> tested_forms = {};
 };
 
 /// Puts claims whose rows need the same options into one run. `claims` have the same study and the same `run_options`.
@@ -124,17 +124,17 @@ std::map<std::map<std::string, std::set<std::string>>, StudyRun> group_into_runs
     std::vector<evaluate::TestedForm> tested_forms;
     std::vector<std::map<std::string, std::set<std::string>>> options;
     for (const StudyClaim& subject_claim : claims) {
-        const std::size_t row_index = find_or_add_tested_form(tested_forms, tested_form_of(subject_claim.claim));
+        const std::size_t form_index = find_or_add_tested_form(tested_forms, tested_form_of(subject_claim.claim));
         options.resize(tested_forms.size());
         for (const auto& [name, value] : split_options(subject_claim, names).row_options)
-            options[row_index][name].insert(value);
+            options[form_index][name].insert(value);
     }
     std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs;
     for (const StudyClaim& subject_claim : claims) {
         const evaluate::TestedForm tested_form = tested_form_of(subject_claim.claim);
         StudyRun& run = runs[options[find_or_add_tested_form(tested_forms, tested_form)]];
         run.claims.push_back(subject_claim);
-        find_or_add_tested_form(run.rows, tested_form);
+        find_or_add_tested_form(run.tested_forms, tested_form);
     }
     return runs;
 }
@@ -143,7 +143,7 @@ std::map<std::map<std::string, std::set<std::string>>, StudyRun> group_into_runs
 void measure_together(const SubjectClaims<StudySubject>& claims, const Texts& run_options, const StudyNames& names,
                       const scene::file::Scene& scene, const ClaimRequest& run) {
     for (auto& [row_options, study_run] : group_into_runs(claims, names)) {
-        StudyQuestion question{.scene = scene, .rows = study_run.rows, .stop = run.stop};
+        StudyQuestion question{.scene = scene, .tested_forms = study_run.tested_forms, .stop = run.stop};
         for (const auto& [name, value] : run_options) question.options[name] = {value};
         for (const auto& [name, values] : row_options) question.options[name].assign(values.begin(), values.end());
         for (const StudyClaim& subject_claim : study_run.claims) question.columns.insert(subject_claim.claim.metric);

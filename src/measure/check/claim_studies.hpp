@@ -18,7 +18,7 @@ namespace lostbits::measure::check {
 /// A study to run on a scene, with the rows to measure.
 struct StudyQuestion {
     const scene::file::Scene& scene;
-    std::vector<evaluate::TestedForm> rows;
+    std::vector<evaluate::TestedForm> tested_forms;
     std::map<std::string, std::vector<std::string>> options = {};  ///< by name; other options have their default values
     std::set<std::string> columns = {};                            ///< names of the requested numbers of the summary
     intersect::process::StopToken stop = {};

@@ -9,7 +9,7 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/check/claim.hpp"
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::check {
 
@@ -22,7 +22,7 @@ std::size_t index_of_name(const scene::check::Claim& claim, const char* kind, co
     const auto found = std::ranges::find(names, text);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
     scene::toml::fail(claim.where,
-                      "unknown " + std::string(kind) + " \"" + text + "\"; " + scene::toml::did_you_mean(text, names));
+                      "unknown " + std::string(kind) + " \"" + text + "\"; " + text::did_you_mean(text, names));
 }
 
 /// A claim, its subject, and its result.

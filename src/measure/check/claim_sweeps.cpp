@@ -14,7 +14,7 @@
 #include "measure/sweep/worst.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::measure::check {
 
@@ -31,10 +31,10 @@ namespace {
 void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
                    truth::ProofLimit limit) {
     const scene::sweep::CaseFile file(path);
-    sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
-    for (const auto& subject_claim : claims) request.rows.push_back(tested_form_for(subject_claim.claim, file));
+    sweep::CaseRequest request{.file = file, .tested_forms = {}, .metrics = {}, .limit = limit};
+    for (const auto& subject_claim : claims) request.tested_forms.push_back(tested_form_for(subject_claim.claim, file));
     const OwnedSetting setting(file.rays(0, binary64).front());
-    const ClaimColumns columns(claim_pointers(claims), request.rows, setting.get());
+    const ClaimColumns columns(claim_pointers(claims), request.tested_forms, setting.get());
     request.metrics = columns.metrics();
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, subject, result] = claims[k];
@@ -67,7 +67,7 @@ std::vector<double> position_on_axes(const SubjectClaim<SweepSubject>& subject_c
     std::vector<double> position = part ? part->values : std::vector<double>{};
     if (position.size() != sweep.axes.size()) {
         scene::toml::fail(claim.where, "sweep \"" + subject.name + "\" has " +
-                                           scene::toml::count_with_noun(sweep.axes.size(), "axis", "axes") +
+                                           text::count_with_noun(sweep.axes.size(), "axis", "axes") +
                                            "; write as many values in `at`");
     }
     for (std::size_t a = 0; a < position.size(); ++a) {
@@ -128,15 +128,15 @@ using AxesPosition = std::optional<std::vector<double>>;
 
 void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& position,
                   const scene::sweep::SweepFile& sweep, truth::ProofLimit limit) {
-    sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
+    sweep::SweepRequest request{.sweep = sweep, .tested_forms = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         TestedForm tested_form = tested_form_for(claim, sweep);
         if (!tested_form.touching) tested_form.touching = sweep.convention;
-        rows.push_back(find_or_add_tested_form(request.rows, tested_form));
+        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form));
     }
     const OwnedSetting setting(sweep.first_rays());
-    const ClaimColumns columns(claim_pointers(claims), request.rows, setting.get());
+    const ClaimColumns columns(claim_pointers(claims), request.tested_forms, setting.get());
     request.metrics = columns.metrics();
     if (position) measure_position({claims, columns, rows}, request, *position);
     else measure_onsets({claims, columns, rows}, std::move(request));
@@ -199,7 +199,7 @@ const CensusMetric& census_metric(const Claim& claim) {
     std::vector<std::string> names;
     for (const CensusMetric& metric : census_metrics) names.emplace_back(metric.name);
     scene::toml::fail(claim.quantity, "\"" + claim.metric + "\" is not counted by a search at edges; " +
-                                          scene::toml::did_you_mean(claim.metric, names));
+                                          text::did_you_mean(claim.metric, names));
 }
 
 /// Number of rays of the census that the metric counts.
@@ -217,7 +217,7 @@ std::uint64_t count_rays(const edges::EdgeFinding& finding, const CensusMetric& 
 void measure_census(const SubjectClaims<SearchSubject>& claims, const std::filesystem::path& path,
                     const ClaimRequest& run) {
     edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
-                               .rows = {},
+                               .tested_forms = {},
                                .limit = {.stop = run.stop},
                                .census_only = true};
     std::vector<std::size_t> rows;
@@ -226,7 +226,7 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
         const evaluate::TestedForm tested_form = tested_form_of(claim);
         if (!request.search.meets(tested_form.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
-        rows.push_back(find_or_add_tested_form(request.rows, tested_form));
+        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form));
     }
     const auto findings = edges::search_edges(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
@@ -255,7 +255,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
                                                  file.metric + "\"; `lostbits list metrics` shows the metrics");
     sweep::WorstRequest request{
         .search = file,
-        .rows = {},
+        .tested_forms = {},
         .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched_metric},
         .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
@@ -267,7 +267,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
         if (tested_form.form->shape != file.shape)
             scene::toml::fail(claim.where, "search \"" + subject_name + "\" has other primitives than " + claim.form +
                                                " takes; name a form of its shape");
-        rows.push_back(find_or_add_tested_form(request.rows, tested_form));
+        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form));
     }
     const auto results = sweep::find_worst(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {

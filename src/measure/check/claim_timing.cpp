@@ -152,7 +152,7 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& baselin
 double meets_as_number(const Claim& claim, const OtherForms& others, const Scene& scene,
                        intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
-    request.rows = {timeable_form(claim, scene)};
+    request.tested_forms = {timeable_form(claim, scene)};
     return quality_of(request).front().meets(request.requirement) ? 1 : 0;
 }
 
@@ -160,20 +160,20 @@ double meets_as_number(const Claim& claim, const OtherForms& others, const Scene
 double count_others_that_meet(const Claim& claim, const OtherForms& others, const Scene& scene,
                               intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
-    request.rows = list_candidates(claim, others, scene);
-    std::erase_if(request.rows,
+    request.tested_forms = list_candidates(claim, others, scene);
+    std::erase_if(request.tested_forms,
                   [&claim](const TestedForm& tested_form) { return tested_form.form->info->name == claim.form; });
-    if (request.rows.empty()) return 0;
+    if (request.tested_forms.empty()) return 0;
     const auto qualities = quality_of(request);
     return static_cast<double>(std::ranges::count_if(
-        qualities, [&request](const choose::RowQuality& quality) { return quality.meets(request.requirement); }));
+        qualities, [&request](const choose::FormQuality& quality) { return quality.meets(request.requirement); }));
 }
 
 /// 1 if the claim's form is the cheapest that meets the requirement, else 0.
 double chosen_as_number(const Claim& claim, const OtherForms& others, const Scene& scene,
                         intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
-    request.rows = list_candidates(claim, others, scene);
+    request.tested_forms = list_candidates(claim, others, scene);
     choose::TimedRays timed;
     return cheapest(measure_candidates(request, timed), request.requirement) == std::size_t{0} ? 1 : 0;
 }

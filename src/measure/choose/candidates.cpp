@@ -33,21 +33,22 @@ std::vector<const metric::Metric*> Requirement::metrics() const {
     return metrics_to_measure;
 }
 
-std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
-    evaluate::MapStudy study{.scene = request.scene, .rows = request.rows, .metrics = request.requirement.metrics()};
+std::vector<FormQuality> quality_of(const ChoiceRequest& request) {
+    evaluate::MapStudy study{
+        .scene = request.scene, .tested_forms = request.tested_forms, .metrics = request.requirement.metrics()};
     study.limit = request.limit;
     study.progress = request.progress;
     const auto summaries = evaluate::run_map(study, request.show);
-    std::vector<RowQuality> qualities;
+    std::vector<FormQuality> qualities;
     for (std::size_t r = 0; r < summaries.size(); ++r)
-        qualities.push_back(quality_of(summaries[r], request.rows[r], request.requirement));
+        qualities.push_back(quality_of(summaries[r], request.tested_forms[r], request.requirement));
     return qualities;
 }
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-RowQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& tested_form,
-                      const Requirement& requirement) {
+FormQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& tested_form,
+                       const Requirement& requirement) {
     return {.rays = summary.rays - summary.count(answer::Outcome::unresolved),
             .wrong = summary.wrong_count(),
             .main_fault = summary.most_frequent_wrong_decision(),
@@ -59,15 +60,15 @@ RowQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& te
                 requirement.has_tolerance() ? summary.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
-RowQuality quality_on(const truth::Band& band, const TestedForm& tested_form, const Requirement& requirement) {
+FormQuality quality_on(const truth::Band& band, const TestedForm& tested_form, const Requirement& requirement) {
     return quality_on(band, band.inputs_for(tested_form.format, *tested_form.form->info), tested_form, requirement);
 }
 
-RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& tested_form,
-                      const Requirement& requirement) {
+FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& tested_form,
+                       const Requirement& requirement) {
     const std::vector<const metric::Metric*> metrics = requirement.metrics();
     evaluate::FormSummary summary(metrics);
-    evaluate::measure_row({tested_form, metrics}, band, inputs, summary);
+    evaluate::measure_form({tested_form, metrics}, band, inputs, summary);
     return quality_of(summary, tested_form, requirement);
 }
 
@@ -78,8 +79,8 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
                                     : trade::SceneWork(request.rays->sample, request.limit);
     timed = {scene_work.rays(), scene_work.primitives()};
     std::vector<trade::TimedWork> work;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const TestedForm& tested_form = request.rows[r];
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const TestedForm& tested_form = request.tested_forms[r];
         const intersect::simd::Isa isa =
             request.times_single_rays || !is_packed(*tested_form.form, intersect::simd::current_isa())
                 ? intersect::simd::Isa::scalar

@@ -32,7 +32,7 @@ struct Requirement {
 double quantile_named(const std::string& text);
 
 /// Measurements of a row, as far as a requirement needs them.
-struct RowQuality {
+struct FormQuality {
     std::uint64_t rays = 0;                       ///< rays whose truth is known
     std::uint64_t wrong = 0;                      ///< number of these rays that are decided wrongly
     std::optional<answer::Outcome> main_fault{};  ///< most frequent wrong outcome
@@ -58,22 +58,22 @@ struct Candidate {
     evaluate::TestedForm row;
     std::string_view isa = {};  ///< register width: `scalar`, `128`, ...
     trade::Timing time{};       ///< seconds for one ray and primitive
-    RowQuality quality{};
+    FormQuality quality{};
 };
 
 struct FileRays;
 
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;            ///< scene to choose for; null for rays of files
-    const FileRays* rays = nullptr;                       ///< rays of files, judged for `rows` and `requirement`
-    std::vector<evaluate::TestedForm> rows = {};          ///< in f32 and f64 only
-    std::vector<evaluate::TestedForm> untimed_rows = {};  ///< rows in emulated formats; used only for the requirement
-                                                          ///< of each pixel
+    const scene::file::Scene* scene = nullptr;  ///< scene to choose for; null for rays of files
+    const FileRays* rays = nullptr;             ///< rays of files, judged for `tested_forms` and `requirement`
+    std::vector<evaluate::TestedForm> tested_forms = {};   ///< in f32 and f64 only
+    std::vector<evaluate::TestedForm> untimed_forms = {};  ///< in emulated formats; used only for the requirement
+                                                           ///< of each pixel
     Requirement requirement{};
     bool times_single_rays = false;  ///< time kernels of one ray at a time instead of a register of rays
     trade::TimingPlan plan{};
     truth::ProofLimit limit{};
-    evaluate::ShowRows show = {};  ///< receives the rows of `measure_candidates`; may be empty
+    evaluate::ShowForms show = {};  ///< receives the results of `measure_candidates`; may be empty
     /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
     /// counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
@@ -83,16 +83,17 @@ struct ChoiceRequest {
 };
 
 /// Converts a summary whose metrics are those of the requirement.
-RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
-                      const Requirement& requirement);
+FormQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
+                       const Requirement& requirement);
 /// Measures a row on a band.
-RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form, const Requirement& requirement);
+FormQuality quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form,
+                       const Requirement& requirement);
 /// Measures a row that receives these inputs instead of those of the band.
-RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
-                      const evaluate::TestedForm& tested_form, const Requirement& requirement);
+FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
+                       const evaluate::TestedForm& tested_form, const Requirement& requirement);
 
 /// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
-std::vector<RowQuality> quality_of(const ChoiceRequest& request);
+std::vector<FormQuality> quality_of(const ChoiceRequest& request);
 
 /// Returns the format in which a row computes: the format of its inputs and answers, or f64 if they are f32 and the
 /// formula converts them to f64 and back.

@@ -52,7 +52,7 @@ private:
 FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
     judge::JudgeRequest judge_request{.primitives = terms.primitives,
                                       .mesh = terms.mesh,
-                                      .rows = request.rows,
+                                      .tested_forms = request.tested_forms,
                                       .metrics = request.requirement.metrics(),
                                       .limit = request.limit};
     judge_request.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
@@ -62,19 +62,20 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     const judge::FileForm answers(terms.id, shape, contract);
     if (dump.layout().has_answers()) {
         judge_request.file_answers_form = &answers.form();
-        judge_request.rows.insert(judge_request.rows.begin(), {judge_request.file_answers_form, dump.format()});
+        judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
+                                          {judge_request.file_answers_form, dump.format()});
     }
     Sampler sampler;
     const judge::JudgeResult result = judge::run_judge(
         dump, judge_request,
-        [&sampler](std::size_t row_index, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
-            if (row_index == 0) sampler.add(chunk);
+        [&sampler](std::size_t form_index, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
+            if (form_index == 0) sampler.add(chunk);
         });
     FileRays rays{
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
-    for (std::size_t r = 0; r < judge_request.rows.size(); ++r) {
-        const RowQuality quality = quality_of(result.summaries[r], judge_request.rows[r], request.requirement);
-        if (judge_request.is_file_row(judge_request.rows[r]))
+    for (std::size_t r = 0; r < judge_request.tested_forms.size(); ++r) {
+        const FormQuality quality = quality_of(result.summaries[r], judge_request.tested_forms[r], request.requirement);
+        if (judge_request.is_file_form(judge_request.tested_forms[r]))
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
         else rays.quality.push_back(quality);
     }

@@ -18,7 +18,7 @@ namespace lostbits::measure::choose {
 struct FileAnswers {
     std::string name;  ///< `file.NAME`
     Format format;
-    RowQuality quality{};
+    FormQuality quality{};
 };
 
 struct FileRays {
@@ -26,8 +26,8 @@ struct FileRays {
     std::string name;  ///< names of the files, as typed
     Format format;     ///< format in which their numbers are stored
     std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;             ///< numbers that the format cannot represent, and that were rounded
-    std::vector<RowQuality> quality = {};  ///< one for each of the request's rows, measured on every ray
+    std::uint64_t rounded = 0;              ///< numbers that the format cannot represent, and that were rounded
+    std::vector<FormQuality> quality = {};  ///< one for each of the request's forms, measured on every ray
     std::optional<FileAnswers> answers = {};
     scene::rays::RayGroup sample = {};  ///< every n-th ray, n a power of two: all, or 2049 to 4096 of them
 };
@@ -46,7 +46,7 @@ struct FileTerms {
     }
 };
 
-/// Reads the dump to its end, for the rows, requirement and limit of the request. Throws InputError as
+/// Reads the dump to its end, for the forms, requirement and limit of the request. Throws InputError as
 /// `judge::run_judge` does.
 FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request);
 

@@ -85,7 +85,7 @@ bool matches_ideal_scene(const truth::Band& stored, const truth::Band& ideal) {
 /// Result at one factor.
 struct Measurement {
     double value;
-    RowQuality quality;
+    FormQuality quality;
     bool is_ideal_scene;
 };
 /// Measures at a factor; returns nothing if the growth does not apply there.
@@ -120,7 +120,7 @@ private:
         const auto measurement = measure_at_(margin_.growth, factor);
         if (!measurement) return false;
         is_measured_ = true;
-        const RowQuality& quality = measurement->quality;
+        const FormQuality& quality = measurement->quality;
         const bool meets =
             quality.meets(requirement_) || (quality.hits == 0 && quality.decides_as_required(requirement_));
         const MarginEnd end = !measurement->is_ideal_scene ? MarginEnd::other_scene
@@ -134,7 +134,7 @@ private:
         }
         margin_.end = end;
         margin_.end_factor = factor;
-        margin_.end_quality = end == MarginEnd::fails ? quality : RowQuality{};
+        margin_.end_quality = end == MarginEnd::fails ? quality : FormQuality{};
         return false;
     }
 
@@ -151,7 +151,7 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
     const Scene& scene = larger_scene->scene;
     culling::Culler culler(scene);
     const truth::Band band(scene, 0, scene.height, request.limit, &culler);
-    const RowQuality quality = quality_on(band, tested_form, request.requirement);
+    const FormQuality quality = quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
     if (scene.inputs == scene::file::Inputs::own) return Measurement{larger_scene->value, quality, true};
     Scene ideal = scene;
@@ -166,7 +166,7 @@ std::optional<Measurement> measure_rays(const ChoiceRequest& request, const eval
     const auto stretched_rays = stretch(rays, growth, factor);
     if (!stretched_rays) return std::nullopt;
     const truth::Band band(store_in_format(stretched_rays->rays, request.rays->format.parameters), request.limit);
-    const RowQuality quality = quality_on(band, tested_form, request.requirement);
+    const FormQuality quality = quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
     return Measurement{stretched_rays->value, quality,
                        matches_ideal_scene(band, stretched_rays->rays.band(request.limit))};
@@ -212,7 +212,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_tests / tests_per_point, 64, 65536));
     const scene::file::Scene small_scene = with_smaller_picture(scene, std::min(pixels, affordable_pixels));
     const offset::OffsetStudy offset_study{.scene = small_scene,
-                                           .rows = {{tested_form}},
+                                           .tested_forms = {{tested_form}},
                                            .strategies = offset::all_strategies(),
                                            .limit = limit,
                                            .finds_quiet_offset = false};

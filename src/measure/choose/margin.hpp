@@ -46,7 +46,7 @@ struct GrowthMargin {
     double value = 0;       ///< length or angle at `holding_factor`, as in `StretchedScene`
     double end_factor = 0;  ///< least measured factor at the end; 0 if there is no end
     MarginEnd end = MarginEnd::none;
-    RowQuality end_quality{};  ///< measurements at `end_factor`, if the requirement fails there
+    FormQuality end_quality{};  ///< measurements at `end_factor`, if the requirement fails there
 };
 
 /// Finds the margin of each kind of growth that applies. Multiplies the factor until the requirement fails or the

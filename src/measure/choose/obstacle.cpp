@@ -22,9 +22,9 @@ namespace {
 constexpr std::size_t most_trial_pairs = 1 << 17, most_primitives = 1024;
 
 /// Measures the truth of the stored inputs against the truth of the ideal ones, as an answer without rounding.
-RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& tested_form,
-                         const Requirement& requirement) {
-    RowQuality quality;
+FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& tested_form,
+                          const Requirement& requirement) {
+    FormQuality quality;
     metric::Distribution lost_bits, distances;
     const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < ideal.pixels(); ++i) {
@@ -163,7 +163,7 @@ private:
 };
 
 Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form, const Requirement& requirement,
-                         const RowQuality& reached) {
+                         const FormQuality& reached) {
     using Cause = Obstacle::Cause;
     if (reached.hits == 0) return Cause::no_hit;
     if (requirement.bits > tested_form.format.parameters.precision) return Cause::width;
@@ -204,7 +204,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_distance = row_limit.distance_error;
     obstacle.inherent_kept_f64 = inherent(*band, tested_form, *find_format("f64"), request.requirement).kept_bits;
-    const RowQuality reached = quality_on(*band, tested_form, request.requirement);
+    const FormQuality reached = quality_on(*band, tested_form, request.requirement);
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
     if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, ideal, obstacle).run();

@@ -16,9 +16,9 @@ struct InputTrial {
     unsigned wide_inputs = 0;  ///< bit mask; bit k: the inputs of `input_kinds[k]` are wider
     /// Result of exact arithmetic on the inputs as stored, compared with the truth of the ideal inputs. Its kept bits
     /// count from 53.
-    RowQuality exact{};
+    FormQuality exact{};
     /// Result of the form in f64; nothing if the form does not exist in f64, or if inputs are wider than f64.
-    std::optional<RowQuality> form{};
+    std::optional<FormQuality> form{};
 
     [[nodiscard]] bool is_wide(Input input) const { return (wide_inputs >> static_cast<unsigned>(input) & 1U) != 0; }
 };
@@ -33,7 +33,7 @@ struct Obstacle {
         formula    ///< none of these: the form's own arithmetic
     };
     Cause cause = Cause::formula;
-    RowQuality exact{};        ///< exact arithmetic on the inputs as the row receives them; kept bits count from 53
+    FormQuality exact{};       ///< exact arithmetic on the inputs as the row receives them; kept bits count from 53
     double inherent_kept = 0;  ///< p − inherent_bits at the requirement's quantile: the bits that half an ulp in each
                                ///< input leaves; NaN if nothing is hit
     double inherent_kept_f64 = 0;  ///< the same for binary64

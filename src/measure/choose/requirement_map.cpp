@@ -116,16 +116,16 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
     map.pixels_cheapest = counts_of(map.cheapest, candidates.size());
     for (const MetPixels& row : met_pixels.rows) map.pixels_met.push_back(row.count());
 
-    MetPixelsByForm emulated(request, request.untimed_rows);
-    if (!request.untimed_rows.empty()) {
+    MetPixelsByForm emulated(request, request.untimed_forms);
+    if (!request.untimed_forms.empty()) {
         evaluate::MapStudy study{
-            .scene = request.scene, .rows = request.untimed_rows, .metrics = request.requirement.metrics()};
+            .scene = request.scene, .tested_forms = request.untimed_forms, .metrics = request.requirement.metrics()};
         study.limit = request.limit;
         study.progress = request.progress;
         (void)evaluate::run_map(study, emulated.show());
     }
-    std::vector<TestedForm> tested_forms = request.rows;
-    tested_forms.insert(tested_forms.end(), request.untimed_rows.begin(), request.untimed_rows.end());
+    std::vector<TestedForm> tested_forms = request.tested_forms;
+    tested_forms.insert(tested_forms.end(), request.untimed_forms.begin(), request.untimed_forms.end());
     std::vector<const MetPixels*> all_met_pixels;
     for (const MetPixels& row : met_pixels.rows) all_met_pixels.push_back(&row);
     for (const MetPixels& row : emulated.rows) all_met_pixels.push_back(&row);

@@ -34,7 +34,7 @@ private:
 struct MetPixelsByForm {
     std::vector<MetPixels> rows;
     explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& forms);
-    [[nodiscard]] evaluate::ShowRows show() { return evaluate::show_to_each(rows); }
+    [[nodiscard]] evaluate::ShowForms show() { return evaluate::show_to_each(rows); }
 };
 
 struct RequirementMap {
@@ -43,7 +43,7 @@ struct RequirementMap {
     int width = 0, height = 0;
     std::vector<int> cheapest{};    ///< by pixel, from the top left: index of the candidate, or one of the above
     std::vector<int> narrowest{};   ///< the same for indices of `formats`
-    std::vector<Format> formats{};  ///< formats in which rows compute, narrowest significand first
+    std::vector<Format> formats{};  ///< formats in which forms compute, narrowest significand first
     /// By candidate: number of pixels at which it meets the requirement, and at which it is the cheapest that does.
     std::vector<std::uint64_t> pixels_met{}, pixels_cheapest{};
     std::vector<std::uint64_t> pixels_any_form_meets{};  ///< by format: pixels at which any form meets the requirement
@@ -58,7 +58,7 @@ struct RequirementMap {
     [[nodiscard]] double least_time(const std::vector<Candidate>& candidates) const;
 };
 
-/// `met_pixels` belongs to the request's rows, in their order, and is already filled. `untimed_rows` are in
+/// `met_pixels` belongs to the request's forms, in their order, and is already filled. `untimed_forms` are in
 /// emulated formats and have no time: they are measured here, and only the members about formats depend on them.
 RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
                                   const MetPixelsByForm& met_pixels);

@@ -88,12 +88,12 @@ bool can_be_compared(const intersect::table::Intersector& form) { return is_prim
 
 void ConsistencyStudy::require() const { offset::require_few_primitives(scene); }
 
-ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row_index, RowChecks& summary) const {
-    const FormOnBand band_form(scene, rows[row_index], band);
-    ConsistencyBand result_band{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
+ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t form_index, FormChecks& summary) const {
+    const FormOnBand band_form(scene, tested_forms[form_index], band);
+    ConsistencyBand result_band{.y0 = band.y0(), .scanlines = band.scanlines(), .width = scene.width, .checks = {}};
     for (std::size_t c = 0; c < checks.size(); ++c) {
         PixelCheckResults& pixel_results = result_band.checks.emplace_back(band_form.pixels());
-        if (checks[c]->applies(scene, *rows[row_index].form)) checks[c]->measure(band_form, pixel_results);
+        if (checks[c]->applies(scene, *tested_forms[form_index].form)) checks[c]->measure(band_form, pixel_results);
         add_check(pixel_results, result_band, summary[c]);
     }
     return result_band;

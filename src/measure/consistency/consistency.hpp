@@ -41,22 +41,22 @@ LOSTBITS_FIELDS(FirstDisagreement, x, y, rays)
 LOSTBITS_FIELDS(CheckSummary, counts, apart, excess, first_disagreement)
 
 /// One summary for each check of the request. A check that does not apply has only `not_asked` pixels.
-using RowChecks = std::vector<CheckSummary>;
+using FormChecks = std::vector<CheckSummary>;
 
 /// Results of a row on some scanlines, one element for each check of the request.
 struct ConsistencyBand {
-    int y0 = 0, rows = 0, width = 0;
+    int y0 = 0, scanlines = 0, width = 0;
     std::vector<PixelCheckResults> checks;
 };
 
 /// A study, see measure/study/study.hpp.
 struct ConsistencyStudy {
     using Band = ConsistencyBand;
-    using Summary = RowChecks;
+    using Summary = FormChecks;
     static constexpr int pixels_together = 1;  ///< few, so that the rays of a band stay in the cache
 
     const scene::file::Scene& scene;
-    std::vector<evaluate::TestedForm> rows;  ///< with forms of primitives
+    std::vector<evaluate::TestedForm> tested_forms;  ///< with forms of primitives
     std::vector<const Check*> checks;
     truth::ProofLimit limit{};
     shard::Share share = {};
@@ -64,12 +64,12 @@ struct ConsistencyStudy {
 
     /// Throws InputError for a scene with too many primitives.
     void require() const;
-    [[nodiscard]] RowChecks begin(std::size_t) const { return RowChecks(checks.size()); }
+    [[nodiscard]] FormChecks begin(std::size_t) const { return FormChecks(checks.size()); }
     [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
-    ConsistencyBand measure(const truth::Band& band, std::size_t row_index, RowChecks& summary) const;
+    ConsistencyBand measure(const truth::Band& band, std::size_t form_index, FormChecks& summary) const;
 };
 
-/// Returns those of the candidates that apply to at least one of the rows on a scene.
+/// Returns those of the candidates that apply to at least one of the forms on a scene.
 std::vector<const Check*> checks_for(const scene::file::Scene& scene,
                                      const std::vector<evaluate::TestedForm>& tested_forms,
                                      std::vector<const Check*> candidates = all_checks());

@@ -8,7 +8,7 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::measure::contract {
 namespace {
@@ -54,7 +54,7 @@ std::string name_counted_rays(const std::string& where, std::uint64_t sampled, s
                               const std::string& counted_rays_text, const std::string& suspicion) {
     if (suspicion.empty()) return "";
     const std::string rays =
-        sampled >= total ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
+        sampled >= total ? fmt::format("on all {} of {}: ", text::count_with_noun(total, "ray"), where)
                          : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, counted_rays_text);
     return rays + suspicion;
 }

@@ -333,7 +333,7 @@ private:
         truth::Band band(std::move(group), request_.limit, &culler);
         const auto inputs = band.inputs_for(tested_form_.format, *tested_form_.form->info);
         evaluate::FormSummary summary(metrics_);
-        evaluate::measure_row({tested_form_, metrics_, show}, band, inputs, summary);
+        evaluate::measure_form({tested_form_, metrics_, show}, band, inputs, summary);
     }
 
     const EdgeRequest& request_;
@@ -352,11 +352,11 @@ private:
 
 std::vector<EdgeFinding> search_edges(const EdgeRequest& request) {
     const SearchedMesh mesh(request.search.scene);
-    const auto units = request.share.unit_range(request.rows.size());
+    const auto units = request.share.unit_range(request.tested_forms.size());
     std::vector<EdgeFinding> findings(units.size());
     intersect::process::in_parallel(std::size_t{0}, findings.size() * progress_units_per_row, [&](std::size_t k) {
         const std::size_t form_index = k / progress_units_per_row, unit = k % progress_units_per_row;
-        EdgeSearch search(request, mesh, request.rows[units.first + form_index]);
+        EdgeSearch search(request, mesh, request.tested_forms[units.first + form_index]);
         if (unit == searched_outcomes.size()) search.run_census(findings[form_index]);
         else if (!request.census_only) search.find_outcome(findings[form_index], unit);
         request.progress(1);

@@ -46,9 +46,9 @@ struct EdgeFinding {
 
 struct EdgeRequest {
     scene::sweep::EdgeSearchFile search;
-    std::vector<evaluate::TestedForm> rows;  ///< with forms for triangles
+    std::vector<evaluate::TestedForm> tested_forms;  ///< with forms for triangles
     truth::ProofLimit limit{};
-    shard::Share share = {};   ///< share of the rows
+    shard::Share share = {};   ///< share of the tested forms
     bool census_only = false;  ///< runs the census, but does not search for the nearest ray
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

@@ -23,7 +23,7 @@ std::vector<const Metric*> order_culprits(const MapStudy& request, metric::Metri
     if (culprit == request.metrics.end()) return request.metrics;
     const Scene small = small_picture_of(*request.scene, 96);
     const auto summaries =
-        run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit});
+        run_map({.scene = &small, .tested_forms = request.tested_forms, .metrics = {*culprit}, .limit = request.limit});
     const auto categories = (*culprit)->categories;
     std::vector<std::uint64_t> total(categories.size());
     for (const FormSummary& s : summaries)

@@ -167,7 +167,7 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& tested_f
                   const std::vector<const Metric*>& metrics, const std::vector<FormSummary*>& summaries) {
     const SharedBandTruth shared(band, tested_forms, metrics);
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
-        measure_row({tested_forms[r], metrics, {}, group}, shared.inputs_of(tested_forms[r]), *summaries[r]);
+        measure_form({tested_forms[r], metrics, {}, group}, shared.inputs_of(tested_forms[r]), *summaries[r]);
 }
 
 /// Measures rows on the rays of one group, into the summaries with the same indices.
@@ -177,7 +177,7 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
     for (const FormsOfGenerator& forms : group_by_generator(tested_forms)) {
         std::vector<TestedForm> generator_rows;
         std::vector<FormSummary*> row_summaries;
-        for (const std::size_t r : forms.rows)
+        for (const std::size_t r : forms.form_indices)
             generator_rows.push_back(tested_forms[r]), row_summaries.push_back(summaries[r]);
         if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;

@@ -32,7 +32,7 @@ struct TestedForm {
     friend bool operator==(const TestedForm&, const TestedForm&) = default;
 };
 
-/// Forms of the rows, each once, in their order.
+/// The forms of the tested forms, each once, in their order.
 std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& tested_forms);
 
 /// A ray that a summary names, with all inputs for evaluating the form again.
@@ -99,7 +99,7 @@ struct FormSummary {
 
 /// Results of a row over some scanlines.
 struct BandResult {
-    int y0, rows, width;
+    int y0, scanlines, width;
     const truth::Band* band;
     const truth::FormatInputs* inputs;
     const answer::Answers* answers;
@@ -113,18 +113,18 @@ struct BandResult {
 };
 
 /// Receives a row's results (for files, plots, tests); may be empty. It is called for each band from top to bottom, one
-/// band after another for one row. The results of different rows may be shown at the same time.
+/// band after another for one form. The results of different forms may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
-/// Receives the results of all rows, each with the index of its row.
-using ShowRows = std::function<void(std::size_t row_index, const BandResult&)>;
+/// Receives the results of all tested forms, each with the index of its form.
+using ShowForms = std::function<void(std::size_t form_index, const BandResult&)>;
 /// Passes the bands of row i to the function `add_band` of readers[i]. The readers must outlive the result.
 template <class Readers>
-ShowRows show_to_each(Readers& readers) {
-    return [&readers](std::size_t row_index, const BandResult& result) { readers.at(row_index).add_band(result); };
+ShowForms show_to_each(Readers& readers) {
+    return [&readers](std::size_t form_index, const BandResult& result) { readers.at(form_index).add_band(result); };
 }
 
 /// Metrics and receiver of one row.
-struct RowRequest {
+struct FormRequest {
     const TestedForm& row;
     const std::vector<const metric::Metric*>& metrics;
     Show show = {};
@@ -136,8 +136,8 @@ struct RowRequest {
 
 /// Evaluates a row on a band and adds the results to `summary`, which must be made for these metrics. `inputs` are the
 /// band's inputs in the row's format.
-void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
-                 FormSummary& summary);
+void measure_form(const FormRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
+                  FormSummary& summary);
 
 /// Measures every row over all groups of rays; one summary for each row, with sealed distributions.
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups,

@@ -23,8 +23,8 @@ public:
     /// Limit on the number of values. A column with more values identifies rays instead of grouping them.
     static constexpr std::size_t max_values = 4096;
 
-    /// Makes the group of a new value, with an empty summary of these metrics for each row. Throws InputError for more
-    /// than `max_values` values.
+    /// Makes the group of a new value, with an empty summary of these metrics for each tested form. Throws InputError
+    /// for more than `max_values` values.
     void add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics);
     /// Group of a value that was added. May be called by several threads at once.
     [[nodiscard]] Group& at(const std::string& value) { return all_[index_of(value)]; }

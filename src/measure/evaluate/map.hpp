@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "measure/study/study.hpp"
 
 namespace lostbits::measure::evaluate {
@@ -13,7 +13,7 @@ namespace lostbits::measure::evaluate {
 /// Rows with the same ray generator; null: rays as the scene makes them.
 struct FormsOfGenerator {
     const scene::camera::RayGenerator* generator;
-    std::vector<std::size_t> rows;  ///< indices in the list of all rows
+    std::vector<std::size_t> form_indices;  ///< indices in the list of all tested forms
 };
 std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& tested_forms);
 
@@ -24,7 +24,7 @@ struct MapStudy {
     static constexpr int pixels_together = study::pixels_of_band;
 
     const scene::file::Scene* scene = nullptr;
-    std::vector<TestedForm> rows;
+    std::vector<TestedForm> tested_forms;
     std::vector<const metric::Metric*> metrics;
     truth::ProofLimit limit{};
     /// Receives the number of truths that each stage settled; may be null.
@@ -34,14 +34,14 @@ struct MapStudy {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     static void require() {}
-    /// The scene, or the scene with the rays of a generator, for each generator among the rows.
-    [[nodiscard]] std::vector<study::RowsOfScene> scenes() const;
+    /// The scene, or the scene with the rays of a generator, for each generator among the forms.
+    [[nodiscard]] std::vector<study::FormsOfScene> scenes() const;
     [[nodiscard]] FormSummary begin(std::size_t) const { return FormSummary(metrics); }
-    [[nodiscard]] SharedBandTruth prepare(truth::Band& band, const std::vector<std::size_t>& row_indices) const;
-    void measure(const SharedBandTruth& shared, std::size_t row_index, FormSummary& summary, const Show& show) const;
+    [[nodiscard]] SharedBandTruth prepare(truth::Band& band, const std::vector<std::size_t>& form_indices) const;
+    void measure(const SharedBandTruth& shared, std::size_t form_index, FormSummary& summary, const Show& show) const;
 };
 
 /// Measures a map, or the share of one. The distributions are not sealed: a requirement may ask for any quantile.
-std::vector<FormSummary> run_map(const MapStudy& map, const ShowRows& show = {});
+std::vector<FormSummary> run_map(const MapStudy& map, const ShowForms& show = {});
 
 }  // namespace lostbits::measure::evaluate

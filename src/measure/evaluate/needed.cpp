@@ -151,15 +151,15 @@ double PrecisionCounts::quantile(double q) const {
 
 std::uint64_t BitsNeededStudy::units() const {
     constexpr std::uint64_t precisions = most_precision - least_precision + 1;
-    return scene.pixels() * rows.size() * precisions;
+    return scene.pixels() * tested_forms.size() * precisions;
 }
 
 std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) const {
     std::vector<BitsNeededBand> results;
-    for (const intersect::table::Intersector* form : rows) {
-        const int picture_width = static_cast<int>(band.pixels()) / std::max(1, band.rows());
+    for (const intersect::table::Intersector* form : tested_forms) {
+        const int picture_width = static_cast<int>(band.pixels()) / std::max(1, band.scanlines());
         results.push_back({.y0 = band.y0(),
-                           .rows = band.rows(),
+                           .scanlines = band.scanlines(),
                            .width = picture_width,
                            .band = &band,
                            .form = form->info,
@@ -174,10 +174,11 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
             const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(precision)),
                                                     {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
-                test_precision(scans[s], *rows[scans[s].form], inputs, bits, results[scans[s].form]);
+                test_precision(scans[s], *tested_forms[scans[s].form], inputs, bits, results[scans[s].form]);
             });
         }
-        if (precision > least_precision) progress(band.pixels() * rows.size());  // the driver counts the last one
+        if (precision > least_precision)
+            progress(band.pixels() * tested_forms.size());  // the driver counts the last one
     }
     for (const Scan& s : scans) {
         for (const std::uint32_t i : s.pixels) results[s.form].bits_needed[i] = least_precision;
@@ -185,9 +186,9 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
     return results;
 }
 
-void BitsNeededStudy::measure(const std::vector<BitsNeededBand>& bands, std::size_t row_index,
+void BitsNeededStudy::measure(const std::vector<BitsNeededBand>& bands, std::size_t form_index,
                               BitsNeededSummary& summary, const std::function<void(const BitsNeededBand&)>& show) {
-    const BitsNeededBand& band = bands[row_index];
+    const BitsNeededBand& band = bands[form_index];
     for (std::size_t i = 0; i < band.bits_needed.size(); ++i) summary.add(band.truth(i), band.bits_needed[i]);
     show(band);
 }

@@ -60,7 +60,7 @@ struct BitsNeededSummary {
 
 /// Results of a form over some scanlines.
 struct BitsNeededBand {
-    int y0, rows, width;
+    int y0, scanlines, width;
     const truth::Band* band;
     const intersect::Info* form;
     std::vector<double>
@@ -86,8 +86,8 @@ struct BitsNeededStudy {
     static constexpr int pixels_together = study::pixels_of_band;
 
     const scene::file::Scene& scene;
-    std::vector<const intersect::table::Intersector*> rows;  ///< each with `rounded` kernels
-    int bits = 12;                                           ///< B, 1 to 52
+    std::vector<const intersect::table::Intersector*> tested_forms;  ///< each with `rounded` kernels
+    int bits = 12;                                                   ///< B, 1 to 52
     truth::ProofLimit limit{};
     shard::Share share = {};
     /// Called with the number of (pixel, form, precision) triples done, `units()` in all; may throw to stop.
@@ -97,9 +97,9 @@ struct BitsNeededStudy {
 
     static void require() {}
     [[nodiscard]] static BitsNeededSummary begin(std::size_t) { return {}; }
-    /// All rows of a band. They are scanned together, since the inputs of a precision serve every form.
+    /// All forms on a band. They are scanned together, since the inputs of a precision serve every form.
     [[nodiscard]] std::vector<BitsNeededBand> prepare(const truth::Band& band) const;
-    static void measure(const std::vector<BitsNeededBand>& bands, std::size_t row_index, BitsNeededSummary& summary,
+    static void measure(const std::vector<BitsNeededBand>& bands, std::size_t form_index, BitsNeededSummary& summary,
                         const std::function<void(const BitsNeededBand&)>& show);
 };
 

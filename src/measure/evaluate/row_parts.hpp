@@ -9,7 +9,7 @@
 #include "measure/answer/outcome.hpp"
 #include "measure/columns/columns.hpp"
 #include "measure/evaluate/evaluate.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -67,7 +67,7 @@ private:
 class RowSums {
 public:
     /// `ulps`: the ulp_error of each ray, NaN for all but correct hits.
-    RowSums(const RowRequest& request, const BandResult& result, const columns::TrueLengths& truth, const double* ulps)
+    RowSums(const FormRequest& request, const BandResult& result, const columns::TrueLengths& truth, const double* ulps)
         : request_(request), row_(request.row), result_(result), truth_(truth), ulps_(ulps) {}
 
     /// Keeps the first of the rays with the largest error; `largest` is the largest |ulps|.
@@ -82,7 +82,7 @@ private:
     [[nodiscard]] WorstRay ray_with_inputs(std::size_t i, answer::Outcome outcome) const;
     [[nodiscard]] WorstRay worst_hit(std::size_t i) const;
 
-    const RowRequest& request_;
+    const FormRequest& request_;
     const TestedForm& row_;
     const BandResult& result_;
     const columns::TrueLengths& truth_;

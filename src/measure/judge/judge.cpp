@@ -14,11 +14,11 @@
 #include "intersect/table/union_field.hpp"
 #include "measure/culling/box_tree.hpp"
 #include "measure/culling/culling.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "measure/study/bands.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_parser.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -57,10 +57,9 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void throw_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                                    const char* count_phrase) {
-    throw InputError(dump.name() + ": the file " + count_phrase + " " +
-                     scene::toml::count_with_noun(result.rays, "ray") + ", but a picture of " +
-                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
-                     std::to_string(pixels_of(request)) +
+    throw InputError(dump.name() + ": the file " + count_phrase + " " + text::count_with_noun(result.rays, "ray") +
+                     ", but a picture of " + std::to_string(request.picture->first) + "x" +
+                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
                      " pixels; give --size as columns x rows, with one pixel for each ray");
 }
 
@@ -72,14 +71,14 @@ public:
         : dump_(dump),
           request_(request),
           show_(show),
-          file_row_index_(request.file_row_index()),
+          file_form_index_(request.file_form_index()),
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
-        if (file_row_index_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
+        if (file_form_index_ && dump.layout().decides_only() && file_form().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
         const bool has_own_primitives = dump.layout().primitive() || dump.layout().has_matrix();
         if (!has_own_primitives) dump.number_primitives(primitives_.size());
         if (!has_own_primitives && request.mesh) culler_.emplace(primitives_);
-        for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
+        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
     JudgeResult run() {
@@ -107,7 +106,7 @@ public:
     }
 
 private:
-    [[nodiscard]] const TestedForm& file_row() const { return request_.rows[*file_row_index_]; }
+    [[nodiscard]] const TestedForm& file_form() const { return request_.tested_forms[*file_form_index_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
     [[noreturn]] void throw_wrong_size(const char* count_phrase) const {
         lostbits::measure::judge::throw_wrong_size(dump_, request_, result_, count_phrase);
@@ -163,8 +162,8 @@ private:
         group.march = request_.march;
         if (group.mesh && culler_) piece.culler = std::make_unique<culling::Culler>(*culler_, group.rays);
         piece.band = std::make_unique<Band>(std::move(group), request_.limit, piece.culler.get());
-        piece.shared.emplace(*piece.band, request_.rows, request_.metrics);
-        if (file_row_index_) piece.answers = answers_of(piece);
+        piece.shared.emplace(*piece.band, request_.tested_forms, request_.metrics);
+        if (file_form_index_) piece.answers = answers_of(piece);
     }
 
     /// Primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
@@ -179,7 +178,7 @@ private:
         const Chunk& chunk = piece.chunk;
         answer::Answers answers{chunk.t, chunk.hit, std::vector<std::int32_t>(chunk.size(), -1)};
         for (double& t : answers.t) t = t == t ? t : missing;
-        const bool may_be_behind = file_row().form->info->inside == intersect::Inside::near;
+        const bool may_be_behind = file_form().form->info->inside == intersect::Inside::near;
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if (may_be_behind && answers.t[i] < 0) answers.hit[i] = 0, answers.t[i] = 0;
             if (answers.hit[i] != 0) answers.object[i] = object_of(piece, i);
@@ -194,7 +193,7 @@ private:
         if (!chunk.primitives.empty()) return static_cast<std::int32_t>(i);
         if (primitives_.size() == 1) return 0;
         if (!chunk.object.empty() && chunk.object[i] >= 0) return chunk.object[i];
-        const truth::Truth& truth = piece.band->truth(i, file_row().convention());
+        const truth::Truth& truth = piece.band->truth(i, file_form().convention());
         if (truth.is_hit()) return truth.primitive;
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
         const auto distance = [this, &p](std::size_t s) {
@@ -226,21 +225,21 @@ private:
         if (request_.stages) *request_.stages += piece.band->stages();
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         const auto rays_by_value = group_rays(chunk);
-        intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
-            const TestedForm& tested_form = request_.rows[r];
+        intersect::process::in_parallel(std::size_t{0}, request_.tested_forms.size(), [&](std::size_t r) {
+            const TestedForm& tested_form = request_.tested_forms[r];
             evaluate::Show show;
             if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
             std::vector<evaluate::RaySubset> parts;
             for (const auto& [value, rays] : rays_by_value)
                 parts.push_back({rays, &result_.groups.at(value).summaries[r]});
-            evaluate::measure_row({.row = tested_form,
-                                   .metrics = request_.metrics,
-                                   .show = show,
-                                   .first = first,
-                                   .answers = request_.is_file_row(tested_form) ? &piece.answers : nullptr},
-                                  piece.shared->inputs_of(tested_form), result_.summaries[r], parts);
+            evaluate::measure_form({.row = tested_form,
+                                    .metrics = request_.metrics,
+                                    .show = show,
+                                    .first = first,
+                                    .answers = request_.is_file_form(tested_form) ? &piece.answers : nullptr},
+                                   piece.shared->inputs_of(tested_form), result_.summaries[r], parts);
         });
-        if (file_row_index_) add_first_samples(piece);
+        if (file_form_index_) add_first_samples(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
@@ -251,7 +250,7 @@ private:
         auto values = evaluate::group_by_value(std::span(chunk.kept).subspan(*request_.group_column), columns);
         try {
             for (const auto& rays_of_value : values)
-                result_.groups.add(rays_of_value.value, request_.rows.size(), request_.metrics);
+                result_.groups.add(rays_of_value.value, request_.tested_forms.size(), request_.metrics);
         } catch (const InputError& e) {
             throw InputError(dump_.name() + ": " + dump_.layout().kept()[*request_.group_column] + " has " + e.what());
         }
@@ -259,7 +258,7 @@ private:
     }
 
     void add_first_samples(const Piece& piece) {
-        const TestedForm& tested_form = file_row();
+        const TestedForm& tested_form = file_form();
         const FormatInputs& inputs = piece.shared->inputs_of(tested_form).inputs;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < most_first_rays; ++i) {
             const truth::Truth truth = piece.band->truth(i, tested_form.convention());
@@ -275,7 +274,7 @@ private:
     Dump& dump_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
-    std::optional<std::size_t> file_row_index_;      ///< index of the row of the file's answers
+    std::optional<std::size_t> file_form_index_;     ///< index of the row of the file's answers
     scene::rays::PrimitiveList<double> primitives_;  ///< primitives of all rays
     std::optional<culling::Culler> culler_ = {};     ///< index over the primitives of all rays, if they have a mesh
     std::uint64_t pieces_read_ = 0;                  ///< number of pieces read
@@ -301,10 +300,11 @@ void JudgeResult::append(JudgeResult&& next) {
     groups.append(std::move(next.groups));
 }
 
-std::optional<std::size_t> JudgeRequest::file_row_index() const {
+std::optional<std::size_t> JudgeRequest::file_form_index() const {
     const auto found =
-        std::ranges::find_if(rows, [this](const TestedForm& tested_form) { return is_file_row(tested_form); });
-    return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
+        std::ranges::find_if(tested_forms, [this](const TestedForm& tested_form) { return is_file_form(tested_form); });
+    return found == tested_forms.end() ? std::nullopt
+                                       : std::optional(static_cast<std::size_t>(found - tested_forms.begin()));
 }
 
 std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file) const {

@@ -41,7 +41,7 @@ struct JudgeRequest {
     std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     std::optional<intersect::MarchConstants<double>> march = {};
-    std::vector<evaluate::TestedForm> rows = {};
+    std::vector<evaluate::TestedForm> tested_forms = {};
     /// Form of the file's answers (`FileForm`); null if the file has none.
     const intersect::table::Intersector* file_answers_form = nullptr;
     std::vector<const metric::Metric*> metrics = {};
@@ -55,17 +55,17 @@ struct JudgeRequest {
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
-    [[nodiscard]] bool is_file_row(const evaluate::TestedForm& tested_form) const {
+    [[nodiscard]] bool is_file_form(const evaluate::TestedForm& tested_form) const {
         return tested_form.form == file_answers_form;
     }
     /// Index of the row of the file's answers, if there is one.
-    [[nodiscard]] std::optional<std::size_t> file_row_index() const;
+    [[nodiscard]] std::optional<std::size_t> file_form_index() const;
 };
 
 /// Receives the results of a row for some rays, with the file's record of these rays. Called in order for each row;
-/// different rows may be shown at the same time.
+/// different forms may be shown at the same time.
 using ShowJudged =
-    std::function<void(std::size_t row_index, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
+    std::function<void(std::size_t form_index, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row

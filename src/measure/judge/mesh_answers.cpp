@@ -8,7 +8,7 @@
 #include "measure/culling/culling.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/error.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -182,7 +182,7 @@ std::uint64_t MeshAnswersResult::faults() const {
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file) {
     if (mesh.edges.odd == 0) return;
     throw InputError(file + ": has a column inside, but the mesh is not closed: " +
-                     scene::toml::count_with_noun(mesh.edges.odd, "edge has", "edges have") +
+                     text::count_with_noun(mesh.edges.odd, "edge has", "edges have") +
                      " an odd number of faces, so no point is inside or outside; close the mesh, or judge crossings of "
                      "rays");
 }

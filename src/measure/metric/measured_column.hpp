@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -28,7 +28,7 @@ const MeasuredColumn<Args...>& column_named(std::span<const MeasuredColumn<Args.
         if (column.name == name) return column;
         names.emplace_back(column.name);
     }
-    throw InputError(where + ": unknown metric \"" + name + "\"; " + scene::toml::did_you_mean(name, names));
+    throw InputError(where + ": unknown metric \"" + name + "\"; " + text::did_you_mean(name, names));
 }
 
 }  // namespace lostbits::measure::metric

@@ -6,7 +6,7 @@
 
 #include "measure/metric/values.hpp"
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -84,17 +84,16 @@ void require_known_label(const Metric& metric, const std::vector<const Intersect
         labels.assign(intersect::transform::step_names.begin(), intersect::transform::step_names.end());
         const std::string label(metric.label);
         throw InputError("--metric " + std::string(metric.name) + ": no step is named \"" + label + "\"; " +
-                         scene::toml::did_you_mean(label, labels));
+                         text::did_you_mean(label, labels));
     }
     for (const Intersector* form : forms) {
         for (const std::string_view label : attribution::labels_of(*form, setting)) add_once(labels, label);
     }
     if (std::ranges::find(labels, metric.label) != labels.end()) return;
     const std::string label(metric.label);
-    throw InputError("--metric " + std::string(metric.name) + ": no selected form has an operation named \"" + label +
-                     "\"; " +
-                     (labels.empty() ? "none of the selected forms names its operations"
-                                     : scene::toml::did_you_mean(label, labels)));
+    throw InputError(
+        "--metric " + std::string(metric.name) + ": no selected form has an operation named \"" + label + "\"; " +
+        (labels.empty() ? "none of the selected forms names its operations" : text::did_you_mean(label, labels)));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ enum class Ramp { lost, kept, magnitude, categories };
 
 /// The rays on which a metric is measured. `marches`: every ray of the forms that march, whatever its outcome. `every`:
 /// every ray, whatever its outcome. `blamed`: correct hits, false hits and false misses. `pairs`: every ray of the rows
-/// that are compared with another form, whatever the truth; `measure_row` itself measures them.
+/// that are compared with another form, whatever the truth; `measure_form` itself measures them.
 enum class MetricDomain { agreed_hits, marches, every, blamed, pairs };
 
 /// The vectorised kernel of measure/columns that computes a metric for most rays. For the other rays, `value` computes

@@ -18,7 +18,7 @@
 #include "measure/columns/raw_columns.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/error_free.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -207,12 +207,10 @@ struct Agreement {
         return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
     }
     /// Text beside a quantile: `of 55 agreed hits`.
-    [[nodiscard]] std::string of_agreed_hits() const {
-        return "of " + scene::toml::count_with_noun(agreed, "agreed hit");
-    }
+    [[nodiscard]] std::string of_agreed_hits() const { return "of " + text::count_with_noun(agreed, "agreed hit"); }
     /// Text in place of a withheld quantile: `55 of 16384 hits agree`.
     [[nodiscard]] std::string too_few() const {
-        return std::to_string(agreed) + " of " + scene::toml::count_with_noun(true_hits, "hit") +
+        return std::to_string(agreed) + " of " + text::count_with_noun(true_hits, "hit") +
                (agreed == 1 ? " agrees" : " agree");
     }
 };

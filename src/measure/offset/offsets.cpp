@@ -22,17 +22,17 @@ namespace {
 /// Measures one row on one band.
 class OffsetMeasurement {
 public:
-    OffsetMeasurement(const OffsetStudy& study, const OffsetRow& offset_row, const Band& band)
+    OffsetMeasurement(const OffsetStudy& study, const OffsetForm& offset_form, const Band& band)
         : study_(study),
-          row_(offset_row),
-          inputs_(band.inputs_for(offset_row.tested_form.format, *offset_row.tested_form.form->info)),
-          answers_(answer::evaluate(*offset_row.tested_form.form, inputs_)),
-          tree_(tree_of(band, offset_row.tested_form.format.parameters, inputs_.primitives)),
+          row_(offset_form),
+          inputs_(band.inputs_for(offset_form.tested_form.format, *offset_form.tested_form.form->info)),
+          answers_(answer::evaluate(*offset_form.tested_form.form, inputs_)),
+          tree_(tree_of(band, offset_form.tested_form.format.parameters, inputs_.primitives)),
           work_(row_.tested_form, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
         const std::size_t pixel_count = band.pixels(), strategy_count = study.strategies.size();
         result_.y0 = band.y0();
-        result_.rows = band.rows();
+        result_.scanlines = band.scanlines();
         result_.width = study.scene.width;
         result_.strategy_count = strategy_count;
         result_.is_point.assign(pixel_count, 0);
@@ -140,7 +140,7 @@ private:
     }
 
     const OffsetStudy& study_;
-    const OffsetRow& row_;
+    const OffsetForm& row_;
     truth::FormatInputs inputs_;
     answer::Answers answers_;
     std::shared_ptr<const culling::BoxTree> tree_;
@@ -195,8 +195,8 @@ OffsetSummary OffsetStudy::begin(std::size_t) const {
     return summary;
 }
 
-OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const {
-    OffsetMeasurement measurement(*this, rows[row_index], band);
+OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t form_index, OffsetSummary& summary) const {
+    OffsetMeasurement measurement(*this, tested_forms[form_index], band);
     measurement.measure();
     measurement.add_to(summary);
     return measurement.take_result();

@@ -65,10 +65,10 @@ LOSTBITS_FIELDS(SideSummary, rays, already_safe_points, never_safe_points, never
                 quiet_offset, strategies)
 
 /// A form in a format, and the kind of its hit points.
-struct OffsetRow {
+struct OffsetForm {
     evaluate::TestedForm tested_form;
     HitPointKind point_kind = HitPointKind::computed;
-    friend bool operator==(const OffsetRow&, const OffsetRow&) = default;
+    friend bool operator==(const OffsetForm&, const OffsetForm&) = default;
 };
 
 struct OffsetSummary {
@@ -87,7 +87,7 @@ LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)
 /// Results of a row over some scanlines, pixel by pixel. A pixel with `is_point` set has results for both sides, and
 /// for each strategy to the outside and then to the inside.
 struct OffsetBand {
-    int y0 = 0, rows = 0, width = 0;
+    int y0 = 0, scanlines = 0, width = 0;
     std::vector<std::uint8_t> is_point;
     std::vector<std::int32_t> primitive;  ///< index of the primitive; −1 where there is no point
     std::vector<double> ulp;              ///< ulp of max |p|
@@ -107,7 +107,7 @@ struct OffsetStudy {
     static constexpr int pixels_together = 1;  ///< few, because every pixel takes some kilobytes
 
     const scene::file::Scene& scene;
-    std::vector<OffsetRow> rows;  ///< rows whose forms are of primitives and report t
+    std::vector<OffsetForm> tested_forms;  ///< their forms are of primitives and report t
     std::vector<const Strategy*> strategies;
     truth::ProofLimit limit{};
     /// True to search for the smallest quiet offset as well, which takes as long as all the rest.
@@ -117,9 +117,9 @@ struct OffsetStudy {
 
     /// Throws InputError for a scene with too many primitives.
     void require() const;
-    [[nodiscard]] OffsetSummary begin(std::size_t row_index) const;
+    [[nodiscard]] OffsetSummary begin(std::size_t form_index) const;
     [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
-    OffsetBand measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const;
+    OffsetBand measure(const truth::Band& band, std::size_t form_index, OffsetSummary& summary) const;
 };
 
 /// Returns the forms that are measured if the user names none: one for each shape, in the order of the shapes.

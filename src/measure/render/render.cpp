@@ -84,7 +84,7 @@ public:
           pixel_count_(shared.band.pixels()),
           rays_(inputs_.geometry.rays_for(*tested_form.form->info)),
           result_{shared.band.y0(),
-                  shared.band.rows(),
+                  shared.band.scanlines(),
                   inputs_.geometry.rays.width,
                   answer::evaluate(*tested_form.form, inputs_.geometry),
                   shared.truth,
@@ -278,21 +278,22 @@ RenderStudy::Summary RenderStudy::begin(std::size_t) const {
 
 SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     std::map<std::string, truth::BandNeeds> needs;
-    for (const TestedForm& tested_form : rows)
+    for (const TestedForm& tested_form : tested_forms)
         needs[tested_form.format.name].unit_rays |= tested_form.form->info->direction == intersect::Direction::unit;
     SharedRenderInputs shared{
         band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
     for (const auto& [name, format_needs] : needs) {
         const Format format = *find_format(name);
         shared.inputs.emplace(
-            name, FormatRenderInputs{band.inputs(format, format_needs), input_appearance(scene, format.parameters),
-                                     input_pixel_points(scene, band.y0(), band.y0() + band.rows(), format.parameters)});
+            name,
+            FormatRenderInputs{band.inputs(format, format_needs), input_appearance(scene, format.parameters),
+                               input_pixel_points(scene, band.y0(), band.y0() + band.scanlines(), format.parameters)});
     }
     return shared;
 }
 
-RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t row_index, Summary& summary) const {
-    RenderBand result = RowRenderer(*this, rows[row_index], shared).render();
+RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t form_index, Summary& summary) const {
+    RenderBand result = RowRenderer(*this, tested_forms[form_index], shared).render();
     for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(result, s, shared.appearance, summary[s]);
     return result;
 }

@@ -59,7 +59,7 @@ std::uint8_t byte_of(double channel);
 
 /// Picture of one form in one format over some scanlines.
 struct RenderBand {
-    int y0, rows, width;
+    int y0, scanlines, width;
     answer::Answers answers;
     std::span<const TruePixel> truth;
     std::vector<SeenContent> seen;
@@ -125,7 +125,7 @@ struct FormatRenderInputs {
     std::vector<Vec<double>> points;  ///< points of the pixels in the plane z = 0; empty under other cameras
 };
 
-/// Inputs that all rows share on a band.
+/// Inputs that all forms share on a band.
 struct SharedRenderInputs {
     const truth::Band& band;
     std::vector<TruePixel> truth;
@@ -141,15 +141,15 @@ struct RenderStudy {
 
     const scene::file::Scene& scene;         ///< a scene of spheres
     std::vector<scene::file::Stage> stages;  ///< in rising order, only stages that the scene asks for
-    std::vector<evaluate::TestedForm> rows;
+    std::vector<evaluate::TestedForm> tested_forms;
     PictureLimit limit{};
     shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     void require() const {}
-    [[nodiscard]] Summary begin(std::size_t row_index) const;
+    [[nodiscard]] Summary begin(std::size_t form_index) const;
     [[nodiscard]] SharedRenderInputs prepare(const truth::Band& band) const;
-    RenderBand measure(const SharedRenderInputs& shared, std::size_t row_index, Summary& summary) const;
+    RenderBand measure(const SharedRenderInputs& shared, std::size_t form_index, Summary& summary) const;
 };
 
 }  // namespace lostbits::measure::render

@@ -54,8 +54,8 @@ StoredAppearance<double> shared_appearance(const scene::file::Appearance& appear
 /// Returns light and paint as a form in the format receives them, like `scene::rays::input_rays`.
 StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& format);
 
-/// Returns the points of the pixels of rows [y0, y1) in the plane z = 0, or nothing if the camera does not have its
-/// pixels there. S is as in `StoredAppearance`.
+/// Returns the points of the pixels of scanlines [y0, y1) in the plane z = 0, or nothing if the camera does not have
+/// its pixels there. S is as in `StoredAppearance`.
 template <class S>
 std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
 /// Returns these points as a form in the format receives them.

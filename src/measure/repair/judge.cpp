@@ -12,7 +12,7 @@
 #include "intersect/transform/transform_method.hpp"
 #include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/chunk.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "measure/study/bands.hpp"
 #include "number/error.hpp"
 
@@ -80,7 +80,7 @@ std::optional<answer::Answers> evaluate_candidate_pairs(const TapeForm& form, co
 
 /// Quality of a form, and whether its answers are those of a tape, to the bit.
 struct Comparison {
-    RowQuality quality;
+    FormQuality quality;
     bool is_same;
 };
 Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
@@ -106,7 +106,7 @@ public:
     Part(const RepairRequest& request, const choose::IdealRays& rays)
         : band(rays.band(request.limit)), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
 
-    [[nodiscard]] evaluate::RowInputs rows() const { return shared_.inputs_of(row_); }
+    [[nodiscard]] evaluate::FormInputs rows() const { return shared_.inputs_of(row_); }
 
     truth::Band band;
 
@@ -143,12 +143,13 @@ void Judge::for_each_part(const std::function<void(const Part&)>& action) {
     for (std::size_t k = 0; k < bands.size(); ++k) action(Part(request_, bands, k, *culler_));
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowRows& show) {
+std::vector<FormQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms,
+                                           const evaluate::ShowForms& show) {
     return quality_of(tested_forms, show, {});
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowRows& show,
-                                          const std::vector<std::unique_ptr<TapeForm>>& tapes) {
+std::vector<FormQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowForms& show,
+                                           const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.requirement.metrics();
     std::vector<evaluate::FormSummary> summaries;
     for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
@@ -157,20 +158,20 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_
             request_.limit.stop.check();
             const auto candidate_answers =
                 tapes.empty() ? std::nullopt : evaluate_candidate_pairs(*tapes[r], part.rows().inputs);
-            evaluate::RowRequest row_request{tested_forms[r], metrics};
+            evaluate::FormRequest row_request{tested_forms[r], metrics};
             if (show) row_request.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
             if (candidate_answers) row_request.answers = &*candidate_answers;
-            measure_row(row_request, part.rows(), summaries[r]);
+            measure_form(row_request, part.rows(), summaries[r]);
         });
     });
-    std::vector<RowQuality> qualities;
+    std::vector<FormQuality> qualities;
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
         qualities.push_back(choose::quality_of(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
-    std::vector<RowQuality> qualities;
+std::vector<FormQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
+    std::vector<FormQuality> qualities;
     for (std::size_t begin = 0; begin < tapes.size(); begin += tapes_per_call) {
         const std::size_t end = std::min(begin + tapes_per_call, tapes.size());
         std::vector<std::unique_ptr<TapeForm>> forms;
@@ -188,8 +189,8 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
     return qualities;
 }
 
-bool is_more_accurate(const RowQuality& a, const RowQuality& b) {
-    const auto known_bits = [](const RowQuality& quality) {
+bool is_more_accurate(const FormQuality& a, const FormQuality& b) {
+    const auto known_bits = [](const FormQuality& quality) {
         return std::isnan(quality.kept_bits) ? -1 : quality.kept_bits;
     };
     return a.wrong_fraction() != b.wrong_fraction() ? a.wrong_fraction() < b.wrong_fraction()
@@ -200,7 +201,7 @@ bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairR
     return compare_with_tape(form, tape, request, judge).is_same;
 }
 
-RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
+FormQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
     const Comparison comparison = compare_with_tape(request.row, tape, request, judge);
     if (comparison.is_same) return comparison.quality;
     throw InputError(
@@ -225,11 +226,11 @@ std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& t
 
 std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
     choose::ChoiceRequest choice_request{
-        .scene = request.scene, .rows = comparable_forms(request.row), .requirement = request.requirement};
+        .scene = request.scene, .tested_forms = comparable_forms(request.row), .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
     std::vector<Ranked> ranked;
-    for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.rows[k], quality[k]});
+    for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.tested_forms[k], quality[k]});
     std::ranges::stable_sort(ranked, is_more_accurate, &Ranked::quality);
     return ranked;
 }

@@ -15,8 +15,8 @@
 
 namespace lostbits::measure::repair {
 
+using choose::FormQuality;
 using choose::Requirement;
-using choose::RowQuality;
 
 struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
@@ -29,7 +29,7 @@ struct RepairRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     /// Quality of tapes on all rays of the files. Set for files only, since files have no other pixels to hold out.
-    std::function<std::vector<RowQuality>(const std::vector<Tape>&)> quality_on_all_rays = nullptr;
+    std::function<std::vector<FormQuality>(const std::vector<Tape>&)> quality_on_all_rays = nullptr;
 
     /// Name of the results: the id of the scene, or of the files.
     [[nodiscard]] const std::string& id() const;
@@ -52,11 +52,11 @@ public:
     Judge& operator=(const Judge&) = delete;
 
     /// Quality of each tape, in the order of the tapes.
-    std::vector<RowQuality> quality_of(const std::vector<Tape>& tapes);
-    /// Quality of rows that have the contract and format of the request's row. `show` receives their answers; it may be
-    /// empty.
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
-                                       const evaluate::ShowRows& show = {});
+    std::vector<FormQuality> quality_of(const std::vector<Tape>& tapes);
+    /// Quality of forms that have the contract and format of the request's form. `show` receives their answers; it may
+    /// be empty.
+    std::vector<FormQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
+                                        const evaluate::ShowForms& show = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
@@ -65,9 +65,9 @@ public:
 private:
     class Part;
     Judge(const RepairRequest& request, const scene::file::Scene* scene);
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
-                                       const evaluate::ShowRows& show,
-                                       const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
+    std::vector<FormQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
+                                        const evaluate::ShowForms& show,
+                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void for_each_part(const std::function<void(const Part&)>& action);
 
     const RepairRequest& request_;
@@ -78,10 +78,10 @@ private:
 };
 
 /// True if `a` has fewer wrong decisions than `b`, or as many and more bits.
-bool is_more_accurate(const RowQuality& a, const RowQuality& b);
+bool is_more_accurate(const FormQuality& a, const FormQuality& b);
 
 /// Quality of the form itself. Throws InputError if its tape answers differently on some ray.
-RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
+FormQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
 
 /// True if a form with the contract of the request's form has the same answers as a tape, to the bit, on all rays of
 /// the request.
@@ -95,7 +95,7 @@ std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& t
 /// Form of the catalogue with its quality.
 struct Ranked {
     evaluate::TestedForm row;
-    RowQuality quality;
+    FormQuality quality;
 };
 /// The forms of `comparable_forms` with their quality on the request's rays, the most accurate first.
 std::vector<Ranked> rank_catalogue(const RepairRequest& request);

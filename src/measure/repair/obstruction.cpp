@@ -23,8 +23,8 @@ std::vector<std::vector<double>> normalise_directions(std::vector<std::vector<do
 
 }  // namespace
 
-RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const {
-    RowQuality quality;
+FormQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const {
+    FormQuality quality;
     metric::Distribution lost;
     std::uint64_t false_hits = 0;
     const FloatFormat& format = row_.format.parameters;

@@ -114,11 +114,11 @@ std::vector<external::Formula> placed_rows(const fs::path& library_path, const s
         const std::string name = "mended" + std::to_string(k);
         intersect::Info& info = infos.emplace_back(*original_form.info);
         info.name = external::lasting_text("mended." + name);
-        Intersector catalogue_row{
+        Intersector form{
             .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
-        if (is_double(forms[k])) catalogue_row.native64 = load_kernel<double>(loaded, name);
-        else catalogue_row.native32 = load_kernel<float>(loaded, name);
-        formulas.push_back({.row = catalogue_row, .packed = {}, .who = nullptr, .first = {}});
+        if (is_double(forms[k])) form.native64 = load_kernel<double>(loaded, name);
+        else form.native32 = load_kernel<float>(loaded, name);
+        formulas.push_back({.row = form, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }

@@ -38,7 +38,7 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
                                                            const std::vector<RepairedSource>& forms,
                                                            const CompilerSetup& setup);
 
-/// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
+/// Times all forms in one run, on rays of the scene, as `lostbits trade SCENE` does.
 std::vector<Price> measure_prices(const RepairRequest& request, const std::vector<evaluate::TestedForm>& tested_forms,
                                   const trade::TimingPlan& plan);
 

@@ -44,7 +44,7 @@ public:
         : tape_(tape), wider_(wider), request_(request), judge_(judge), operations_(tape::rounded_operations(tape)) {}
 
     /// `all_wider_quality` is the quality with all operations wider, which meets the requirement.
-    WiderSet smallest(const RowQuality& all_wider_quality, std::uint64_t affordable) {
+    WiderSet smallest(const FormQuality& all_wider_quality, std::uint64_t affordable) {
         WiderSet result{.operations = operations_, .quality = all_wider_quality};
         while (remove_operations(result)) {}
         for (std::size_t size = 1; size < result.operations.size(); ++size) {
@@ -60,12 +60,12 @@ public:
     }
 
 private:
-    std::vector<RowQuality> quality_of(const std::vector<std::vector<NodeId>>& sets) {
+    std::vector<FormQuality> quality_of(const std::vector<std::vector<NodeId>>& sets) {
         std::vector<Tape> tapes;
         for (const auto& set : sets) tapes.push_back(tape::widen_operations(tape_, set, wider_));
         return judge_.quality_of(tapes);
     }
-    std::vector<RowQuality> quality_without(const std::vector<NodeId>& set) {
+    std::vector<FormQuality> quality_without(const std::vector<NodeId>& set) {
         std::vector<std::vector<NodeId>> smaller_sets;
         for (std::size_t k = 0; k < set.size(); ++k) smaller_sets.push_back(remove_at(set, k));
         return quality_of(smaller_sets);
@@ -76,7 +76,7 @@ private:
     /// removes it. If each of several can be removed, first tries to remove the better half of them together, then the
     /// better quarter, and so on. In the end, removes the operation whose removal costs least.
     bool remove_operations(WiderSet& set) {
-        const std::vector<RowQuality> quality_without_each = quality_without(set.operations);
+        const std::vector<FormQuality> quality_without_each = quality_without(set.operations);
         std::vector<std::size_t> removable;
         for (std::size_t k = 0; k < quality_without_each.size(); ++k)
             if (quality_without_each[k].meets(request_.requirement)) removable.push_back(k);
@@ -96,7 +96,7 @@ private:
                     remaining.push_back(set.operations[k]);
             smaller_sets.push_back(std::move(remaining));
         }
-        const std::vector<RowQuality> quality = quality_of(smaller_sets);
+        const std::vector<FormQuality> quality = quality_of(smaller_sets);
         for (std::size_t k = 0; k < smaller_sets.size(); ++k) {
             if (!quality[k].meets(request_.requirement)) continue;
             set = {.operations = smaller_sets[k], .quality = quality[k]};
@@ -116,7 +116,7 @@ private:
             std::vector<NodeId>& set = sets.emplace_back();
             for (const std::size_t k : indices) set.push_back(operations_[k]);
         } while (next_choice(indices, operations_.size()));
-        const std::vector<RowQuality> quality = quality_of(sets);
+        const std::vector<FormQuality> quality = quality_of(sets);
         std::optional<WiderSet> best;
         for (std::size_t k = 0; k < sets.size(); ++k) {
             if (quality[k].meets(request_.requirement) && (!best || is_more_accurate(quality[k], best->quality)))
@@ -149,7 +149,7 @@ void widen_where_needed(Rewritten& rewritten, const RepairResult& result, const 
                         std::uint64_t affordable) {
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape unwidened = rewritten.tape;
-    const RowQuality all_wider_quality =
+    const FormQuality all_wider_quality =
         judge.quality_of({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
             .front();
     if (!all_wider_quality.meets(request.requirement)) return;
@@ -166,8 +166,8 @@ bool passes_probes(const Tape& tape, const std::vector<Probe*>& probes, const Re
         probes, [&](Probe* probe) { return probe->judge().quality_of({tape}).front().meets(requirement); });
 }
 
-std::vector<RowQuality> quality_on_probes(const Tape& tape, const std::vector<std::unique_ptr<Probe>>& probes) {
-    std::vector<RowQuality> qualities;
+std::vector<FormQuality> quality_on_probes(const Tape& tape, const std::vector<std::unique_ptr<Probe>>& probes) {
+    std::vector<FormQuality> qualities;
     for (const auto& probe : probes) qualities.push_back(probe->judge().quality_of({tape}).front());
     return qualities;
 }
@@ -257,7 +257,7 @@ private:
 /// Measures on the probes the repairs that were found. If the set fails on exact probes on which the form passes with
 /// every operation wider, searches for a symmetric set.
 void measure_probes(RepairResult& result, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
-    const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
+    const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
     const auto& rewritten_forms = result.rewriting.forms;
     if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &Rewritten::quality)) return;
     const auto probes = make_probes(request);
@@ -289,7 +289,7 @@ void measure_probes(RepairResult& result, const RepairRequest& request, Judge& j
 
 }  // namespace
 
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& all_wider_quality,
+WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
                       const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     return WiderSearch(tape, wider, request, judge).smallest(all_wider_quality, affordable);
 }

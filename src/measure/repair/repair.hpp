@@ -14,9 +14,9 @@ namespace lostbits::measure::repair {
 /// Set of operations done in wider arithmetic, from which none can be removed.
 struct WiderSet {
     std::vector<NodeId> operations;  ///< of the form's tape
-    RowQuality quality{};
+    FormQuality quality{};
     /// Quality with one operation left as it was and the others wider; none meets the requirement.
-    std::vector<RowQuality> quality_without = {};
+    std::vector<FormQuality> quality_without = {};
     /// No set of this many operations or fewer meets the requirement: all such sets were tried. If
     /// `largest_failing_size` is one less than the size of this set, the set is one of the smallest.
     std::size_t largest_failing_size = 0;
@@ -25,7 +25,7 @@ struct WiderSet {
 /// Starts from all operations done wider, which meets the requirement. Removes one operation after the other, each time
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
 /// long as there are at most `affordable` sets of one size.
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& all_wider_quality,
+WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
                       const RepairRequest& request, Judge& judge, std::uint64_t affordable);
 
 using identity::Rule;
@@ -33,8 +33,8 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    RowQuality quality{}, held_out{};        ///< quality on the scene, and on rays that were not searched on
-    std::vector<RowQuality> probed = {};     ///< quality on each probe
+    FormQuality quality{}, held_out{};       ///< quality on the scene, and on rays that were not searched on
+    std::vector<FormQuality> probed = {};    ///< quality on each probe
     std::size_t groups = 0, all_groups = 0;  ///< number of groups in the set, and of all groups
     bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
 };
@@ -42,12 +42,12 @@ struct SymmetricSet {
 /// Rewritten form, equal to the original in real arithmetic.
 struct Rewritten {
     Tape tape;
-    std::vector<const Rule*> rules;    ///< the rules that were applied, in order
-    RowQuality quality{}, held_out{};  ///< quality on the scene, and on rays that were not searched on
-    std::size_t operations = 0;        ///< number of operations that round
+    std::vector<const Rule*> rules;     ///< the rules that were applied, in order
+    FormQuality quality{}, held_out{};  ///< quality on the scene, and on rays that were not searched on
+    std::size_t operations = 0;         ///< number of operations that round
     /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
     std::optional<WiderSet> wider_set = {};
-    std::vector<RowQuality> probed = {};  ///< quality on each probe
+    std::vector<FormQuality> probed = {};  ///< quality on each probe
 };
 
 /// Results of the search for rewritten forms.
@@ -76,7 +76,7 @@ struct SearchLimit {
 /// the requirement with least work, and compares the results with the truth on all rays. The search ends when a round
 /// finds no new form, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the
 /// rays, see `RaySample::have_same_answers`) is dropped.
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own_quality, Judge& judge,
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
                   const SearchLimit& limit = {});
 
 /// Estimate of the time of a tape before it is measured: the number of operations that round, with each division and
@@ -86,18 +86,18 @@ std::size_t estimated_work(const Tape& tape);
 /// Reason why the form does not meet the requirement even with every operation wider: its quality without any rounding.
 struct Obstruction {
     /// Quality on some of the rays, each with the primitive that it truly hits, or with the first primitive.
-    RowQuality exact{};
+    FormQuality exact{};
     /// For a form that asks for directions of length one: the quality with directions of length one to 53 bits, and the
     /// largest difference of the length of a stored direction from one.
-    std::optional<RowQuality> with_unit_directions = {};
+    std::optional<FormQuality> with_unit_directions = {};
     double largest_length_error = 0;
 };
 
 struct RepairResult {
-    Tape tape;                                      ///< the tape of the form
-    FloatFormat wider;                              ///< the arithmetic of the wider operations
-    std::size_t operations = 0;                     ///< number of operations that round, and so could be done wider
-    RowQuality own_quality{}, all_wider_quality{};  ///< quality of the form as it is, and with every operation wider
+    Tape tape;                                       ///< the tape of the form
+    FloatFormat wider;                               ///< the arithmetic of the wider operations
+    std::size_t operations = 0;                      ///< number of operations that round, and so could be done wider
+    FormQuality own_quality{}, all_wider_quality{};  ///< quality of the form as it is, and with every operation wider
     /// Null if the form does not meet the requirement even with every operation wider; an empty set if the form meets
     /// it as it is.
     std::optional<WiderSet> wider_set = {};
@@ -105,11 +105,11 @@ struct RepairResult {
     std::uint64_t tried = 0;   ///< candidates tried, each on all rays
     scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
     /// Quality of the form and of the set on `held_out_scene`; with files, on all their rays.
-    RowQuality own_held_out{}, set_held_out{};
+    FormQuality own_held_out{}, set_held_out{};
     /// Probes that apply, and the quality there of the form and of the set (without a set, of the form with all
     /// operations wider). Empty if no set and no rewritten form meets the requirement.
     std::vector<const Isometry*> probes = {};
-    std::vector<RowQuality> own_probed = {}, set_probed = {};
+    std::vector<FormQuality> own_probed = {}, set_probed = {};
     std::uint64_t probed_rays = 0;               ///< number of rays of each probe
     std::optional<SymmetricSet> symmetric = {};  ///< found if the set fails exact probes
     /// Found if the form does not meet the requirement even with all operations wider.
@@ -157,7 +157,7 @@ private:
         double t;
         Range<double> range;
     };
-    [[nodiscard]] RowQuality exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const;
+    [[nodiscard]] FormQuality exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const;
 
     evaluate::TestedForm row_;
     Requirement requirement_;

@@ -35,14 +35,14 @@ std::vector<double> turn_to_axis(std::vector<double> numbers) {
 struct Candidate {
     TapeOutputs outputs;
     std::vector<const Rule*> rules = {};
-    RowQuality quality{};
+    FormQuality quality{};
     std::size_t work = 0;
     bool is_expanded = false;
 };
 
 class RewriteSearch {
 public:
-    RewriteSearch(const RepairRequest& request, const Tape& form, const RowQuality& own_quality, Judge& judge,
+    RewriteSearch(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
                   const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
@@ -239,7 +239,7 @@ std::size_t estimated_work(const Tape& tape) {
     return work;
 }
 
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own_quality, Judge& judge,
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
                   const SearchLimit& limit) {
     return RewriteSearch(request, form, own_quality, judge, limit).run();
 }

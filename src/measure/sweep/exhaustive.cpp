@@ -111,7 +111,7 @@ void ExhaustiveState::append(const ExhaustiveState& next_share) {
 }
 
 void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
-    const std::size_t tallies_per_binade = request.sweep.rays.size() * request.rows.size();
+    const std::size_t tallies_per_binade = request.sweep.rays.size() * request.tested_forms.size();
     std::uint64_t counted = 0;
     for (const FloatTally& tally : tallies) counted += tally.floats();
     if (tallies.size() != binades_of(request.sweep).size() * tallies_per_binade ||
@@ -122,7 +122,7 @@ void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
     const std::vector<Block> all_blocks = blocks_of(binades, request.share);
-    const std::size_t rays = request.sweep.rays.size(), rows = request.rows.size();
+    const std::size_t rays = request.sweep.rays.size(), rows = request.tested_forms.size();
     state.tallies.resize(binades.size() * rays * rows);
     std::size_t next_block = 0;
     for (std::uint64_t floats_before = 0; next_block < all_blocks.size() && floats_before < state.floats_tried;
@@ -140,8 +140,8 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
         });
         for (std::size_t k = 0; k < block_tallies.size(); ++k) {
             const std::size_t tally_index = request.tally_index(blocks[k / rays].binade, k % rays, 0);
-            for (std::size_t row_index = 0; row_index < rows; ++row_index)
-                state.tallies[tally_index + row_index].append(block_tallies[k][row_index]);
+            for (std::size_t form_index = 0; form_index < rows; ++form_index)
+                state.tallies[tally_index + form_index].append(block_tallies[k][form_index]);
             state.stages += stages[k];
         }
         for (const Block& block : blocks) state.floats_tried += block.floats.size();
@@ -159,13 +159,13 @@ std::optional<std::uint32_t> RangeFinding::float_before(std::uint32_t float_inde
 std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
     std::vector<RangeFinding> findings;
-    for (std::size_t row_index = 0; row_index < request.rows.size(); ++row_index) {
+    for (std::size_t form_index = 0; form_index < request.tested_forms.size(); ++form_index) {
         for (std::size_t ray = 0; ray < request.sweep.rays.size(); ++ray) {
             for (std::size_t range = 0; range < request.sweep.ranges().size(); ++range) {
-                RangeFinding finding{range, ray, row_index, request.sweep.ranges()[range], {}};
+                RangeFinding finding{range, ray, form_index, request.sweep.ranges()[range], {}};
                 for (std::size_t b = 0; b < binades.size(); ++b) {
                     if (binades[b].range == range)
-                        finding.tally.append(state.tallies[request.tally_index(b, ray, row_index)]);
+                        finding.tally.append(state.tallies[request.tally_index(b, ray, form_index)]);
                 }
                 findings.push_back(std::move(finding));
             }

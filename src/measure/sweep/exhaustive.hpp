@@ -110,7 +110,7 @@ struct ExhaustiveState {
 
 struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile& sweep;
-    std::vector<evaluate::TestedForm> rows = {};  ///< all in binary32
+    std::vector<evaluate::TestedForm> tested_forms = {};  ///< all in binary32
     truth::ProofLimit limit{};
     std::string scene = {};   ///< for a sweep across a mesh: the scene as a command line names it
     shard::Share share = {};  ///< share of the blocks into which every binade is cut
@@ -120,8 +120,8 @@ struct ExhaustiveRequest {
     std::function<void(const ExhaustiveState&)> store_state = [](const ExhaustiveState&) {};
 
     /// Index of the tally of a form on a ray in a binade.
-    [[nodiscard]] std::size_t tally_index(std::size_t binade, std::size_t ray, std::size_t row_index) const {
-        return (binade * sweep.rays.size() + ray) * rows.size() + row_index;
+    [[nodiscard]] std::size_t tally_index(std::size_t binade, std::size_t ray, std::size_t form_index) const {
+        return (binade * sweep.rays.size() + ray) * tested_forms.size() + form_index;
     }
 };
 
@@ -156,7 +156,7 @@ struct FloatsOnRay {
 /// Largest number of floats that one form refines in one block.
 inline constexpr std::size_t max_refined_floats = 4096;
 
-/// Runs the rows of the request on these floats; one tally per row.
+/// Runs the forms of the request on these floats; one tally per form.
 ///
 /// The worst error is computed from the complete truth (`find_truth`) at its float. Floats that may be worse are
 /// refined, so that no error exceeds the worst one by more than 2^-20 of the worst one or 2^-20 ulp, whichever is
@@ -180,7 +180,7 @@ struct FloatAnswer {
     double truth = truth::missing;  ///< t* in the unit of the answer, correctly rounded to binary64; NaN for a miss
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*); NaN unless both hit
 };
-FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row_index,
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t form_index,
                       std::uint32_t float_index);
 
 }  // namespace lostbits::measure::sweep

@@ -181,20 +181,20 @@ private:
 };
 
 /// Rows that are compared with the same truth.
-struct RowsWithTruth {
+struct FormsWithTruth {
     truth::ColumnTerms terms;
     std::vector<std::size_t> rows = {};
 };
 
-std::vector<RowsWithTruth> group_rows_by_truth(const ExhaustiveRequest& request) {
-    std::vector<RowsWithTruth> groups;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const evaluate::TestedForm& tested_form = request.rows[r];
+std::vector<FormsWithTruth> group_rows_by_truth(const ExhaustiveRequest& request) {
+    std::vector<FormsWithTruth> groups;
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const evaluate::TestedForm& tested_form = request.tested_forms[r];
         const bool takes_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
         const truth::ColumnTerms terms{tested_form.convention(),
                                        takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
                                        truth::Tightness::ulps_of_binary32, request.limit};
-        auto group = std::ranges::find_if(groups, [&](const RowsWithTruth& g) {
+        auto group = std::ranges::find_if(groups, [&](const FormsWithTruth& g) {
             return g.terms.convention == terms.convention && g.terms.length == terms.length;
         });
         if (group == groups.end()) group = groups.insert(groups.end(), {terms});
@@ -212,12 +212,12 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
     std::vector<float> values(chunk_size), form_t(chunk_size);
     std::vector<std::uint8_t> form_hit(chunk_size);
     truth::TruthColumns truths;
-    const std::vector<RowsWithTruth> groups = group_rows_by_truth(request);
+    const std::vector<FormsWithTruth> groups = group_rows_by_truth(request);
     std::vector<UlpColumns> ulps;
-    for (const RowsWithTruth& group : groups) ulps.emplace_back(columns, group.terms);
-    std::vector<TestedBox> boxes(request.rows.begin(), request.rows.end());
-    std::vector<FloatTally> tallies(request.rows.size());
-    std::vector<std::size_t> refinements_left(request.rows.size(), max_refined_floats);
+    for (const FormsWithTruth& group : groups) ulps.emplace_back(columns, group.terms);
+    std::vector<TestedBox> boxes(request.tested_forms.begin(), request.tested_forms.end());
+    std::vector<FloatTally> tallies(request.tested_forms.size());
+    std::vector<std::size_t> refinements_left(request.tested_forms.size(), max_refined_floats);
     for (std::uint64_t begin = 0; begin < floats.size(); begin += chunk_size) {
         const std::uint64_t count = std::min<std::uint64_t>(chunk_size, floats.size() - begin);
         const scene::sweep::FloatRange chunk{floats.at(begin), floats.at(begin + count - 1)};
@@ -227,14 +227,14 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
             request.limit.stop.check();
             find_truth_columns(columns.problems(), groups[g].terms, truths);
             stages += truths.stages;
-            for (const std::size_t row_index : groups[g].rows) {
-                columns.answer(request.rows[row_index], std::span(form_t).first(count),
+            for (const std::size_t form_index : groups[g].rows) {
+                columns.answer(request.tested_forms[form_index], std::span(form_t).first(count),
                                std::span(form_hit).first(count));
                 ulps[g].compare(std::span(form_t).first(count), std::span(form_hit).first(count), truths);
-                ChunkTally tally(ulps[g], chunk, tallies[row_index], refinements_left[row_index]);
+                ChunkTally tally(ulps[g], chunk, tallies[form_index], refinements_left[form_index]);
                 tally.add();
-                if (boxes[row_index].has_box())
-                    tally.add_padding([&](std::size_t i) { return boxes[row_index].padding(columns, i); });
+                if (boxes[form_index].has_box())
+                    tally.add_padding([&](std::size_t i) { return boxes[form_index].padding(columns, i); });
             }
         }
     }

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "measure/culling/culling.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::sweep {
@@ -22,16 +22,16 @@ const std::vector<const metric::Metric*>& measured_metrics() {
 class FloatBand {
 public:
     explicit FloatBand(const FloatsOnRay& floats_on_ray)
-        : rows_(floats_on_ray.request.rows),
+        : tested_forms_(floats_on_ray.request.tested_forms),
           group_(floats_on_ray.request.sweep.group_over(floats_on_ray.ray, floats_on_ray.floats)),
           culler_(make_culler(group_)),
           band_(group_, floats_on_ray.request.limit, culler_ ? &*culler_ : nullptr),
-          shared_truth_(band_, rows_, measured_metrics()) {}
+          shared_truth_(band_, tested_forms_, measured_metrics()) {}
 
-    void measure(std::size_t row_index, const evaluate::Show& show) const {
+    void measure(std::size_t form_index, const evaluate::Show& show) const {
         evaluate::FormSummary summary(measured_metrics());
-        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_truth_.inputs_of(rows_[row_index]),
-                              summary);
+        evaluate::measure_form({tested_forms_[form_index], measured_metrics(), show},
+                               shared_truth_.inputs_of(tested_forms_[form_index]), summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
@@ -41,7 +41,7 @@ private:
         return culling::Culler(scene::rays::primitive_list_of(group), group.rays);
     }
 
-    const std::vector<TestedForm>& rows_;
+    const std::vector<TestedForm>& tested_forms_;
     scene::rays::RayGroup group_;
     std::optional<culling::Culler> culler_;
     truth::Band band_;
@@ -54,9 +54,9 @@ std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& floats_on_ray, tru
     const FloatBand band(floats_on_ray);
     stages += band.stages();
     std::vector<FloatTally> tallies;
-    for (std::size_t row_index = 0; row_index < floats_on_ray.request.rows.size(); ++row_index) {
+    for (std::size_t form_index = 0; form_index < floats_on_ray.request.tested_forms.size(); ++form_index) {
         FloatTally& tally = tallies.emplace_back();
-        band.measure(row_index, [&](const evaluate::BandResult& result) {
+        band.measure(form_index, [&](const evaluate::BandResult& result) {
             for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
                 const bool both_hit = result.outcomes[i] == Outcome::agree_hit;
                 tally.add(floats_on_ray.floats.at(i), result.outcomes[i],
@@ -67,15 +67,15 @@ std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& floats_on_ray, tru
     return tallies;
 }
 
-FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row_index,
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t form_index,
                       std::uint32_t float_index) {
     FloatAnswer float_answer;
-    FloatBand({request, ray, {float_index, float_index}}).measure(row_index, [&](const evaluate::BandResult& result) {
+    FloatBand({request, ray, {float_index, float_index}}).measure(form_index, [&](const evaluate::BandResult& result) {
         float_answer.outcome = result.outcomes.front();
         if (result.answers->hit.front() != 0) float_answer.t = result.answers->t.front();
         if (result.truth(0).is_hit())
-            float_answer.truth = result.band->rounded_truth(0, binary64, request.rows[row_index].form->info->direction,
-                                                            result.convention);
+            float_answer.truth = result.band->rounded_truth(
+                0, binary64, request.tested_forms[form_index].form->info->direction, result.convention);
         if (float_answer.outcome == Outcome::agree_hit) float_answer.ulps = result.metrics.front().front();
     });
     return float_answer;

@@ -90,10 +90,10 @@ SweepRequest request_for_events(SweepRequest request) {
 
 /// Evaluates a row at values between the steps and remembers the results, because neighbouring events need the same
 /// values.
-class RowEvaluator {
+class FormEvaluator {
 public:
-    RowEvaluator(const SweepRequest& request, std::size_t row_index)
-        : request_(request_for_events(request)), row_{request_.rows[row_index]} {}
+    FormEvaluator(const SweepRequest& request, std::size_t form_index)
+        : request_(request_for_events(request)), row_{request_.tested_forms[form_index]} {}
     const FormSummary& summary_at(double value) {
         const auto [entry, is_new] = summaries_.try_emplace(value);
         if (is_new) entry->second = std::move(run_step(request_, row_, {value}).front());
@@ -109,7 +109,7 @@ private:
 /// Halves the bracket [first, second] until it is narrow. `holds` is true at `first` and false at `second`. `on_second`
 /// is called with the summary at every value that `second` moves to.
 template <class Holds, class OnSecond>
-void narrow_bracket(const scene::sweep::Axis& axis, double& first, double& second, RowEvaluator& evaluator,
+void narrow_bracket(const scene::sweep::Axis& axis, double& first, double& second, FormEvaluator& evaluator,
                     const Holds& holds, const OnSecond& on_second) {
     while (std::fabs(second - first) > 0x1p-9 * std::fabs(second)) {
         const double middle = axis.middle(first, second);
@@ -130,9 +130,9 @@ using StepOrder = std::vector<const SweepStep*>;
 /// Finds the last step after step `bad_index` at which the form is good again, and the value at which it stops being
 /// good.
 void find_recovery(const SweepRequest& request, const StepOrder& steps, std::size_t bad_index, const Event& event,
-                   RowEvaluator& evaluator, Onset& onset) {
+                   FormEvaluator& evaluator, Onset& onset) {
     std::size_t good_index = steps.size() - 1;
-    while (good_index > bad_index && !event.is_good(steps[good_index]->rows[onset.row])) --good_index;
+    while (good_index > bad_index && !event.is_good(steps[good_index]->summaries[onset.row])) --good_index;
     if (good_index == bad_index) return;
     onset.recovers = true;
     onset.good_at_end = good_index + 1 == steps.size();
@@ -144,17 +144,17 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
         [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
 }
 
-Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t row_index, const Event& event,
-                   RowEvaluator& evaluator) {
-    Onset onset{row_index, event.name, event.statistic, event.threshold};
-    onset.rays = steps.front()->rows[row_index].rays;
-    onset.views = steps.front()->rows[row_index].views;
+Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t form_index, const Event& event,
+                   FormEvaluator& evaluator) {
+    Onset onset{form_index, event.name, event.statistic, event.threshold};
+    onset.rays = steps.front()->summaries[form_index].rays;
+    onset.views = steps.front()->summaries[form_index].views;
     const auto first_bad_step =
-        std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->rows[row_index]); });
+        std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->summaries[form_index]); });
     if (first_bad_step == steps.end()) return onset;
     onset.found = true;
     onset.first_bad = (*first_bad_step)->values.front();
-    onset.value_at_first_bad = event.value((*first_bad_step)->rows[row_index]);
+    onset.value_at_first_bad = event.value((*first_bad_step)->summaries[form_index]);
     if (request.recoveries)
         find_recovery(request, steps, static_cast<std::size_t>(first_bad_step - steps.begin()), event, evaluator,
                       onset);
@@ -175,15 +175,15 @@ std::vector<Onset> find_onsets_of_draw(const SweepRequest& request, const std::v
     StepOrder forward_steps;
     for (const SweepStep& step : steps) forward_steps.push_back(&step);
     const StepOrder backward_steps(forward_steps.rbegin(), forward_steps.rend());
-    std::vector<std::vector<Onset>> onsets_by_row(request.rows.size());
-    intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row_index) {
-        RowEvaluator evaluator(request, row_index);
-        for (const Event& event : list_events(request.rows[row_index], request.metrics)) {
-            if (!request.asks_for({row_index, event.name, event.statistic, event.threshold})) continue;
-            onsets_by_row[row_index].push_back(locate_onset(request, forward_steps, row_index, event, evaluator));
+    std::vector<std::vector<Onset>> onsets_by_row(request.tested_forms.size());
+    intersect::process::in_parallel(std::size_t{0}, request.tested_forms.size(), [&](std::size_t form_index) {
+        FormEvaluator evaluator(request, form_index);
+        for (const Event& event : list_events(request.tested_forms[form_index], request.metrics)) {
+            if (!request.asks_for({form_index, event.name, event.statistic, event.threshold})) continue;
+            onsets_by_row[form_index].push_back(locate_onset(request, forward_steps, form_index, event, evaluator));
             if (!request.both_ends) continue;
-            onsets_by_row[row_index].push_back(locate_onset(request, backward_steps, row_index, event, evaluator));
-            onsets_by_row[row_index].back().from_last = true;
+            onsets_by_row[form_index].push_back(locate_onset(request, backward_steps, form_index, event, evaluator));
+            onsets_by_row[form_index].back().from_last = true;
         }
         request.progress(steps.size());
     });
@@ -208,14 +208,14 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
     steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(units.last), steps.end());
     steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(units.first));
     intersect::process::in_parallel(std::size_t{0}, steps.size(), [&](std::size_t i) {
-        steps[i].rows = run_step(request, request.rows, steps[i].values);
-        request.progress(request.rows.size());
+        steps[i].summaries = run_step(request, request.tested_forms, steps[i].values);
+        request.progress(request.tested_forms.size());
     });
     return steps;
 }
 
 std::vector<FormSummary> measure_at(const SweepRequest& request, const std::vector<double>& values) {
-    return run_step(request, request.rows, values);
+    return run_step(request, request.tested_forms, values);
 }
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
@@ -225,7 +225,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     for (int draw = 1; draw <= request.further_draws; ++draw) {
         const scene::sweep::SweepFile sweep_of_draw = request.sweep.with_seed_offset(draw);
         const SweepRequest draw_request{.sweep = sweep_of_draw,
-                                        .rows = request.rows,
+                                        .tested_forms = request.tested_forms,
                                         .metrics = request_for_events(request).metrics,
                                         .both_ends = request.both_ends,
                                         .wanted_onsets = request.wanted_onsets,
@@ -254,12 +254,12 @@ SweepFindings measure_sweep(const SweepRequest& request) {
         findings.onsets = find_onsets(request, findings.steps);
         return findings;
     }
-    const auto rows = request.share.unit_range(request.rows.size());
+    const auto rows = request.share.unit_range(request.tested_forms.size());
     if (rows.size() == 0 || request.sweep.axes.size() != 1) return findings;
     SweepRequest share_request = request_for_events(request);
     share_request.share = {};
-    share_request.rows = {request.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                          request.rows.begin() + static_cast<std::ptrdiff_t>(rows.last)};
+    share_request.tested_forms = {request.tested_forms.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                                  request.tested_forms.begin() + static_cast<std::ptrdiff_t>(rows.last)};
     findings.onsets = find_onsets(share_request, run_sweep(share_request));
     for (Onset& onset : findings.onsets) onset.row += rows.first;
     return findings;
@@ -269,12 +269,12 @@ std::uint64_t sweep_units(const SweepRequest& request) {
     std::uint64_t steps = 1;
     for (const auto& axis : request.sweep.axes) steps *= axis.values.size();
     const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draws : 0));
-    return request.rows.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
+    return request.tested_forms.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 
-FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index,
+FormSummary run_cases_together(const CaseRequest& request, std::size_t form_index,
                                const std::vector<std::size_t>& case_indices) {
-    const evaluate::TestedForm& tested_form = request.rows[row_index];
+    const evaluate::TestedForm& tested_form = request.tested_forms[form_index];
     std::vector<scene::rays::RayGroup> groups;
     for (const std::size_t case_index : case_indices) {
         for (scene::rays::RayGroup& group : request.file.rays(case_index, tested_form.format.parameters))
@@ -286,22 +286,23 @@ FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index
 
 std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> rows_by_format;
-    for (std::size_t row_index = 0; row_index < request.rows.size(); ++row_index)
-        rows_by_format[request.rows[row_index].format.name].push_back(row_index);
+    for (std::size_t form_index = 0; form_index < request.tested_forms.size(); ++form_index)
+        rows_by_format[request.tested_forms[form_index].format.name].push_back(form_index);
     const auto units = request.share.unit_range(request.file.size());
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
-        cases[i].resize(request.rows.size());
+        cases[i].resize(request.tested_forms.size());
         for (const auto& [format_name, rows_of_format] : rows_by_format) {
             std::vector<evaluate::TestedForm> tested_forms;
-            for (const std::size_t row_index : rows_of_format) tested_forms.push_back(request.rows[row_index]);
+            for (const std::size_t form_index : rows_of_format)
+                tested_forms.push_back(request.tested_forms[form_index]);
             auto summaries =
                 evaluate::measure_groups(request.file.rays(units.first + i, tested_forms.front().format.parameters),
                                          tested_forms, request.metrics, request.limit);
             for (std::size_t k = 0; k < rows_of_format.size(); ++k)
                 cases[i][rows_of_format[k]] = std::move(summaries[k]);
         }
-        request.progress(request.rows.size());
+        request.progress(request.tested_forms.size());
     });
     return cases;
 }

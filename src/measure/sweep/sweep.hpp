@@ -17,10 +17,10 @@
 
 namespace lostbits::measure::sweep {
 
-/// Results of the rows at one step.
+/// Results of the tested forms at one step.
 struct SweepStep {
     std::vector<double> values;  ///< one for each axis
-    std::vector<evaluate::FormSummary> rows;
+    std::vector<evaluate::FormSummary> summaries;
 };
 
 /// Value of the first axis at which a row first crosses a threshold.
@@ -64,10 +64,10 @@ struct SweepFindings {
 
 struct SweepRequest {
     const scene::sweep::SweepFile& sweep;
-    std::vector<evaluate::TestedForm> rows;
+    std::vector<evaluate::TestedForm> tested_forms;
     std::vector<const metric::Metric*> metrics;
     int further_draws = 0;    ///< number of further draws of random rays, for the spread of onsets
-    shard::Share share = {};  ///< share of the steps, and of the rows whose onsets are found
+    shard::Share share = {};  ///< share of the steps, and of the forms whose onsets are found
     bool recoveries = false;  ///< also find where a form is good again after its first failure
     bool both_ends = false;   ///< also find onsets from the last step backwards, for failures at small values
     std::vector<Onset> wanted_onsets = {};  ///< if not empty, only onsets of these events are looked for
@@ -84,7 +84,7 @@ struct SweepRequest {
 /// divided run covers only the steps of the request's share.
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
-/// Measures the rows at any values of the sweep's axes, on its steps or between them.
+/// Measures the forms at any values of the sweep's axes, on its steps or between them.
 std::vector<evaluate::FormSummary> measure_at(const SweepRequest& request, const std::vector<double>& values);
 
 /// Finds the first crossings of these thresholds along the axis of a sweep with one axis: 1, 4, 8, p/2 and p bits for
@@ -97,7 +97,7 @@ std::vector<evaluate::FormSummary> measure_at(const SweepRequest& request, const
 /// first step is followed by the onset of the same event, read from the last.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
-/// Runs the steps and finds the onsets. In a divided run, each share measures all steps of the rows whose onsets it
+/// Runs the steps and finds the onsets. In a divided run, each share measures all steps of the forms whose onsets it
 /// finds.
 SweepFindings measure_sweep(const SweepRequest& request);
 
@@ -123,7 +123,7 @@ inline constexpr std::array<std::string_view, 8> verdict_names{"right",      "wi
 
 struct CaseRequest {
     const scene::sweep::CaseFile& file;
-    std::vector<evaluate::TestedForm> rows;
+    std::vector<evaluate::TestedForm> tested_forms;
     std::vector<const metric::Metric*> metrics;  ///< include lost_bits and excess_bits
     truth::ProofLimit limit{};
     shard::Share share = {};  ///< share of the cases
@@ -134,7 +134,7 @@ struct CaseRequest {
 /// case's rays in its own numbers, and has its own truth.
 std::vector<std::vector<evaluate::FormSummary>> run_cases(const CaseRequest& request);
 /// Runs one row over several cases as if they were one.
-evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index,
+evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t form_index,
                                          const std::vector<std::size_t>& case_indices);
 
 /// Verdict on a summary. `right`: every decision is right, and no answer loses more than `max_bits` bits.

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "intersect/process/parallel.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -277,8 +277,9 @@ private:
         const evaluate::SharedBandTruth shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
         BatchWorst batch_worst(metric_, row_.form->info->direction, file_);
-        evaluate::measure_row({row_, request_.metrics, [&batch_worst](const auto& result) { batch_worst.add(result); }},
-                              shared.inputs_of(row_), summary);
+        evaluate::measure_form(
+            {row_, request_.metrics, [&batch_worst](const auto& result) { batch_worst.add(result); }},
+            shared.inputs_of(row_), summary);
         return batch_worst;
     }
 
@@ -311,10 +312,10 @@ private:
 }  // namespace
 
 std::vector<std::optional<WorstResult>> find_worst(const WorstRequest& request) {
-    const auto units = request.share.unit_range(request.rows.size());
+    const auto units = request.share.unit_range(request.tested_forms.size());
     std::vector<std::optional<WorstResult>> found(units.size());
     intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t i) {
-        found[i] = WorstSearch(request, request.rows[units.first + i]).run();
+        found[i] = WorstSearch(request, request.tested_forms[units.first + i]).run();
         request.progress(1);
     });
     return found;

@@ -24,10 +24,10 @@ struct WorstResult {
 
 struct WorstRequest {
     scene::sweep::SearchFile search;
-    std::vector<evaluate::TestedForm> rows;
+    std::vector<evaluate::TestedForm> tested_forms;
     std::vector<const metric::Metric*> metrics;  ///< metrics of the search, by `searched`
     truth::ProofLimit limit{};
-    shard::Share share = {};  ///< share of the rows
+    shard::Share share = {};  ///< share of the tested forms
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 

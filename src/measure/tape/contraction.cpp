@@ -236,7 +236,7 @@ ContractedRows& contracted_rows() {
     return composed_rows;
 }
 
-void fill_contracted_row(ContractedRows::ComposedRow& composed) {
+void fill_contracted_row(ContractedRows::ComposedForm& composed) {
     static std::deque<ContractedForm> contractions;  // rows point to its elements
     const Intersector& form = *std::get<0>(composed.parts);
     composed.name = std::string(form.info->name) + std::string(contracted_suffix);
@@ -255,7 +255,7 @@ void fill_contracted_row(ContractedRows::ComposedRow& composed) {
 
 Tape contract_tape(const Tape& tape) { return Contraction(tape).contract(); }
 
-const Intersector& contracted_row(const Intersector& form) {
+const Intersector& contracted_form(const Intersector& form) {
     if (form.is_placed)
         throw InputError(std::string(form.info->name) + std::string(contracted_suffix) +
                          ": the suffix of the contraction comes before that of the transform; write FORM" +
@@ -270,9 +270,7 @@ const Intersector& contracted_row(const Intersector& form) {
     return contracted_rows().row_of({&form}, fill_contracted_row);
 }
 
-bool is_contracted(const Intersector& catalogue_row) {
-    return std::get<0>(contracted_rows().parts_of(catalogue_row)) != nullptr;
-}
+bool is_contracted(const Intersector& form) { return std::get<0>(contracted_rows().parts_of(form)) != nullptr; }
 
 FormOperation operation_before_contraction(const Intersector& row, const Format& format, NodeId node) {
     const Intersector& form = *std::get<0>(contracted_rows().parts_of(row));

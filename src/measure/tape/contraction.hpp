@@ -18,10 +18,10 @@ Tape contract_tape(const Tape& tape);
 /// form. Its kernels run the operations one by one over columns: they give the bits of compiled code, but not its
 /// speed. Each row is created once and kept. Throws InputError as `tape_of` does, and for a form with a transform
 /// method, because the transform comes last in a name.
-const intersect::table::Intersector& contracted_row(const intersect::table::Intersector& form);
+const intersect::table::Intersector& contracted_form(const intersect::table::Intersector& form);
 
-/// True for a row that `contracted_row` created.
-bool is_contracted(const intersect::table::Intersector& catalogue_row);
+/// True for a row that `contracted_form` created.
+bool is_contracted(const intersect::table::Intersector& form);
 
 /// An operation of a form: its node on the form's tape in `format`.
 struct FormOperation {

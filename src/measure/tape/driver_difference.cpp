@@ -18,8 +18,8 @@ constexpr std::size_t ray_count = 4096;
 constexpr int most_ulps = 4;
 constexpr std::size_t most_sites = 12;  ///< number of operations up to which all subsets are tried
 
+using intersect::table::FormAnswers;
 using intersect::table::RandomRays;
-using intersect::table::RowAnswers;
 
 /// The program with some rewritings, as a driver might run it.
 struct Suspect {
@@ -96,7 +96,7 @@ Answer answer_of(const Suspect& suspect, const RandomRays<float>& rays, std::siz
 
 class Search {
 public:
-    Search(const Tape& tape, const RandomRays<float>& rays, const RowAnswers<float>& driver)
+    Search(const Tape& tape, const RandomRays<float>& rays, const FormAnswers<float>& driver)
         : rays_(rays), driver_(driver), names_(driver_rewriting_names()) {
         original_.tape = tape;
         original_.origins.resize(tape.nodes.size());
@@ -138,7 +138,7 @@ private:
     }
     bool has_drivers_bits(const Suspect& s, std::size_t ray) {
         const Answer answer = answer_of(s, rays_, ray, values_);
-        return RowAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.numbers[0][ray]);
+        return FormAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.numbers[0][ray]);
     }
     bool explains_all_rays(const Suspect& s) {
         for (std::size_t i = 0; i < ray_count; ++i)
@@ -219,7 +219,7 @@ private:
     }
 
     const RandomRays<float>& rays_;
-    const RowAnswers<float>& driver_;
+    const FormAnswers<float>& driver_;
     std::vector<std::string> names_;
     DerivedTape original_;
     std::vector<double> values_;
@@ -237,8 +237,8 @@ NodeId DriverDifference::first_changed() const {
 
 DriverDifference driver_difference(const Intersector& driver, const Intersector& program) {
     const RandomRays<float> rays(program.shape, ray_count, driver.info->direction == intersect::Direction::unit);
-    const RowAnswers<float> driver_answers = rays.answers(driver.native32),
-                            program_answers = rays.answers(program.native32);
+    const FormAnswers<float> driver_answers = rays.answers(driver.native32),
+                             program_answers = rays.answers(program.native32);
     DriverDifference difference{.rays = ray_count, .differing_rays = 0, .rewritings = {}};
     for (std::size_t i = 0; i < ray_count; ++i)
         difference.differing_rays += driver_answers.are_same(program_answers, i) ? 0 : 1;

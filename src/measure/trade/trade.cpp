@@ -82,17 +82,18 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
         const auto found = std::ranges::find_if(tested_forms, [&k](const TestedForm& r) {
             return r.form == k.measured.form && r.format == k.measured.format;
         });
-        result.row_indices.push_back(static_cast<std::size_t>(found - tested_forms.begin()));
+        result.form_indices.push_back(static_cast<std::size_t>(found - tested_forms.begin()));
         if (found == tested_forms.end()) tested_forms.push_back(k.measured);
     }
     if (request.scene) {
         const evaluate::MapStudy study{
-            .scene = request.scene, .rows = tested_forms, .metrics = request.metrics, .limit = request.limit};
-        result.rows.push_back(evaluate::run_map(study));
+            .scene = request.scene, .tested_forms = tested_forms, .metrics = request.metrics, .limit = request.limit};
+        result.summaries.push_back(evaluate::run_map(study));
         return;
     }
     for (const RaySet& set : ray_sets(request.shape))
-        result.rows.push_back(evaluate::measure_groups(set.groups(), tested_forms, request.metrics, request.limit));
+        result.summaries.push_back(
+            evaluate::measure_groups(set.groups(), tested_forms, request.metrics, request.limit));
 }
 
 void count_all(const TradeRequest& request, TradeResult& result) {

@@ -19,7 +19,7 @@ struct TradeKernel {
     decltype(intersect::table::Intersector::native64) f64 = nullptr;
 };
 
-/// All kernels of the selected rows in f32 and f64 on every available instruction set, in the order of rows, then
+/// All kernels of the selected forms in f32 and f64 on every available instruction set, in the order of the forms, then
 /// widths.
 std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& tested_forms);
 
@@ -50,7 +50,7 @@ struct TradeRequest {
     truth::ProofLimit limit{};
 };
 
-/// Rays that accuracy is measured on, in the order of `TradeResult::rows`.
+/// Rays that accuracy is measured on, in the order of `TradeResult::summaries`.
 struct TradeSet {
     std::string name;   ///< name in files
     std::string title;  ///< description of the rays
@@ -68,13 +68,13 @@ struct TradeResult {
         double hit_rate;  ///< hit rate of these rays
         std::size_t primitives = 1;
     };
-    std::vector<std::vector<Timed>> times;                 ///< [kernel][load]
-    std::vector<OperationCounts> operations;               ///< [kernel]
-    std::vector<std::size_t> row_indices;                  ///< [kernel]: index of the row with its accuracy
-    std::vector<std::vector<evaluate::FormSummary>> rows;  ///< [ray set][row]
+    std::vector<std::vector<Timed>> times;                      ///< [kernel][load]
+    std::vector<OperationCounts> operations;                    ///< [kernel]
+    std::vector<std::size_t> form_indices;                      ///< [kernel]: index of the row with its accuracy
+    std::vector<std::vector<evaluate::FormSummary>> summaries;  ///< [ray set][tested form]
 
     [[nodiscard]] const evaluate::FormSummary& accuracy(std::size_t ray_set, std::size_t kernel) const {
-        return rows[ray_set][row_indices[kernel]];
+        return summaries[ray_set][form_indices[kernel]];
     }
 };
 TradeResult run_trade(const TradeRequest& request);

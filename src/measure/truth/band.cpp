@@ -64,7 +64,7 @@ RayBlock normalise_rays(const RayBlock& rays, const FloatFormat& format, interse
 }  // namespace
 
 Band::Band(const scene::file::Scene& scene, int y0, int y1, ProofLimit limit, culling::Culler* culler)
-    : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
+    : culler_(culler), scene_(&scene), y0_(y0), scanlines_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::file::Inputs::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
         shared_primitives_ =
@@ -84,7 +84,7 @@ Band::Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, Pro
 
 Band::Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, ProofLimit limit)
     : y0_(rays.y0),
-      rows_(rays.y1 - rays.y0),
+      scanlines_(rays.y1 - rays.y0),
       limit_(limit),
       paired_(paired),
       ideal_(std::move(rays)),
@@ -95,7 +95,7 @@ Band::Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primiti
 Band::Band(scene::rays::RayGroup group, ProofLimit limit, culling::Culler* culler)
     : culler_(culler),
       y0_(group.rays.y0),
-      rows_(group.rays.y1 - group.rays.y0),
+      scanlines_(group.rays.y1 - group.rays.y0),
       limit_(limit),
       paired_(group.paired),
       shared_primitives_(shared_primitive_list(group, culler)),
@@ -107,7 +107,7 @@ Band::Band(scene::rays::RayGroup group, ProofLimit limit, culling::Culler* culle
 
 Band::Band(const scene::file::Scene& scene, RayBlock single_ray, culling::Culler& culler, ProofLimit limit)
     : culler_(&culler),
-      rows_(1),
+      scanlines_(1),
       limit_(limit),
       binary32_holds_all_(fits_binary32({single_ray, {}}, {})),
       shared_(std::move(single_ray)),

@@ -1,4 +1,5 @@
-// Computes the rays of a band of a picture and their truth once, for all forms and formats. A band is a range of rows.
+// Computes the rays of a band of a picture and their truth once, for all forms and formats. A band is a range of
+// scanlines.
 #pragma once
 
 #include <tbb/concurrent_unordered_map.h>
@@ -19,7 +20,7 @@
 
 namespace lostbits::measure::truth {
 
-/// Rays with their truth: those of the rows [y0, y1) of a scene, or any other rays.
+/// Rays with their truth: those of the scanlines [y0, y1) of a scene, or any other rays.
 class Band {
 public:
     /// Finds the truth of every pixel, in parallel over the pixels. `culler`, of the same scene, skips the primitives
@@ -75,7 +76,7 @@ public:
     /// Culler of the band's primitives; null if every primitive is tested.
     [[nodiscard]] culling::Culler* culler() const { return culler_; }
     [[nodiscard]] int y0() const { return y0_; }
-    [[nodiscard]] int rows() const { return rows_; }
+    [[nodiscard]] int scanlines() const { return scanlines_; }
     [[nodiscard]] intersect::process::StopToken stop() const { return limit_.stop; }
     [[nodiscard]] std::size_t pixels() const { return truths_.size(); }
     /// Counts of the stages that settled the rays, for each ray and each primitive that it could meet.
@@ -110,7 +111,7 @@ private:
 
     culling::Culler* culler_ = nullptr;
     const scene::file::Scene* scene_ = nullptr;  ///< set for own inputs, whose primitives each format rounds itself
-    int y0_ = 0, rows_ = 0;
+    int y0_ = 0, scanlines_ = 0;
     ProofLimit limit_;
     bool binary32_holds_all_ = true;  ///< binary32 holds every shared number
     bool paired_ = false;             ///< ray i is tested only against primitive i

@@ -6,12 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "intersect/process/child.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::attribution {
-
-std::string shell_word(std::string_view word) { return intersect::process::shell_word(word); }
 
 std::string explain_pixel_arguments(const std::string& scene, int x, int y) {
     return fmt::format("{} --pixel {},{}", scene, x, y);
@@ -60,8 +57,8 @@ void set_plugin_options(const std::string& options) { plugin_options_text() = op
 const std::string& plugin_options() { return plugin_options_text(); }
 
 std::string plugin_options_for(std::string_view form) {
-    const bool is_in_catalogue = std::ranges::any_of(
-        intersect::table::catalogue(), [form](const auto& catalogue_row) { return catalogue_row.info->name == form; });
+    const bool is_in_catalogue = std::ranges::any_of(intersect::table::catalogue(),
+                                                     [form](const auto& known) { return known.info->name == form; });
     return is_in_catalogue || form.empty() ? "" : plugin_options_text();
 }
 

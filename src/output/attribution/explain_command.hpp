@@ -8,9 +8,6 @@
 
 namespace lostbits::output::attribution {
 
-/// Quotes an argument for a shell: in single quotes if it contains anything but letters, digits and _./=,:+-.
-std::string shell_word(std::string_view word);
-
 /// Arguments of `explain` for pixel (x, y) of a scene: `near-benign --pixel 3,4`. `scene` is an argument quoted for a
 /// shell, possibly with options after it.
 std::string explain_pixel_arguments(const std::string& scene, int x, int y);

@@ -11,7 +11,7 @@
 #include "measure/attribution/operation_error.hpp"
 #include "measure/tape/contraction.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::attribution {
 
@@ -98,7 +98,7 @@ std::string operation_table_text(const Explanation& explanation, const Operation
     const OperationTable operations = operation_table(explanation, view, show_all);
     if (operations.first_node > 0)
         text += fmt::format("  ({} of earlier samples: --verbose)\n",
-                            scene::toml::count_with_noun(operations.first_node, "operation"));
+                            text::count_with_noun(operations.first_node, "operation"));
     for (const OperationRow& operation_row : operations.rows) text += table_line(explanation, operation_row);
     return text;
 }

@@ -82,7 +82,7 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
         return text;
     }
     const measure::evaluate::MapStudy request{.scene = &scene,
-                                              .rows = tested_forms,
+                                              .tested_forms = tested_forms,
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
@@ -98,7 +98,7 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
 std::string draw_picture(const StudySubject& subject, const ShownSubject& shown) {
     const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
     measure::check::StudyQuestion question{
-        .scene = scene, .rows = claimed_forms(shown.claims), .stop = shown.request.stop};
+        .scene = scene, .tested_forms = claimed_forms(shown.claims), .stop = shown.request.stop};
     for (const Claim* const claim : shown.claims) {
         for (const auto& [option, value] : claim->subject_if<StudySubject>()->options) {
             auto& values = question.options[option];
@@ -143,8 +143,10 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        const measure::sweep::CaseRequest request{
-            .file = file, .rows = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
+        const measure::sweep::CaseRequest request{.file = file,
+                                                  .tested_forms = tested_forms,
+                                                  .metrics = drawn_metrics(),
+                                                  .limit = {.stop = claim_request.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> touching :
@@ -159,9 +161,11 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
         return text;
     }
     const scene::sweep::SweepFile sweep(path, claim_request.data_dir, {}, claim_request.stop);
-    measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
-    for (TestedForm& tested_form : request.rows)
+    measure::sweep::SweepRequest request{.sweep = sweep,
+                                         .tested_forms = tested_forms,
+                                         .metrics = drawn_metrics(),
+                                         .limit = {.stop = claim_request.stop}};
+    for (TestedForm& tested_form : request.tested_forms)
         tested_form.touching = tested_form.touching ? tested_form.touching : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;

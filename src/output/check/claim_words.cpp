@@ -7,12 +7,13 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/check/claim_files.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::output::check {
 
-using attribution::shell_word;
+using text::shell_word;
 
 std::string witness_text(const ClaimResult& result) {
     if (result.witness.x < 0) return "";
@@ -48,7 +49,7 @@ std::string quantity_text(const Claim& claim) {
 }
 
 std::string floats_text(const ClaimResult& result) {
-    return result.floats == 0 ? "" : "all " + scene::toml::count_with_noun(result.floats, "float");
+    return result.floats == 0 ? "" : "all " + text::count_with_noun(result.floats, "float");
 }
 
 std::string evidence_text(const Claim& claim, const ClaimResult& result) {
@@ -121,7 +122,7 @@ std::string expected_and_measured(const Claim& claim, const ClaimResult& result)
         return fmt::format("{}, measured {}", expected, file::decimal(result.measured));
     const auto s = result.spread();
     return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(result.measured),
-                       file::decimal(s.low), file::decimal(s.high), scene::toml::count_with_noun(s.draws, "draw"));
+                       file::decimal(s.low), file::decimal(s.high), text::count_with_noun(s.draws, "draw"));
 }
 
 }  // namespace

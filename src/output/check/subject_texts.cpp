@@ -10,10 +10,11 @@
 #include "output/check/claim_files.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/parse_number.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::output::check {
 
-using attribution::shell_word;
+using text::shell_word;
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/image/figure.hpp"
 #include "output/plot/scatter_plot.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::choose {
 
@@ -26,13 +26,13 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     return result;
 }
 
-Table<RowQuality> quality_columns() {
-    return {{"rays", "rays whose truth is known", &RowQuality::rays},
-            {"true_hits", "rays that truly hit", &RowQuality::hits},
-            {"wrong", "false hits, false misses, NaNs and hits of another primitive", &RowQuality::wrong},
-            {"wrong_fraction", "1", "wrong/rays", &RowQuality::wrong_fraction},
+Table<FormQuality> quality_columns() {
+    return {{"rays", "rays whose truth is known", &FormQuality::rays},
+            {"true_hits", "rays that truly hit", &FormQuality::hits},
+            {"wrong", "false hits, false misses, NaNs and hits of another primitive", &FormQuality::wrong},
+            {"wrong_fraction", "1", "wrong/rays", &FormQuality::wrong_fraction},
             {"kept_bits", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
-             or_missing(&RowQuality::kept_bits)}};
+             or_missing(&FormQuality::kept_bits)}};
 }
 
 Table<CandidateRow> candidate_table() {
@@ -69,12 +69,12 @@ Table<GrowthMargin> margin_table() {
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far as was tried)",
          [](const GrowthMargin& r) { return measure::choose::margin_end_names[static_cast<std::size_t>(r.end)]; }}};
-    return table.add<RowQuality>(
-        {{"wrong", "rays decided wrongly at the failing factor", &RowQuality::wrong},
-         {"rays", "number of rays at the failing factor", &RowQuality::rays},
-         {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
+    return table.add<FormQuality>(
+        {{"wrong", "rays decided wrongly at the failing factor", &FormQuality::wrong},
+         {"rays", "number of rays at the failing factor", &FormQuality::rays},
+         {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&FormQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
-          or_missing(&RowQuality::distance_error)}},
+          or_missing(&FormQuality::distance_error)}},
         [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.end_quality : nullptr; });
 }
 
@@ -108,26 +108,26 @@ Table<InputRow> input_table() {
             return r.obstacle->wide_inputs_are_exact ? std::string("exact") : input_format_name(binary64);
         };
     };
-    const auto exact_quality = [](const R& r) -> const RowQuality& { return r.trial->exact; };
-    const auto form_quality = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
-    const auto kept_bits = or_missing(&RowQuality::kept_bits);
+    const auto exact_quality = [](const R& r) -> const FormQuality& { return r.trial->exact; };
+    const auto form_quality = [](const R& r) -> const std::optional<FormQuality>& { return r.trial->form; };
+    const auto kept_bits = or_missing(&FormQuality::kept_bits);
     Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_column(Input::origin)},
                    {"direction", "format of the ray directions", format_column(Input::direction)},
                    {"place", "format of the centres of spheres and the corners of boxes", format_column(Input::place)},
                    {"radius", "format of the radii of spheres", format_column(Input::radius)}};
     return table
-        .add<RowQuality>(
-            {{"rays", "rays whose truth is known", &RowQuality::rays},
+        .add<FormQuality>(
+            {{"rays", "rays whose truth is known", &FormQuality::rays},
              {"exact_wrong", "rays on which the truth of these inputs decides differently from that of the ideal ones",
-              &RowQuality::wrong},
+              &FormQuality::wrong},
              {"exact_kept_bits", "bits",
               "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
               "the hits",
               kept_bits}},
             exact_quality)
-        .add<RowQuality>(
+        .add<FormQuality>(
             {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
-              &RowQuality::wrong},
+              &FormQuality::wrong},
              {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
             form_quality);
 }
@@ -148,7 +148,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
                     result.timed.rays, result.timed.primitives,
-                    scene::toml::count_with_noun(result.request.plan.repetitions, "repetition"))};
+                    text::count_with_noun(result.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<trade::KernelPoint> points;

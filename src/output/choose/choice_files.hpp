@@ -24,18 +24,18 @@
 namespace lostbits::output::choose {
 
 using measure::choose::Candidate;
+using measure::choose::FormQuality;
 using measure::choose::GrowthMargin;
 using measure::choose::Obstacle;
 using measure::choose::Requirement;
 using measure::choose::RequirementMap;
-using measure::choose::RowQuality;
 
 /// A candidate made by repairing a form (`lostbits mend`) that does not meet the requirement.
 struct RepairedCandidate {
-    std::string name;             ///< name of the candidate's form
-    std::string method;           ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
-    RowQuality held_out_quality;  ///< on rays of the scene that the search did not use
-    std::string file;             ///< C++ file of the form
+    std::string name;              ///< name of the candidate's form
+    std::string method;            ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
+    FormQuality held_out_quality;  ///< on rays of the scene that the search did not use
+    std::string file;              ///< C++ file of the form
 };
 
 /// All results of a choice.
@@ -94,7 +94,7 @@ image::Canvas pareto_plot(const ChoiceResult& result);
 struct CandidateRow {
     trade::KernelKey kernel;
     const measure::trade::Timing* time;  ///< null: unknown
-    const RowQuality* quality;
+    const FormQuality* quality;
     bool meets_requirement, is_chosen;
     const RepairedCandidate* repair;  ///< null: the form was not repaired
 };
@@ -103,7 +103,7 @@ table::Table<CandidateRow> candidate_table();
 std::vector<CandidateRow> candidate_rows(const ChoiceResult& result);
 
 /// The columns rays, true_hits, wrong, wrong_fraction and kept_bits.
-table::Table<RowQuality> quality_columns();
+table::Table<FormQuality> quality_columns();
 
 /// The columns of room.csv.
 table::Table<GrowthMargin> margin_table();

@@ -9,7 +9,7 @@
 #include "measure/answer/wrong_decision_phrase.hpp"
 #include "measure/choose/file_rays.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::choose {
 
@@ -63,19 +63,17 @@ std::string single_ray_text(const std::vector<Candidate>& candidates) {
         names, register_bits);
 }
 
-std::string kept_bits_phrase(const RowQuality& quality, int precision, const Requirement& requirement) {
+std::string kept_bits_phrase(const FormQuality& quality, int precision, const Requirement& requirement) {
     return std::isnan(quality.kept_bits)
                ? "no hit to keep bits of"
                : fmt::format("{} of {} bits{}", kept_bits_text(quality.kept_bits, requirement), precision,
                              distance_error_text(quality.distance_error, requirement));
 }
 
-std::string decisions_phrase(const RowQuality& quality) {
-    if (quality.wrong == 0)
-        return fmt::format("no wrong decision in {}", scene::toml::count_with_noun(quality.rays, "ray"));
+std::string decisions_phrase(const FormQuality& quality) {
+    if (quality.wrong == 0) return fmt::format("no wrong decision in {}", text::count_with_noun(quality.rays, "ray"));
     const auto share = quality.wrong_fraction();
-    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong,
-                       scene::toml::count_with_noun(quality.rays, "ray"),
+    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong, text::count_with_noun(quality.rays, "ray"),
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
@@ -96,7 +94,7 @@ std::string failure_phrase(const GrowthMargin& margin, const Requirement& requir
     if (!margin.end_quality.decides_as_required(requirement)) {
         const std::string_view main_fault =
             measure::answer::wrong_decision_phrase(margin.end_quality.main_fault.value());
-        const std::string ray_count = scene::toml::count_with_noun(margin.end_quality.rays, "ray");
+        const std::string ray_count = text::count_with_noun(margin.end_quality.rays, "ray");
         if (margin.end_quality.main_fault_count == margin.end_quality.wrong)
             return fmt::format("{} ({} of {})", main_fault, margin.end_quality.wrong, ray_count);
         return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.end_quality.wrong, ray_count,
@@ -155,12 +153,12 @@ std::string next_ray_text(const ChoiceResult& result) {
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("none")
                             : fmt::format("{} ({})", safe.front().strategy->name,
-                                          scene::toml::count_with_noun(safe.front().operations, "operation"));
+                                          text::count_with_noun(safe.front().operations, "operation"));
     };
     return fmt::format(
         "  Cheapest strategy for the next ray that is right for all {} from {}: {} if rays only leave the primitive, "
         "{} if rays go into it too.\n",
-        scene::toml::count_with_noun(rays, "ray"), scene::toml::count_with_noun(points, "point"), cheapest_of(outside),
+        text::count_with_noun(rays, "ray"), text::count_with_noun(points, "point"), cheapest_of(outside),
         cheapest_of(both));
 }
 
@@ -312,8 +310,8 @@ std::string choice_text(const ChoiceResult& result) {
     if (result.requirement_map) text += requirement_map_text(result, *result.requirement_map);
     text += mended_text(result) + file_answers_text(result) + single_ray_text(result.candidates);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
-                              scene::toml::count_with_noun(result.timed.rays, "ray"),
-                              result.request.rays ? "file" : "scene", result.timed.primitives);
+                              text::count_with_noun(result.timed.rays, "ray"), result.request.rays ? "file" : "scene",
+                              result.timed.primitives);
 }
 
 }  // namespace lostbits::output::choose

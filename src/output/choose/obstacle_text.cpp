@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "output/file/number_text.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::choose {
 
@@ -22,11 +22,11 @@ std::string bits_text(double kept, const Requirement& requirement, double distan
 }
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
-std::string kept_and_wrong(const RowQuality& quality, const Requirement& requirement) {
+std::string kept_and_wrong(const FormQuality& quality, const Requirement& requirement) {
     const std::string kept = bits_text(quality.kept_bits, requirement, quality.distance_error);
     if (quality.decides_as_required(requirement)) return kept;
     return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
-                       scene::toml::count_with_noun(quality.rays, "ray"));
+                       text::count_with_noun(quality.rays, "ray"));
 }
 
 /// `the centres and the radii`.
@@ -72,7 +72,7 @@ std::string rounded_scene_text(const ChoiceResult& result, const Candidate& near
     const Obstacle& obstacle = *result.obstacle;
     const Requirement& requirement = result.request.requirement;
     if (!obstacle.rounds_to_binary32_first || obstacle.trials.empty()) return "";
-    const RowQuality& exact = obstacle.trials.front().exact;
+    const FormQuality& exact = obstacle.trials.front().exact;
     if (exact.meets(requirement)) return "";
     return fmt::format(
                "  In addition, every format gets the scene rounded to binary32, and its answers are judged for this "

@@ -73,16 +73,16 @@ std::string note_of(const Check& check, const CheckSummary& s) {
 
 }  // namespace
 
-std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row_index) {
-    return map::row_name(study.rows[row_index]);
+std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t form_index) {
+    return map::row_name(study.tested_forms[form_index]);
 }
 
 std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {
     std::vector<PixelColumn<ConsistencyBand>> columns;
-    for (std::size_t r = 0; r < study.rows.size(); ++r) {
+    for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
             const Check& check = *study.checks[c];
-            const auto& tested_form = study.rows[r];
+            const auto& tested_form = study.tested_forms[r];
             pixel::ColumnSpec spec{
                 .file = fmt::format("{}.{}.png", row_name(study, r), check.name),
                 .title = fmt::format("{}: {}", check.name, check.title),
@@ -123,12 +123,12 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
         spec.unit = excess_unit;
     }
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
-    for (const auto& tested_form : study.rows)
+    for (const auto& tested_form : study.tested_forms)
         spec.formats.push_back(fmt::format("{} {}", map::short_name(*tested_form.form->info), tested_form.format.name));
     return {file, std::move(spec)};
 }
 
-std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
+std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, const std::vector<FormChecks>& rows) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
@@ -194,11 +194,12 @@ Table<CheckRow> ConsistencyView::summary_table() {
          {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
+std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study,
+                                                    const std::vector<FormChecks>& rows) {
     std::vector<CheckRow> check_rows;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
-            check_rows.push_back({study.checks[c], &study.rows[r], &rows[r][c]});
+            check_rows.push_back({study.checks[c], &study.tested_forms[r], &rows[r][c]});
     return check_rows;
 }
 

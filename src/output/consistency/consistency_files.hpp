@@ -9,7 +9,7 @@
 
 namespace lostbits::output::consistency {
 
-using measure::consistency::RowChecks;
+using measure::consistency::FormChecks;
 
 /// Result of a check for a form in a format.
 struct CheckRow {
@@ -28,12 +28,12 @@ struct ConsistencyView {
     static constexpr const char* pixel_title = "One row per pixel";
 
     static table::Table<CheckRow> summary_table();
-    static std::vector<CheckRow> summary_rows(const Study& study, const std::vector<RowChecks>& rows);
-    static std::string row_name(const Study& study, std::size_t row_index);
+    static std::vector<CheckRow> summary_rows(const Study& study, const std::vector<FormChecks>& rows);
+    static std::string row_name(const Study& study, std::size_t form_index);
     static std::size_t pixels(const Band& band) { return band.checks.front().results.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
-    static std::vector<study::Note> notes(const Study& study, const std::vector<RowChecks>& rows);
+    static std::vector<study::Note> notes(const Study& study, const std::vector<FormChecks>& rows);
     static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
 };
 

@@ -12,7 +12,7 @@
 #include "measure/answer/outcome.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "output/diff/ledger.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::diff {
 
@@ -164,19 +164,19 @@ std::string RowVerdict::text(const std::string& second) const {
         lines.push_back(
             fmt::format("not comparable in {}: the two forms are asked different questions, so other rays are "
                         "hits (agree_hit + false_miss differ)",
-                        scene::toml::count_with_noun(with_other_truth, "row")));
+                        text::count_with_noun(with_other_truth, "row")));
     if (with_one_sided_bits > 0)
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, but only one side has a lost_bits_p99",
-                        scene::toml::count_with_noun(with_one_sided_bits, "row")));
+                        text::count_with_noun(with_one_sided_bits, "row")));
     if (with_other_hits > 0)
         lines.push_back(fmt::format(
             "in {} both forms decide equally many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
             "over its own hits; `lostbits map --against` compares the hits that both have",
-            scene::toml::count_with_noun(with_other_hits, "row")));
+            text::count_with_noun(with_other_hits, "row")));
     if (better + worse + equal > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {} (compared by {}{}{}{})", second,
-                                    scene::toml::count_with_noun(better, "row"), worse, equal,
+                                    text::count_with_noun(better, "row"), worse, equal,
                                     by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
                                     by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));

@@ -1,5 +1,5 @@
 // Escapes text that users wrote: one function per kind of output. Other escapes are `quoted_field` (csv.hpp),
-// `shell_word` (intersect/process/child.hpp) and nlohmann's JSON.
+// `shell_word` (text/shell_word.hpp) and nlohmann's JSON.
 #pragma once
 
 #include <string>

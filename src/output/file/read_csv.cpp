@@ -11,9 +11,9 @@
 
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/files_of_run.hpp"
 #include "scene/toml/former_names.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -168,7 +168,7 @@ CsvTable parse_csv(std::string text, const std::string& source) {
         const std::size_t line = parser.line();
         parser.read_row(cells);
         if (cells.size() != table.columns.size()) {
-            parser.fail(line, "is not a CSV file: " + scene::toml::count_with_noun(cells.size(), "cell") +
+            parser.fail(line, "is not a CSV file: " + text::count_with_noun(cells.size(), "cell") +
                                   " where the header has " + std::to_string(table.columns.size()) +
                                   "; quote cells that contain commas");
         }

@@ -126,7 +126,7 @@ public:
         table_.emplace(
             folder, map::row_name(tested_form_) + ".csv",
             fmt::format("One row per ray: {} in {}", tested_form_.form->info->name, tested_form_.format.name),
-            ray_table(dump, request.metrics, request.is_file_row(tested_form_) && dump.layout().decides_only()));
+            ray_table(dump, request.metrics, request.is_file_form(tested_form_) && dump.layout().decides_only()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
@@ -162,9 +162,9 @@ struct JudgeFiles::Parts {
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
     [[nodiscard]] pixel::PieceReceiver keep_map_piece() {
         if (!options.keep_piece) return {};
-        return [this](std::size_t row_index, pixel::Piece&& piece) {
-            if (series.at(row_index)->table()) piece.lines = series[row_index]->table()->take_lines();
-            options.keep_piece(row_index, std::move(piece));
+        return [this](std::size_t form_index, pixel::Piece&& piece) {
+            if (series.at(form_index)->table()) piece.lines = series[form_index]->table()->take_lines();
+            options.keep_piece(form_index, std::move(piece));
         };
     }
 };
@@ -173,10 +173,10 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     parts_.reset(new Parts{.request = request, .options = std::move(options), .scene = {}});
     Parts& p = *parts_;
     p.scene = make_scene(request, dump, p.options);
-    p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
+    p.map_request = {.scene = &p.scene, .tested_forms = request.tested_forms, .metrics = request.metrics};
     const std::size_t ulp_error_index = measure::metric::index_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
-    for (const TestedForm& tested_form : request.rows) {
+    for (const TestedForm& tested_form : request.tested_forms) {
         p.series.push_back(
             std::make_unique<SeriesFiles>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
         if (!p.options.writes_rows) continue;
@@ -202,14 +202,14 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
 
 JudgeFiles::~JudgeFiles() = default;
 
-void JudgeFiles::add_piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
-    parts_->series[row_index]->add_piece(chunk, result);
+void JudgeFiles::add_piece(std::size_t form_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+    parts_->series[form_index]->add_piece(chunk, result);
 }
 
-void JudgeFiles::put(std::size_t row_index, pixel::Piece&& piece) {
-    if (auto& table = parts_->series.at(row_index)->table()) table->add_lines(piece.lines);
+void JudgeFiles::put(std::size_t form_index, pixel::Piece&& piece) {
+    if (auto& table = parts_->series.at(form_index)->table()) table->add_lines(piece.lines);
     piece.lines.clear();
-    parts_->map->put(row_index, std::move(piece));
+    parts_->map->put(form_index, std::move(piece));
 }
 
 std::vector<WorstRays> JudgeFiles::worst() const {
@@ -228,7 +228,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     std::string cases;
     for (std::size_t r = 0; r < p.series.size(); ++r) {
         for (const ReportedRay& ray : p.series[r]->worst().all()) {
-            if (ray.ray_group) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.ray_group);
+            if (ray.ray_group) cases += sweep::case_text(case_name(p.request.tested_forms[r], ray), *ray.ray_group);
         }
         p.series[r]->close();
     }

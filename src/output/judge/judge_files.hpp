@@ -36,10 +36,11 @@ public:
     JudgeFiles(const JudgeFiles&) = delete;
     JudgeFiles& operator=(const JudgeFiles&) = delete;
 
-    /// Adds the next judged rays of a series (a form in a format). `row_index` is its index in the request.
-    void add_piece(std::size_t row_index, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
+    /// Adds the next judged rays of a series (a form in a format). `form_index` is its index in the request.
+    void add_piece(std::size_t form_index, const scene::dump::Chunk& chunk,
+                   const measure::evaluate::BandResult& result);
     /// Writes the next piece of a series, which another run kept.
-    void put(std::size_t row_index, pixel::Piece&& piece);
+    void put(std::size_t form_index, pixel::Piece&& piece);
     /// Worst rays of each series. `append` adds the worst rays that another run found among later rays of the file.
     [[nodiscard]] std::vector<WorstRays> worst() const;
     void append(std::vector<WorstRays>&& later_rays);

@@ -37,8 +37,8 @@ std::vector<MeasuredForm> measured_forms(const MapStudy& request, const std::vec
     const std::size_t lost_bits_index = measure::metric::index_of(request.metrics, "lost_bits");
     std::vector<MeasuredForm> forms;
     for (std::size_t r = 0; r < summaries.size() && lost_bits_index < request.metrics.size(); ++r) {
-        const auto& row = request.rows[r];
-        if (row.format != request.rows.front().format) continue;
+        const auto& row = request.tested_forms[r];
+        if (row.format != request.tested_forms.front().format) continue;
         const FormSummary& summary = summaries[r];
         const double kept_bits = row.format.parameters.precision - summary.metrics[lost_bits_index].quantile(0.99);
         forms.push_back({short_name(*row.form->info), &summary,
@@ -85,7 +85,7 @@ std::string finding_text(const MapStudy& request, const std::vector<FormSummary>
     // The sentence names the first of equally good forms. So does the sheet, where the others share its column.
     const MeasuredForm &best = *std::ranges::min_element(forms, {}, rank_of),
                        &worst = *std::ranges::max_element(forms, {}, rank_of);
-    const auto& format = request.rows.front().format;
+    const auto& format = request.tested_forms.front().format;
     if (best.kept_bits < 0) return "";
     const std::string kept_phrase = fmt::format("{} of {} bits in {}", bits_text(best.kept_bits),
                                                 format.parameters.precision, format.name),

@@ -164,15 +164,15 @@ std::size_t index_in(const auto& list, const auto& matches) {
 }
 
 template <class Band>
-ExrRows band_rows(std::size_t part, const pixel::ExrLayers<Band>& layers, const Band& band) {
-    return {part, band.result->y0, band.result->rows, layers.samples(band, band.preview.size())};
+ExrScanlines band_forms(std::size_t part, const pixel::ExrLayers<Band>& layers, const Band& band) {
+    return {part, band.result->y0, band.result->scanlines, layers.samples(band, band.preview.size())};
 }
 
 }  // namespace
 
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
     std::vector<ExrPart> parts;
-    for (const TestedForm& tested_form : request.map.rows) {
+    for (const TestedForm& tested_form : request.map.tested_forms) {
         series_.push_back({&tested_form, series_layers(request, tested_form)});
         const std::size_t truth_index =
             index_in(truth_parts_, [kind = truth_kind(tested_form)](const TruthPart& t) { return t.kind == kind; });
@@ -186,7 +186,7 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
         parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
     }
     if (request.needed) {
-        for (const intersect::table::Intersector* form : request.needed->rows) {
+        for (const intersect::table::Intersector* form : request.needed->tested_forms) {
             needed_forms_.push_back(form->info);
             parts.push_back(needed_part(request, *form->info));
         }
@@ -196,26 +196,26 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
 
 MapExr::~MapExr() = default;
 
-std::vector<ExrRows> MapExr::make_rows(const TestedForm& tested_form, const BandResult& result,
-                                       std::span<const image::Rgb8> preview) const {
+std::vector<ExrScanlines> MapExr::make_rows(const TestedForm& tested_form, const BandResult& result,
+                                            std::span<const image::Rgb8> preview) const {
     const MapStrip strip{&result, preview};
     const std::size_t index =
         index_in(series_, [&tested_form](const SeriesLayers& s) { return s.tested_form == &tested_form; });
-    std::vector<ExrRows> part_rows{band_rows(index, series_[index].layers, strip)};
+    std::vector<ExrScanlines> part_rows{band_forms(index, series_[index].layers, strip)};
     const std::size_t truth_index =
         index_in(truth_parts_, [&tested_form](const TruthPart& t) { return t.source_row == &tested_form; });
     if (truth_index < truth_parts_.size())
-        part_rows.push_back(band_rows(series_.size() + truth_index, truth_parts_[truth_index].layers, strip));
+        part_rows.push_back(band_forms(series_.size() + truth_index, truth_parts_[truth_index].layers, strip));
     return part_rows;
 }
 
-std::vector<ExrRows> MapExr::make_rows(const BitsNeededBand& result, std::span<const image::Rgb8> preview) const {
+std::vector<ExrScanlines> MapExr::make_rows(const BitsNeededBand& result, std::span<const image::Rgb8> preview) const {
     const std::size_t index = index_in(needed_forms_, [&result](const Info* form) { return form == result.form; });
-    return {band_rows(series_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
+    return {band_forms(series_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
 }
 
-void MapExr::write(const std::vector<ExrRows>& part_rows) {
-    for (const ExrRows& rows : part_rows)
+void MapExr::write(const std::vector<ExrScanlines>& part_rows) {
+    for (const ExrScanlines& rows : part_rows)
         book_->write_rows(rows.part, rows.y0, rows.rows, std::as_bytes(std::span(rows.samples)));
 }
 

@@ -22,7 +22,7 @@ using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
-using pixel::ExrRows;
+using pixel::ExrScanlines;
 
 /// Values that an EXR holds, and the command that measured them.
 struct MapExrRequest {
@@ -62,12 +62,12 @@ public:
 
     /// Rows of the file for one band: of a series of the map, with its truth unless another series writes that truth;
     /// or of the bits needed by a form.
-    [[nodiscard]] std::vector<ExrRows> make_rows(const TestedForm& tested_form, const BandResult& result,
-                                                 std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> make_rows(const BitsNeededBand& result,
-                                                 std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrScanlines> make_rows(const TestedForm& tested_form, const BandResult& result,
+                                                      std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrScanlines> make_rows(const BitsNeededBand& result,
+                                                      std::span<const image::Rgb8> preview) const;
     /// Writes the next rows of the parts. Different parts may be written concurrently.
-    void write(const std::vector<ExrRows>& part_rows);
+    void write(const std::vector<ExrScanlines>& part_rows);
     void close();
 
 private:

@@ -48,7 +48,7 @@ struct MapFiles::Parts {
         return table;
     }
     void add_row(std::size_t r) {
-        const TestedForm& tested_form = request.rows[r];
+        const TestedForm& tested_form = request.tested_forms[r];
         std::unique_ptr<table::TableFile<BandRay>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
@@ -63,11 +63,11 @@ struct MapFiles::Parts {
             .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+            writers.exr_scanlines = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
                 return preview.empty() ? exr->make_rows(tested_form, band, outcome_colours_of(band))
                                        : exr->make_rows(tested_form, band, preview);
             };
-            files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
+            files.write_exr = [exr](const std::vector<ExrScanlines>& pieces) { exr->write(pieces); };
         }
         rows.emplace_back(r, files, std::move(writers), std::move(pixels));
     }
@@ -79,7 +79,7 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     // The limit on open files is checked before an hour of work is spent.
     const std::size_t files_per_row =
         (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
-    file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
+    file::require_open_files(request.tested_forms.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
     const bool has_tables = !options.keep_piece && options.sheet_only_file.empty();
     if (has_tables)
@@ -91,14 +91,14 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
     p.pictures.emplace(request, p.options);
-    for (std::size_t r = 0; r < request.rows.size(); ++r) p.add_row(r);
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) p.add_row(r);
 }
 
 MapFiles::~MapFiles() = default;
 
-measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
+measure::evaluate::ShowForms MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row_index, pixel::Piece&& piece) { parts_->rows.at(row_index).write_piece(piece); }
+void MapFiles::put(std::size_t form_index, pixel::Piece&& piece) { parts_->rows.at(form_index).write_piece(piece); }
 
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
@@ -110,8 +110,8 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
                    : attribution::explain_pixel_arguments(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, ray_arguments));
-        if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
+        p.summary->add_all(summary_rows(r, p.request.tested_forms[r], summaries[r], groups, ray_arguments));
+        if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.tested_forms[r], summaries[r]));
     }
     if (p.options.exr) p.options.exr->close();
     table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows,

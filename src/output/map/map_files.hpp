@@ -49,9 +49,9 @@ public:
     MapFiles& operator=(const MapFiles&) = delete;
 
     /// Returns the function that receives the bands of the request's rows.
-    [[nodiscard]] measure::evaluate::ShowRows show();
+    [[nodiscard]] measure::evaluate::ShowForms show();
     /// Writes the next piece of a row, which another run kept.
-    void put(std::size_t row_index, pixel::Piece&& piece);
+    void put(std::size_t form_index, pixel::Piece&& piece);
     void finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups = {});
 
 private:

@@ -40,8 +40,8 @@ std::vector<MapSheet> group_into_sheets(const MapStudy& request, const MapFilesO
         const auto applies = [m](const TestedForm& tested_form) {
             return MetricPaint(*m, tested_form.format.parameters).applies_to(tested_form);
         };
-        const auto first = std::ranges::find_if(request.rows, applies);
-        if (first == request.rows.end()) continue;
+        const auto first = std::ranges::find_if(request.tested_forms, applies);
+        if (first == request.tested_forms.end()) continue;
         const auto sheet = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_bar_with(*m); });
         if (sheet != sheets.end()) sheet->metrics.push_back(m);
         else sheets.push_back({MetricPaint(*m, first->format.parameters, options.range), {m}});
@@ -71,7 +71,7 @@ pixel::Pages MapPictures::make_pages() {
 
 pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
     std::vector<image::ColourScale> scales;  // one per line
-    for (const TestedForm& tested_form : request_.rows) {
+    for (const TestedForm& tested_form : request_.tested_forms) {
         if (!sheet.paint.applies_to(tested_form)) continue;
         static_cast<void>(find_or_add(sheet.forms, short_name(*tested_form.form->info)));
         for (const Metric* m : sheet.metrics) {
@@ -88,7 +88,7 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
                                  ? "contact.png"
                                  : fmt::format("contact.{}.png", file_name_part(*sheet.metrics.front()));
     const scene::file::Scene& scene = *request_.scene;
-    const auto described_rows = options_.is_list ? std::span<const TestedForm>() : request_.rows;
+    const auto described_rows = options_.is_list ? std::span<const TestedForm>() : request_.tested_forms;
     return {is_only_file ? options_.sheet_only_file : options_.folder / name,
             {.title = scene.title,
              .subtitle = sheet_subtitle({scene, options_.scene_arguments, described_rows, sheet.paint, has_several_bars,
@@ -112,8 +112,8 @@ bool MapPictures::zooms(const MetricPaint& paint) const {
 /// Makes the columns series by series, in the order in which they are drawn.
 std::vector<MapPictures::Column> MapPictures::make_columns() {
     std::vector<Column> columns;
-    for (std::size_t r = 0; r < request_.rows.size(); ++r) {
-        const TestedForm& tested_form = request_.rows[r];
+    for (std::size_t r = 0; r < request_.tested_forms.size(); ++r) {
+        const TestedForm& tested_form = request_.tested_forms[r];
         for (const Metric* m : options_.drawn_metrics) {
             const auto paint = std::make_shared<const MetricPaint>(*m, tested_form.format.parameters, options_.range);
             if (!paint->applies_to(tested_form)) continue;
@@ -131,7 +131,7 @@ std::vector<MapPictures::Column> MapPictures::make_columns() {
 
 MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
     const scene::file::Scene& scene = *request_.scene;
-    const TestedForm& tested_form = request_.rows[drawing.row_index];
+    const TestedForm& tested_form = request_.tested_forms[drawing.form_index];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
         .file = row_name(tested_form) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
@@ -150,7 +150,7 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
                                                                                  std::size_t i) {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
     };
-    if (!draws_envelope_of(m)) return {std::move(spec), drawing.row_index, pixel::drawn_by<BandResult>(pixel_of)};
+    if (!draws_envelope_of(m)) return {std::move(spec), drawing.form_index, pixel::drawn_by<BandResult>(pixel_of)};
     const auto paler_pixel_of = [pixel_of, look = spec.look, lost = lost_bits_index_, excess = excess_index_](
                                     const BandResult& band, std::size_t i) {
         const pixel::PixelValue pixel = pixel_of(band, i);
@@ -158,7 +158,7 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
         if (!is_inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = make_paler(look->colour(pixel))};
     };
-    return {std::move(spec), drawing.row_index, pixel::drawn_by<BandResult>(paler_pixel_of)};
+    return {std::move(spec), drawing.form_index, pixel::drawn_by<BandResult>(paler_pixel_of)};
 }
 
 pixel::Look MapPictures::make_look(const Drawing& drawing) const {
@@ -179,7 +179,7 @@ bool MapPictures::draws_envelope_of(const Metric& metric) const {
 /// scene.
 std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst_ray()) return "";
-    const TestedForm& tested_form = request_.rows[drawing.row_index];
+    const TestedForm& tested_form = request_.tested_forms[drawing.form_index];
     const std::string text = fmt::format("; worst pixel {},{}", worst.x, worst.y);
     if (!tested_form.form->record || options_.scene_arguments.empty()) return text;
     return text + ": " +
@@ -193,7 +193,7 @@ pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormS
     bool nothing_hit = options_.sheet_only_file.empty();
     for (const Drawing& drawing : drawings_) {
         if (drawing.position.sheet != sheet) continue;
-        const FormSummary& summary = summaries[drawing.row_index];
+        const FormSummary& summary = summaries[drawing.form_index];
         cells.push_back({drawing.position.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
     }
@@ -206,11 +206,11 @@ pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormS
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {
     for (std::size_t c = 0; c < drawings_.size(); ++c) {
         const Drawing& drawing = drawings_[c];
-        const measure::evaluate::WorstRay* const worst = summaries[drawing.row_index].worst_ray();
-        files_.writer().set_caption(c, drawing.paint->caption(summaries[drawing.row_index], drawing.metric_index) +
+        const measure::evaluate::WorstRay* const worst = summaries[drawing.form_index].worst_ray();
+        files_.writer().set_caption(c, drawing.paint->caption(summaries[drawing.form_index], drawing.metric_index) +
                                            (worst ? worst_pixel_text(drawing, *worst) : ""));
         files_.writer().set_note(drawing.position,
-                                 cell_note(*drawing.paint, summaries[drawing.row_index], drawing.metric_index));
+                                 cell_note(*drawing.paint, summaries[drawing.form_index], drawing.metric_index));
         if (worst && zooms(*drawing.paint))
             files_.writer().set_zoom(drawing.position, static_cast<int>(worst->x), worst->y);
     }

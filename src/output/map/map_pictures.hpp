@@ -31,8 +31,8 @@ using measure::evaluate::MapStudy;
 /// Facts for the lines below the title of a contact sheet.
 struct SheetSubject {
     const scene::file::Scene& scene;
-    std::string scene_arguments;       ///< see `MapFilesOptions`; empty for rays of a file
-    std::span<const TestedForm> rows;  ///< empty: no line is about the inputs
+    std::string scene_arguments;               ///< see `MapFilesOptions`; empty for rays of a file
+    std::span<const TestedForm> tested_forms;  ///< empty: no line is about the inputs
     const MetricPaint& paint;
     bool has_several_bars = false;             ///< the sheet has several colour bars
     bool zooms = false;                        ///< the cells enlarge the worst pixel
@@ -85,7 +85,7 @@ private:
     using Column = pixel::PixelColumn<BandResult>;
     /// Subject of a column: a metric of a series, and its cell on a sheet.
     struct Drawing {
-        std::size_t row_index, metric_index;  ///< in the request
+        std::size_t form_index, metric_index;  ///< in the request
         std::shared_ptr<const MetricPaint> paint;
         pixel::SheetPosition position;
     };

@@ -11,7 +11,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::map {
 
@@ -234,7 +234,7 @@ std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t m
         if (distribution.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
         return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(distribution.quantile(0.5)), unit,
                            short_number(distribution.quantile(1)), unit,
-                           scene::toml::count_with_noun(distribution.count(), "ray"),
+                           text::count_with_noun(distribution.count(), "ray"),
                            is_distance() ? " that both forms hit" : "");
     }
     std::string text = fault_shares_text(summary);

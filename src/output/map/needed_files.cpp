@@ -47,7 +47,7 @@ using NeededColumns = pixel::ColumnFiles<BitsNeededBand>;
 NeededColumns make_pictures(const BitsNeededStudy& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<BitsNeededBand>> columns;
-    for (const intersect::table::Intersector* form : request.rows)
+    for (const intersect::table::Intersector* form : request.tested_forms)
         columns.push_back(
             {{.file = file_stem(*form->info) + ".png",
               .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
@@ -143,7 +143,7 @@ struct NeededFiles::Parts {
     std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
 
     void add_form(std::size_t form_index) {
-        const Info& form = *request.rows[form_index]->info;
+        const Info& form = *request.tested_forms[form_index]->info;
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
@@ -157,10 +157,10 @@ struct NeededFiles::Parts {
             .pixels = [](const BitsNeededBand& band) { return band.bits_needed.size(); }};
         pixel::BandFiles<BitsNeededBand> files{pictures, {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
+            writers.exr_scanlines = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
                 return exr->make_rows(band, preview);
             };
-            files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
+            files.write_exr = [exr](const std::vector<ExrScanlines>& pieces) { exr->write(pieces); };
         }
         forms.push_back(std::make_unique<NeededFormFiles>(form_index, files, std::move(writers), std::move(pixels)));
     }
@@ -172,7 +172,7 @@ NeededFiles::NeededFiles(const BitsNeededStudy& request, const NeededFilesOption
         parts_->table.emplace(
             options.folder, "needed.csv",
             fmt::format("One row per form: significand bits needed for {} correct bits", request.bits), needed_table());
-    for (std::size_t form = 0; form < request.rows.size(); ++form) parts_->add_form(form);
+    for (std::size_t form = 0; form < request.tested_forms.size(); ++form) parts_->add_form(form);
 }
 
 NeededFiles::~NeededFiles() = default;
@@ -196,7 +196,7 @@ void NeededFiles::finish(const std::vector<BitsNeededSummary>& summaries) {
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
         if (auto& pixels = p.forms[f]->table()) pixels->close();
-        p.table->add({p.request.rows[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
+        p.table->add({p.request.tested_forms[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();
 }

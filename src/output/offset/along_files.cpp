@@ -11,9 +11,9 @@ using measure::offset::SideSummary;
 
 namespace {
 
-std::string subject_text(const OffsetRow& offset_row, Side side) {
-    return fmt::format("{} in {}, {} points, rays {}", offset_row.tested_form.form->info->name,
-                       offset_row.tested_form.format.name, name_of(offset_row.point_kind), side_phrase(side));
+std::string subject_text(const OffsetForm& offset_form, Side side) {
+    return fmt::format("{} in {}, {} points, rays {}", offset_form.tested_form.form->info->name,
+                       offset_form.tested_form.format.name, name_of(offset_form.point_kind), side_phrase(side));
 }
 
 /// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the
@@ -41,60 +41,60 @@ void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
     summaries_.push_back(std::move(summaries));
 }
 
-std::filesystem::path AlongFiles::picture_path(std::size_t row_index, Side side, const char* kind) const {
-    return folder_ /
-           fmt::format("along.{}.{}.{}.{}.png", name_of(axis_), row_name(study_.rows[row_index]), name_of(side), kind);
+std::filesystem::path AlongFiles::picture_path(std::size_t form_index, Side side, const char* kind) const {
+    return folder_ / fmt::format("along.{}.{}.{}.{}.png", name_of(axis_), row_name(study_.tested_forms[form_index]),
+                                 name_of(side), kind);
 }
 
-plot::LinePlotSpec AlongFiles::make_spec(std::size_t row_index, Side side, const std::string& title,
+plot::LinePlotSpec AlongFiles::make_spec(std::size_t form_index, Side side, const std::string& title,
                                          plot::AxisSpec y) const {
     return {.title = fmt::format("{} along {}", title, name_of(axis_)),
-            .subtitle = {study_.scene.title, subject_text(study_.rows[row_index], side)},
+            .subtitle = {study_.scene.title, subject_text(study_.tested_forms[form_index], side)},
             .x = {std::string(measure::offset::meaning_of(axis_)), plot::AxisSpec::Scale::log2, {}, {}},
             .y = std::move(y)};
 }
 
-plot::Series AlongFiles::make_series(std::size_t row_index, Side side,
+plot::Series AlongFiles::make_series(std::size_t form_index, Side side,
                                      const std::function<double(const SideSummary&)>& value,
                                      const Strategy* strategy) const {
     plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
                         .x = axis_values_,
                         .is_dashed = strategy == nullptr,
                         .look = strategy_look(strategy)};
-    for (const auto& step : summaries_) series.y.push_back(value(step[row_index].side_summary(side)));
+    for (const auto& step : summaries_) series.y.push_back(value(step[form_index].side_summary(side)));
     return series;
 }
 
-void AlongFiles::plot_wrong(std::size_t row_index, Side side) const {
-    auto spec = make_spec(row_index, side, "Rays that go wrong",
+void AlongFiles::plot_wrong(std::size_t form_index, Side side) const {
+    auto spec = make_spec(form_index, side, "Rays that go wrong",
                           {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         spec.series.push_back(make_series(
-            row_index, side,
+            form_index, side,
             [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
             study_.strategies[k]));
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; there is none if it misses or names another primitive"};
-    image::save_figure(picture_path(row_index, side, "wrong"), plot::line_plot(spec));
+    image::save_figure(picture_path(form_index, side, "wrong"), plot::line_plot(spec));
 }
 
-void AlongFiles::plot_size(std::size_t row_index, Side side) const {
-    auto spec = make_spec(row_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
-    spec.series = {make_series(row_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
+void AlongFiles::plot_size(std::size_t form_index, Side side) const {
+    auto spec = make_spec(form_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
+    spec.series = {make_series(form_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(make_series(
-                row_index, side, [k](const SideSummary& s) { return s.strategies[k].offset_size.quantile(0.5); },
+                form_index, side, [k](const SideSummary& s) { return s.strategies[k].offset_size.quantile(0.5); },
                 study_.strategies[k]));
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};
-    image::save_figure(picture_path(row_index, side, "size"), plot::line_plot(spec));
+    image::save_figure(picture_path(form_index, side, "size"), plot::line_plot(spec));
 }
 
 void AlongFiles::finish() {
-    for (std::size_t r = 0; r < study_.rows.size(); ++r) {
+    for (std::size_t r = 0; r < study_.tested_forms.size(); ++r) {
         for (const Side side : measure::offset::both_sides) {
             plot_wrong(r, side);
             plot_size(r, side);

@@ -9,7 +9,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::offset {
 
@@ -72,7 +72,7 @@ PixelValue safe_offset_pixel(const OffsetBand& band, std::size_t pixel, Side sid
 }
 
 /// Line of the sheet that shows a side of a row of the study.
-std::size_t sheet_line(std::size_t row_index, Side side) { return 2 * row_index + static_cast<std::size_t>(side); }
+std::size_t sheet_line(std::size_t form_index, Side side) { return 2 * form_index + static_cast<std::size_t>(side); }
 
 /// Adds the notes below the cells of a line of the sheet.
 void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
@@ -99,12 +99,12 @@ std::string short_name(const Strategy& strategy) {
     return std::string(strategy.name.substr(strategy.name.find('.') + 1));
 }
 
-std::string row_name(const OffsetRow& offset_row) {
-    return fmt::format("{}.{}", map::row_name(offset_row.tested_form), name_of(offset_row.point_kind));
+std::string row_name(const OffsetForm& offset_form) {
+    return fmt::format("{}.{}", map::row_name(offset_form.tested_form), name_of(offset_form.point_kind));
 }
 
-std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row_index) {
-    return offset::row_name(study.rows[row_index]);
+std::string OffsetView::row_name(const OffsetStudy& study, std::size_t form_index) {
+    return offset::row_name(study.tested_forms[form_index]);
 }
 
 std::string side_phrase(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
@@ -113,12 +113,12 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
     const auto result_look = std::make_shared<const pixel::Look>(make_strategy_result_look()),
                safe_offset_look = std::make_shared<const pixel::Look>(make_safe_offset_look());
     std::vector<PixelColumn<OffsetBand>> columns;
-    for (std::size_t r = 0; r < study.rows.size(); ++r) {
-        const OffsetRow& offset_row = study.rows[r];
-        const std::string row_text = fmt::format("{} in {}, {} points", offset_row.tested_form.form->info->name,
-                                                 offset_row.tested_form.format.name, name_of(offset_row.point_kind));
+    for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
+        const OffsetForm& offset_form = study.tested_forms[r];
+        const std::string row_text = fmt::format("{} in {}, {} points", offset_form.tested_form.form->info->name,
+                                                 offset_form.tested_form.format.name, name_of(offset_form.point_kind));
         for (const Side side : both_sides) {
-            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(offset_row), name_of(side));
+            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(offset_form), name_of(side));
             for (std::size_t k = 0; k < study.strategies.size(); ++k) {
                 const Strategy& strategy = *study.strategies[k];
                 columns.push_back({{.file = file_prefix + short_name(strategy) + ".png",
@@ -160,10 +160,10 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
         .unit = safe_unit,
         .shows_categories = true};
     for (const Strategy* strategy : study.strategies) spec.forms.push_back(short_name(*strategy));
-    for (const OffsetRow& offset_row : study.rows) {
+    for (const OffsetForm& offset_form : study.tested_forms) {
         for (const Side side : both_sides)
-            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_row.tested_form.form->info),
-                                               offset_row.tested_form.format.name, name_of(offset_row.point_kind),
+            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_form.tested_form.form->info),
+                                               offset_form.tested_form.format.name, name_of(offset_form.point_kind),
                                                name_of(side)));
     }
     return {file, std::move(spec)};
@@ -210,12 +210,12 @@ Table<StrategyRow> OffsetView::summary_table() {
                    {"side", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
                     [](const R& r) { return name_of(r.side); }},
                    {"point", "starting point: as computed, or projected back onto the surface",
-                    [](const R& r) { return name_of(r.offset_row->point_kind); }}};
+                    [](const R& r) { return name_of(r.offset_form->point_kind); }}};
     table.add(
         table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
-        [](const R& r) -> const auto& { return r.offset_row->tested_form; });
+        [](const R& r) -> const auto& { return r.offset_form->tested_form; });
     table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.offset_row->tested_form.form->shape); }});
+               [](const R& r) { return r.strategy->operations(r.offset_form->tested_form.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(
             column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.strategy_index); }));
@@ -225,19 +225,19 @@ Table<StrategyRow> OffsetView::summary_table() {
 std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
                                                   const std::vector<OffsetSummary>& summaries) {
     std::vector<StrategyRow> rows;
-    for (std::size_t r = 0; r < study.rows.size(); ++r)
+    for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
         for (const Side side : both_sides)
             for (std::size_t k = 0; k < study.strategies.size(); ++k)
-                rows.push_back({&study.rows[r], &summaries[r], side, study.strategies[k], k});
+                rows.push_back({&study.tested_forms[r], &summaries[r], side, study.strategies[k], k});
     return rows;
 }
 
-std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t row_index, const OffsetSummary& summary) {
+std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t form_index, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const OffsetRow& offset_row = study.rows[row_index];
-    const std::string row_text = fmt::format("{} {} {}", offset_row.tested_form.form->info->name,
-                                             offset_row.tested_form.format.name, name_of(offset_row.point_kind));
+    const OffsetForm& offset_form = study.tested_forms[form_index];
+    const std::string row_text = fmt::format("{} {} {}", offset_form.tested_form.form->info->name,
+                                             offset_form.tested_form.format.name, name_of(offset_form.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
         std::string faultless_strategies;
@@ -250,23 +250,22 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t row
         const std::string safe_text =
             std::isnan(largest)
                 ? fmt::format("no offset is safe at any of {}",
-                              scene::toml::count_with_noun(side_summary.never_safe_points, "point"))
+                              text::count_with_noun(side_summary.never_safe_points, "point"))
                 : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
                               side_summary.never_safe_points == 0 ? ""
                               : side_summary.never_safe_points == 1
                                   ? " (1 point has none)"
                                   : fmt::format(" ({} points have none)", side_summary.never_safe_points));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
-                                    scene::toml::count_with_noun(side_summary.rays, "ray"),
+                                    text::count_with_noun(side_summary.rays, "ray"),
                                     faultless_strategies.empty() ? "no strategy" : faultless_strategies));
     }
     const auto strategies_for_both_sides = measure::offset::safe_strategies(
-        summary, study.strategies, offset_row.tested_form.form->shape, measure::offset::both_sides);
+        summary, study.strategies, offset_form.tested_form.form->shape, measure::offset::both_sides);
     if (!strategies_for_both_sides.empty())
-        lines.push_back(
-            fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
-                        strategies_for_both_sides.front().strategy->name,
-                        scene::toml::count_with_noun(strategies_for_both_sides.front().operations, "operation")));
+        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
+                                    strategies_for_both_sides.front().strategy->name,
+                                    text::count_with_noun(strategies_for_both_sides.front().operations, "operation")));
     return lines;
 }
 

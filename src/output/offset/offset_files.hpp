@@ -14,7 +14,7 @@
 
 namespace lostbits::output::offset {
 
-using measure::offset::OffsetRow;
+using measure::offset::OffsetForm;
 using measure::offset::OffsetStudy;
 using measure::offset::OffsetSummary;
 using measure::offset::SceneAxis;
@@ -24,13 +24,13 @@ using measure::offset::Strategy;
 /// Name of a strategy without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const Strategy& strategy);
 /// Name of a series, such as `sphere.half_b.f32.computed`.
-[[nodiscard]] std::string row_name(const OffsetRow& offset_row);
+[[nodiscard]] std::string row_name(const OffsetForm& offset_form);
 /// Phrase for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string side_phrase(Side side);
 
 /// A row of summary.csv: a strategy on one side, for a form, a format and a kind of point.
 struct StrategyRow {
-    const OffsetRow* offset_row;
+    const OffsetForm* offset_form;
     const OffsetSummary* summary;
     Side side;
     const Strategy* strategy;
@@ -50,7 +50,7 @@ struct OffsetView {
     static table::Table<StrategyRow> summary_table();
     /// One row for every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
-    static std::string row_name(const Study& study, std::size_t row_index);
+    static std::string row_name(const Study& study, std::size_t form_index);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
@@ -59,7 +59,7 @@ struct OffsetView {
     static bool has_row(const Band& band, std::size_t i) { return band.is_point[i] != 0; }
 };
 
-/// Findings for row `row_index` of a study, one sentence per line. For each side: the largest of the smallest safe
+/// Findings for row `form_index` of a study, one sentence per line. For each side: the largest of the smallest safe
 /// offsets, and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides
 /// (`none`, which leaves the point as it is, is a strategy too). Empty if the summary has no points.
 [[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r,
@@ -85,15 +85,15 @@ public:
     [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
 
 private:
-    void plot_wrong(std::size_t row_index, Side side) const;
-    void plot_size(std::size_t row_index, Side side) const;
-    [[nodiscard]] plot::LinePlotSpec make_spec(std::size_t row_index, Side side, const std::string& title,
+    void plot_wrong(std::size_t form_index, Side side) const;
+    void plot_size(std::size_t form_index, Side side) const;
+    [[nodiscard]] plot::LinePlotSpec make_spec(std::size_t form_index, Side side, const std::string& title,
                                                plot::AxisSpec y) const;
     /// The line of a strategy in a plot; without a strategy, the line of the smallest safe offset.
-    [[nodiscard]] plot::Series make_series(std::size_t row_index, Side side,
+    [[nodiscard]] plot::Series make_series(std::size_t form_index, Side side,
                                            const std::function<double(const measure::offset::SideSummary&)>& value,
                                            const Strategy* strategy = nullptr) const;
-    [[nodiscard]] std::filesystem::path picture_path(std::size_t row_index, Side side, const char* kind) const;
+    [[nodiscard]] std::filesystem::path picture_path(std::size_t form_index, Side side, const char* kind) const;
 
     std::filesystem::path folder_;
     const OffsetStudy& study_;

@@ -162,29 +162,29 @@ public:
         : columns_(std::move(columns)), writer_(std::move(pages), specs_of(columns_)) {}
 
     /// Draws this number of pixels of a row, one strip for each column of the row that a file shows.
-    [[nodiscard]] std::vector<Strip> draw(std::size_t row_index, const Band& band, std::size_t pixels) const {
+    [[nodiscard]] std::vector<Strip> draw(std::size_t form_index, const Band& band, std::size_t pixels) const {
         std::vector<Strip> strips;
-        for (const std::size_t c : shown_columns(row_index)) {
+        for (const std::size_t c : shown_columns(form_index)) {
             strips.push_back(writer_.empty_strip(c, pixels));
             columns_[c].draw(band, writer_.look(c), strips.back());
         }
         return strips;
     }
     /// Writes these strips to the files from scanline `y0` on. Different rows may be written at the same time.
-    void write_strips(std::size_t row_index, int y0, const std::vector<Strip>& strips) {
+    void write_strips(std::size_t form_index, int y0, const std::vector<Strip>& strips) {
         std::size_t strip_index = 0;
-        for (const std::size_t c : shown_columns(row_index)) writer_.write_strip(c, y0, strips.at(strip_index++));
+        for (const std::size_t c : shown_columns(form_index)) writer_.write_strip(c, y0, strips.at(strip_index++));
     }
-    void draw_and_write(std::size_t row_index, const Band& band, int y0, std::size_t pixels) {
-        write_strips(row_index, y0, draw(row_index, band, pixels));
+    void draw_and_write(std::size_t form_index, const Band& band, int y0, std::size_t pixels) {
+        write_strips(form_index, y0, draw(form_index, band, pixels));
     }
     [[nodiscard]] ColumnWriter& writer() { return writer_; }
 
 private:
-    [[nodiscard]] std::vector<std::size_t> shown_columns(std::size_t row_index) const {
+    [[nodiscard]] std::vector<std::size_t> shown_columns(std::size_t form_index) const {
         std::vector<std::size_t> shown;
         for (std::size_t c = 0; c < columns_.size(); ++c)
-            if (columns_[c].row == row_index && writer_.shows(c)) shown.push_back(c);
+            if (columns_[c].row == form_index && writer_.shows(c)) shown.push_back(c);
         return shown;
     }
     static std::vector<ColumnSpec> specs_of(const std::vector<PixelColumn<Band>>& columns) {

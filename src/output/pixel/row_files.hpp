@@ -16,14 +16,14 @@
 namespace lostbits::output::pixel {
 
 /// Rows of a part of an EXR, as stored in the file.
-struct ExrRows {
+struct ExrScanlines {
     std::uint64_t part = 0;
     int y0 = 0, rows = 0;
     std::vector<std::uint32_t> samples;
 };
 
 template <class Bits>
-void fields(Bits& bits, ExrRows& piece) {
+void fields(Bits& bits, ExrScanlines& piece) {
     auto& [part, y0, rows, samples] = piece;
     bits(part, y0, rows, samples);
 }
@@ -32,7 +32,7 @@ void fields(Bits& bits, ExrRows& piece) {
 struct Piece {
     int y0 = 0;
     std::vector<Strip> strips = {};  ///< strips of the pictures that are drawn, in the pictures' order
-    std::vector<ExrRows> exr = {};
+    std::vector<ExrScanlines> exr = {};
     std::string lines = {};  ///< lines of the table of pixels
 
     [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
@@ -45,14 +45,14 @@ void fields(Bits& bits, Piece& piece) {
 }
 
 /// Receives the pieces of each row in place of the files, which are then not opened.
-using PieceReceiver = std::function<void(std::size_t row_index, Piece&& piece)>;
+using PieceReceiver = std::function<void(std::size_t form_index, Piece&& piece)>;
 
 /// Files that the rows of a scene share.
 template <class Band>
 struct BandFiles {
     ColumnFiles<Band>& pictures;
-    std::function<void(const std::vector<ExrRows>&)> write_exr;  ///< empty: no EXR is written
-    const PieceReceiver& receive_piece;                          ///< receives the pieces of a shard
+    std::function<void(const std::vector<ExrScanlines>&)> write_exr;  ///< empty: no EXR is written
+    const PieceReceiver& receive_piece;                               ///< receives the pieces of a shard
 };
 
 /// Files of one series. `Pixel` is the record of a row of the table of pixels.
@@ -61,20 +61,20 @@ class RowFiles {
 public:
     struct Writers {
         /// Turns a band into rows of the EXR; empty: the run writes no EXR.
-        std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows = {};
+        std::function<std::vector<ExrScanlines>(const Band&, std::span<const image::Rgb8> preview)> exr_scanlines = {};
         /// Adds pixel i to the table; empty: the run writes no table.
         std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel = {};
         std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
     };
-    RowFiles(std::size_t row_index, const BandFiles<Band>& files, Writers writers,
+    RowFiles(std::size_t form_index, const BandFiles<Band>& files, Writers writers,
              std::unique_ptr<table::TableFile<Pixel>> table)
-        : row_(row_index), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
+        : row_(form_index), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
 
     void add_band(const Band& result) {
         const std::size_t pixels = writers_.pixels(result);
         Piece piece{.y0 = result.y0, .strips = files_.pictures.draw(row_, result, pixels)};
-        if (writers_.exr_rows)
-            piece.exr = writers_.exr_rows(
+        if (writers_.exr_scanlines)
+            piece.exr = writers_.exr_scanlines(
                 result, piece.strips.empty() ? std::span<const image::Rgb8>() : piece.strips[0].colours);
         for (std::size_t i = 0; table_ && i < pixels; ++i) writers_.add_pixel(*table_, result, i);
         if (table_ && files_.receive_piece) piece.lines = table_->take_lines();

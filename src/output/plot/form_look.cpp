@@ -22,7 +22,7 @@ struct LookRanges {
 
     LookRanges() {
         std::map<Shape, std::size_t> counts;
-        for (const auto& catalogue_row : intersect::table::catalogue()) ++counts[catalogue_row.shape];
+        for (const auto& known : intersect::table::catalogue()) ++counts[known.shape];
         std::size_t marches = 0;
         for (const auto& [shape, count] : counts) {
             std::size_t& most = is_primitive(shape) ? first_march : marches;
@@ -48,9 +48,9 @@ std::size_t form_look(const intersect::table::Intersector& form) {
     const auto forms = intersect::table::intersectors(), catalogue_forms = intersect::table::catalogue();
     static const LookRanges ranges;
     std::size_t look = is_primitive(form.shape) ? 0 : ranges.first_march;
-    for (const auto& catalogue_row : catalogue_forms) {
-        if (catalogue_row.info == form.info) return look;
-        look += catalogue_row.shape == form.shape;
+    for (const auto& known : catalogue_forms) {
+        if (known.info == form.info) return look;
+        look += known.shape == form.shape;
     }
     const std::size_t free_looks = look_count - ranges.first_free;
     std::set<std::size_t> used_looks;

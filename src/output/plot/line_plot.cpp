@@ -15,7 +15,7 @@
 #include "output/file/number_text.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::plot {
 
@@ -40,7 +40,7 @@ struct UndrawnCounts {
     [[nodiscard]] std::vector<std::string> notes() const {
         std::vector<std::string> sentences;
         const auto add = [&](int count, const char* singular, const char* plural) {
-            if (count > 0) sentences.push_back(scene::toml::count_with_noun(count, singular, plural));
+            if (count > 0) sentences.push_back(text::count_with_noun(count, singular, plural));
         };
         if (infinite_y > 0) sentences.emplace_back("A triangle at the edge marks an infinite value.");
         add(off_scale_y, "value is not positive and is not drawn, because the axis is logarithmic.",
@@ -337,7 +337,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     std::vector<std::string> footnotes = undrawn.notes();
     if (lines.size() < spec.series.size())
         footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
-                                        scene::toml::count_with_noun(lines.size(), "line"), spec.series.size()));
+                                        text::count_with_noun(lines.size(), "line"), spec.series.size()));
     footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading({}, footnotes, content_width);
     const int foot =

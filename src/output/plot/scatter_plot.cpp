@@ -7,7 +7,7 @@
 #include "output/plot/label_placement.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::plot {
 
@@ -201,8 +201,8 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !is_on_axes(p, x, y); }));
     std::vector<std::string> footnotes;
     if (undrawn_count > 0)
-        footnotes.push_back(scene::toml::count_with_noun(undrawn_count, "point has no value and is not drawn.",
-                                                         "points have no value and are not drawn."));
+        footnotes.push_back(text::count_with_noun(undrawn_count, "point has no value and is not drawn.",
+                                                  "points have no value and are not drawn."));
     const Canvas notes = image::heading({}, footnotes, content_width);
 
     PlotFrame frame{image::style::margin + axes.left_margin(), 0, 1, 1, point_margin};

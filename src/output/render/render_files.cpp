@@ -22,8 +22,8 @@ std::vector<StageRow> RenderView::summary_rows(const RenderStudy& study,
                                                const std::vector<RenderStudy::Summary>& summaries) {
     std::vector<StageRow> rows;
     for (std::size_t s = 0; s < study.stages.size(); ++s)
-        for (std::size_t r = 0; r < study.rows.size(); ++r)
-            rows.push_back({study.stages[s], &study.rows[r], &summaries[r][s]});
+        for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
+            rows.push_back({study.stages[s], &study.tested_forms[r], &summaries[r][s]});
     return rows;
 }
 
@@ -59,7 +59,7 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     return layers;
 }
 
-image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row_index,
+image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t form_index,
                                     const std::vector<image::Channel>& channels, const std::string& command) {
     return {.width = study.scene.width,
             .height = study.scene.height,
@@ -67,8 +67,8 @@ image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row_in
             .attributes = {{"lostbits:command", command},
                            {"lostbits:schema", "lostbits-render/1"},
                            {"lostbits:scene", study.scene.id},
-                           {"lostbits:form", std::string(study.rows[row_index].form->info->name)},
-                           {"lostbits:format", study.rows[row_index].format.name},
+                           {"lostbits:form", std::string(study.tested_forms[form_index].form->info->name)},
+                           {"lostbits:format", study.tested_forms[form_index].format.name},
                            image::compiler_attribute(),
                            {"lostbits:seen", pixel::numbered(measure::render::seen_names)},
                            {"lostbits:shadow", pixel::numbered(measure::render::shadow_names)},

@@ -57,8 +57,8 @@ struct RenderView {
 
     static table::Table<StageRow> summary_table();
     static std::vector<StageRow> summary_rows(const Study& study, const std::vector<Study::Summary>& summaries);
-    static std::string row_name(const Study& study, std::size_t row_index) {
-        return map::row_name(study.rows[row_index]);
+    static std::string row_name(const Study& study, std::size_t form_index) {
+        return map::row_name(study.tested_forms[form_index]);
     }
     static std::size_t pixels(const Band& band) { return band.seen.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
@@ -66,7 +66,7 @@ struct RenderView {
     static std::vector<study::Note> notes(const Study& study, const std::vector<Study::Summary>& summaries);
     static pixel::ExrLayers<Band> layers(const Study& study);
     /// `command` is the command line that writes the files again.
-    static image::ExrSpec exr_spec(const Study& study, std::size_t row_index,
+    static image::ExrSpec exr_spec(const Study& study, std::size_t form_index,
                                    const std::vector<image::Channel>& channels, const std::string& command);
 };
 

@@ -80,7 +80,7 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
                                                    scene.width, scene.height),
                                        "the picture of each form in each format, next to the certified one", sheet_note,
-                                       map::input_note(scene, study.rows)},
+                                       map::input_note(scene, study.tested_forms)},
                           .forms = {"certified"}};
     std::erase(spec.subtitle, "");
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
@@ -93,9 +93,9 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
 /// Collects the pixel columns of a study.
 class RenderColumnMaker {
 public:
-    explicit RenderColumnMaker(const RenderStudy& study) : study_(study), grid_(study.rows) {
+    explicit RenderColumnMaker(const RenderStudy& study) : study_(study), grid_(study.tested_forms) {
         for (std::size_t s = 0; s < study.stages.size(); ++s) add_reference(s);
-        for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
+        for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_row(r);
     }
     [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
 
@@ -114,7 +114,7 @@ private:
     }
 
     void add_row(std::size_t r) {
-        const std::string name = map::row_name(study_.rows[r]);
+        const std::string name = map::row_name(study_.tested_forms[r]);
         for (std::size_t s = 0; s < study_.stages.size(); ++s) {
             const std::string stage(name_of(study_.stages[s]));
             const map::RowGrid::GridCell cell = grid_.cells[r];
@@ -146,7 +146,7 @@ private:
 
     [[nodiscard]] pixel::ColumnSpec difference_map_spec(std::size_t r, std::string file, const std::string& title,
                                                         const char* note, SharedLook look) const {
-        const measure::evaluate::TestedForm& tested_form = study_.rows[r];
+        const measure::evaluate::TestedForm& tested_form = study_.tested_forms[r];
         return {.file = std::move(file),
                 .title = fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, title),
                 .subtitle = {map::title_of(*tested_form.form->info), note},
@@ -159,8 +159,8 @@ private:
     }
 
     template <class ValueOf>
-    void add(pixel::ColumnSpec spec, std::size_t row_index, ValueOf value_of) {
-        columns_.push_back({std::move(spec), row_index, pixel::drawn_by<RenderBand>(value_of)});
+    void add(pixel::ColumnSpec spec, std::size_t form_index, ValueOf value_of) {
+        columns_.push_back({std::move(spec), form_index, pixel::drawn_by<RenderBand>(value_of)});
     }
 
     const RenderStudy& study_;
@@ -211,12 +211,12 @@ std::vector<PixelColumn<RenderBand>> RenderView::columns(const RenderStudy& stud
 }
 
 pixel::Sheet RenderView::sheet(const RenderStudy& study, const std::filesystem::path& file) {
-    return {file, sheet_spec(study, map::RowGrid(study.rows))};
+    return {file, sheet_spec(study, map::RowGrid(study.tested_forms))};
 }
 
 std::vector<study::Note> RenderView::notes(const RenderStudy& study,
                                            const std::vector<RenderStudy::Summary>& summaries) {
-    const map::RowGrid grid(study.rows);
+    const map::RowGrid grid(study.tested_forms);
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (std::size_t s = 0; s < summaries[r].size(); ++s)

@@ -29,7 +29,7 @@ ParetoPoint point_of(const FormRow& row) {
             row.quality->wrong_fraction(), row.quality->kept_bits};
 }
 
-std::string kept_bits_text(const RowQuality& quality, const measure::choose::Requirement& requirement) {
+std::string kept_bits_text(const FormQuality& quality, const measure::choose::Requirement& requirement) {
     return std::isnan(quality.kept_bits) ? "no" : choose::kept_bits_text(quality.kept_bits, requirement);
 }
 
@@ -75,16 +75,16 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
                         .tested_form = summary.catalogue[k],
                         .quality = &summary.catalogue_quality[k]});
     for (FormRow& row : rows) row.meets_requirement = row.quality->meets(summary.request.requirement);
-    std::vector<FormRow*> timed_rows;
+    std::vector<FormRow*> timed_forms;
     std::vector<ParetoPoint> points;
     for (FormRow& row : rows) {
-        if (timed_rows.size() == summary.prices.size() || row.kind == "all_wider") continue;
-        row.price = &summary.prices[timed_rows.size()];
-        timed_rows.push_back(&row);
+        if (timed_forms.size() == summary.prices.size() || row.kind == "all_wider") continue;
+        row.price = &summary.prices[timed_forms.size()];
+        timed_forms.push_back(&row);
         points.push_back(point_of(row));
     }
     const auto is_dominated = find_dominated(points);
-    for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->is_on_front = !is_dominated[k];
+    for (std::size_t k = 0; k < timed_forms.size(); ++k) timed_forms[k]->is_on_front = !is_dominated[k];
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
         rows[k].is_shown =
             (rows[k].is_on_front || k == first_of_catalogue) && rows[k].tested_form.form != original_row.form;
@@ -92,7 +92,7 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
 }
 
 std::string change_text(const RepairSummary& summary, const FormRow& row) {
-    const RowQuality &old_quality = summary.repair.own_quality, &new_quality = *row.quality;
+    const FormQuality &old_quality = summary.repair.own_quality, &new_quality = *row.quality;
     const auto& requirement = summary.request.requirement;
     std::string text = fmt::format(
         "{}: {} → {} bits, {}",
@@ -165,10 +165,10 @@ Table<FormRow> form_table() {
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
     table.add(choose::quality_columns(), &R::quality);
     table.add({"meets", "true if it meets the requirement", &R::meets_requirement});
-    table.add<RowQuality>(
-        {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
-         {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
-         {"apart_kept_bits", "bits", "bits kept on these", or_missing(&RowQuality::kept_bits)}},
+    table.add<FormQuality>(
+        {{"apart_rays", "rays that the search did not use; missing if they were not measured", &FormQuality::rays},
+         {"apart_wrong", "number of these that are decided wrongly", &FormQuality::wrong},
+         {"apart_kept_bits", "bits", "bits kept on these", or_missing(&FormQuality::kept_bits)}},
         &R::held_out_quality);
     using P = Price;
     table.add<P>(
@@ -242,10 +242,10 @@ Table<ProbeRow> probe_table() {
          "rays and primitives moved together: yzx, zxy, yxz: axes in that order; mirrored: in x, y and z; "
          "quarter_turn: about z; rotated: by 147 degrees about (1, 2, 3)",
          &R::probe}};
-    table.add<RowQuality>({{"rays", "rays whose truth is known", &RowQuality::rays},
-                           {"wrong", "number of these that are decided wrongly", &RowQuality::wrong},
-                           {"kept_bits", "bits", "bits kept", or_missing(&RowQuality::kept_bits)}},
-                          &R::quality);
+    table.add<FormQuality>({{"rays", "rays whose truth is known", &FormQuality::rays},
+                            {"wrong", "number of these that are decided wrongly", &FormQuality::wrong},
+                            {"kept_bits", "bits", "bits kept", or_missing(&FormQuality::kept_bits)}},
+                           &R::quality);
     return table.add({"meets", "true if it meets the requirement there", &R::meets_requirement});
 }
 

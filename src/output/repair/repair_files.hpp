@@ -18,8 +18,8 @@
 namespace lostbits::output::repair {
 
 using measure::choose::GrowthMargin;
+using measure::repair::FormQuality;
 using measure::repair::Price;
-using measure::repair::RowQuality;
 
 /// All results of a repair.
 struct RepairSummary {
@@ -27,7 +27,7 @@ struct RepairSummary {
     const measure::repair::RepairResult& repair;
     /// Forms of the catalogue for the same primitives in the same format, most accurate first, and their accuracy.
     std::vector<measure::evaluate::TestedForm> catalogue;
-    std::vector<RowQuality> catalogue_quality;
+    std::vector<FormQuality> catalogue_quality;
     std::vector<GrowthMargin> margins = {};  ///< margins of the form with its wider set
     /// Margins of each rewriting of the form. The list of a rewriting that fails the requirement is empty.
     std::vector<std::vector<GrowthMargin>> rewritten_margins = {};
@@ -52,11 +52,11 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
 /// and z alike.
 struct Proposal {
     Tape tape;
-    const RowQuality* quality;                       ///< accuracy on the rays of the search
-    const RowQuality* held_out_quality;              ///< accuracy on rays that the search did not use
-    const std::vector<RowQuality>* probe_qualities;  ///< accuracy on each probe
-    const measure::repair::Rewritten* rewritten;     ///< null for the two sets
-    const std::vector<NodeId>* wider_operations;     ///< operations of the set; null for a rewriting
+    const FormQuality* quality;                       ///< accuracy on the rays of the search
+    const FormQuality* held_out_quality;              ///< accuracy on rays that the search did not use
+    const std::vector<FormQuality>* probe_qualities;  ///< accuracy on each probe
+    const measure::repair::Rewritten* rewritten;      ///< null for the two sets
+    const std::vector<NodeId>* wider_operations;      ///< operations of the set; null for a rewriting
     bool is_symmetric_set = false;
     const Price* price = nullptr;  ///< null: not timed
 
@@ -92,11 +92,12 @@ struct FormRow {
     measure::evaluate::TestedForm tested_form;  ///< the form of the catalogue; otherwise the form that was repaired
     std::size_t operations = 0;                 ///< number of rounding operations; 0 for the catalogue
     std::size_t wider_operations = 0;           ///< number of operations that are done wider
-    const RowQuality* quality = nullptr;
-    const RowQuality* held_out_quality = nullptr;  ///< accuracy on rays that the search did not use; null: not measured
-    const std::vector<RowQuality>* probe_qualities = nullptr;  ///< accuracy on each probe; null: not measured
-    std::string rules = {};                                    ///< rules that rewrote the form
-    std::string wider_format = {};                             ///< format of the wider operations
+    const FormQuality* quality = nullptr;
+    const FormQuality* held_out_quality =
+        nullptr;  ///< accuracy on rays that the search did not use; null: not measured
+    const std::vector<FormQuality>* probe_qualities = nullptr;  ///< accuracy on each probe; null: not measured
+    std::string rules = {};                                     ///< rules that rewrote the form
+    std::string wider_format = {};                              ///< format of the wider operations
     bool meets_requirement = false;
     const Price* price = nullptr;  ///< null: not timed
     /// True if the form was timed, and no other is at least as accurate and as fast, and better in one of the two.
@@ -123,15 +124,15 @@ image::Canvas pareto_plot(const RepairSummary& summary);
 /// A row of minimal.csv: the form with one operation of the wider set left as it was.
 struct MinimalRow {
     std::string operation;
-    int step;                           ///< index among the operations that do not depend only on constants, from 1
-    const RowQuality* quality_without;  ///< accuracy with this operation as it was and the others wider
+    int step;                            ///< index among the operations that do not depend only on constants, from 1
+    const FormQuality* quality_without;  ///< accuracy with this operation as it was and the others wider
     bool meets_requirement;
 };
 /// A row of probes.csv: a form on the rays of a probe.
 struct ProbeRow {
     FormRow form;
     std::string_view probe;
-    const RowQuality* quality;
+    const FormQuality* quality;
     bool meets_requirement;
 };
 table::Table<ProbeRow> probe_table();

@@ -12,7 +12,7 @@
 #include "output/choose/choice_files.hpp"
 #include "output/repair/form_code.hpp"
 #include "output/repair/tape_code.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::repair {
 
@@ -25,24 +25,23 @@ TapeText text_of(const RepairSummary& summary) {
 }
 
 /// `22.1 bits, no wrong decision`
-std::string quality_text(const RowQuality& quality, const measure::choose::Requirement& requirement) {
+std::string quality_text(const FormQuality& quality, const measure::choose::Requirement& requirement) {
     const std::string bits = std::isnan(quality.kept_bits)
                                  ? "no bits, because form and truth agree on no hit"
                                  : choose::kept_bits_text(quality.kept_bits, requirement) + " bits";
     if (quality.wrong == 0) return bits + ", no wrong decision";
-    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong,
-                       scene::toml::count_with_noun(quality.rays, "ray"));
+    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, text::count_with_noun(quality.rays, "ray"));
 }
 
 /// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
-std::string quality_clause(const RowQuality& quality, const measure::choose::Requirement& requirement) {
+std::string quality_clause(const FormQuality& quality, const measure::choose::Requirement& requirement) {
     const std::string predicate =
         std::isnan(quality.kept_bits)
             ? "agree with the truth on no hit"
             : fmt::format("keep {} bits", choose::kept_bits_text(quality.kept_bits, requirement));
     if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
     return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
-                       scene::toml::count_with_noun(quality.rays, "ray"));
+                       text::count_with_noun(quality.rays, "ray"));
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
@@ -85,13 +84,13 @@ std::string change_listing(const RepairSummary& summary, std::size_t k) {
 }
 
 /// Accuracy on the rays that the search did not use. `on_searched` is the accuracy on the rays of the search.
-std::string held_out_text(const RepairSummary& summary, const RowQuality& on_searched, const RowQuality& held_out) {
+std::string held_out_text(const RepairSummary& summary, const FormQuality& on_searched, const FormQuality& held_out) {
     const auto& repair = summary.repair;
     const std::string rays_text =
         summary.request.scene
             ? fmt::format("{}x{} other pixels, which the search did not use", repair.held_out_scene.width,
                           repair.held_out_scene.height)
-            : fmt::format("all {} of the file", scene::toml::count_with_noun(summary.request.rays->rays, "ray"));
+            : fmt::format("all {} of the file", text::count_with_noun(summary.request.rays->rays, "ray"));
     std::string text = fmt::format("  On {}: {}; without the change: {}.\n", rays_text,
                                    quality_text(held_out, summary.request.requirement),
                                    quality_text(repair.own_held_out, summary.request.requirement));
@@ -108,14 +107,14 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairS
             ? measure::choose::with_smaller_picture(*summary.request.scene, measure::repair::few_rays).pixels()
             : summary.request.rays->sample.rays.size();
     std::string text =
-        fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::count_with_noun(ray_count, "ray"),
+        fmt::format("  How far it holds on {} of the {} as {}:\n", text::count_with_noun(ray_count, "ray"),
                     summary.request.scene ? "scene" : "file", summary.request.scene ? "it is" : "they are");
     for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_text(margin, summary));
     return text;
 }
 
 /// Lists the probes on whose rays the form meets the requirement, and those on whose rays it fails.
-std::string probes_text(const RepairSummary& summary, const std::vector<RowQuality>& probed) {
+std::string probes_text(const RepairSummary& summary, const std::vector<FormQuality>& probed) {
     const auto& requirement = summary.request.requirement;
     if (summary.repair.probes.empty())
         return "  Exchanged axes were not tried: the scene has a sphereflake, a mesh from a file, or more than 1024 "
@@ -132,7 +131,7 @@ std::string probes_text(const RepairSummary& summary, const std::vector<RowQuali
     }
     std::string text;
     const std::string condition = fmt::format("if rays and primitives are moved together ({})",
-                                              scene::toml::count_with_noun(summary.repair.probed_rays, "ray"));
+                                              text::count_with_noun(summary.repair.probed_rays, "ray"));
     if (!met_probes.empty()) text += fmt::format("  It also holds {}: {}.\n", condition, fmt::join(met_probes, "; "));
     for (const auto& [quality, probes] : failed_probes)
         text += fmt::format("  It fails {}: {}. Then it keeps {}.\n", condition, fmt::join(probes, "; "), quality);
@@ -225,15 +224,13 @@ std::string obstruction_text(const RepairSummary& summary) {
 std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
     const auto& rewritten = summary.repair.rewriting.forms[k];
     const std::string wider_text =
-        rewritten.wider_set
-            ? fmt::format(", {} of it in {},",
-                          scene::toml::count_with_noun(rewritten.wider_set->operations.size(), "operation"),
-                          wider_format_name(summary.repair.wider))
-            : "";
-    std::string text =
-        fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
-                    quality_text(rewritten.quality, summary.request.requirement),
-                    scene::toml::count_with_noun(rewritten.operations, "operation"), summary.repair.operations);
+        rewritten.wider_set ? fmt::format(", {} of it in {},",
+                                          text::count_with_noun(rewritten.wider_set->operations.size(), "operation"),
+                                          wider_format_name(summary.repair.wider))
+                            : "";
+    std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
+                                   quality_text(rewritten.quality, summary.request.requirement),
+                                   text::count_with_noun(rewritten.operations, "operation"), summary.repair.operations);
     if (!rewritten.quality.meets(summary.request.requirement))
         return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rule_names(rewritten));
     std::set<const measure::identity::Rule*> listed_rules;
@@ -396,16 +393,15 @@ std::string repair_text(const RepairSummary& summary) {
     for (std::size_t k = 0; k < repair.rewriting.forms.size(); ++k) text += rewritten_text(summary, k);
     if (!summary.catalogue.empty()) {
         const auto meeting_count = std::ranges::count_if(
-            summary.catalogue_quality, [&](const RowQuality& quality) { return quality.meets(requirement); });
+            summary.catalogue_quality, [&](const FormQuality& quality) { return quality.meets(requirement); });
         text += fmt::format(
             "The most accurate form of the catalogue in {} is {}: {}. Of its {} forms {} meet the requirement.\n",
             summary.request.row.format.name, summary.catalogue.front().form->info->name,
             quality_text(summary.catalogue_quality.front(), requirement), summary.catalogue.size(), meeting_count);
     }
     text += prices_text(summary);
-    return text +
-           fmt::format("Tried {} on all {}.\n", scene::toml::count_with_noun(repair.tried, "candidate"),
-                       scene::toml::count_with_noun(summary.request.scene ? summary.request.scene->pixels()
+    return text + fmt::format("Tried {} on all {}.\n", text::count_with_noun(repair.tried, "candidate"),
+                              text::count_with_noun(summary.request.scene ? summary.request.scene->pixels()
                                                                           : summary.request.rays->sample.rays.size(),
                                                     "ray"));
 }

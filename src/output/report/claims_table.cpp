@@ -13,7 +13,7 @@
 #include "output/report/assets.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/report/text.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::report {
 
@@ -230,7 +230,7 @@ std::string counts_text(std::size_t claim_count, const check::VerdictCounts& cou
     add(counts.qualified, "qualified", "qualified");
     add(counts.refuted, "refuted", "refuted");
     add(counts.skipped, "skipped", "skipped");
-    return fmt::format("{}: {}", scene::toml::count_with_noun(claim_count, "claim"), text);
+    return fmt::format("{}: {}", text::count_with_noun(claim_count, "claim"), text);
 }
 
 /// Title under which the page shows a subject; empty if the page does not show it.

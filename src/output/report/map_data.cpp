@@ -178,7 +178,7 @@ private:
 
 MapData::MapData(const MapStudy& request) : request_(request) {
     const std::size_t pixel_count = request.scene->pixels();
-    for (const TestedForm& tested_form : request.rows) {
+    for (const TestedForm& tested_form : request.tested_forms) {
         const auto known_group = std::ranges::find_if(
             groups_, [&tested_form](const auto& g) { return g->kind == map::truth_kind(tested_form); });
         const auto g = static_cast<std::size_t>(known_group - groups_.begin());
@@ -191,8 +191,8 @@ MapData::MapData(const MapStudy& request) : request_(request) {
 
 MapData::~MapData() = default;
 
-measure::evaluate::ShowRows MapData::band_receiver() {
-    return [this](std::size_t row_index, const BandResult& result) { rows_.at(row_index)->add_band(result); };
+measure::evaluate::ShowForms MapData::band_receiver() {
+    return [this](std::size_t form_index, const BandResult& result) { rows_.at(form_index)->add_band(result); };
 }
 
 namespace {
@@ -271,7 +271,8 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_si
     const scene::file::Scene& scene = *request_.scene;
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
-        rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group(), scene_with_size));
+        rows.push_back(
+            summary_json(request_, request_.tested_forms[r], summaries[r], rows_[r]->group(), scene_with_size));
     return {{"id", scene.id},
             {"title", scene.title},
             {"note", scene.note},
@@ -279,7 +280,8 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_si
             {"width", scene.width},
             {"height", scene.height},
             {"own_size", has_scene_size},
-            {"metrics", array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.rows); })},
+            {"metrics",
+             array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.tested_forms); })},
             {"rows", std::move(rows)}};
 }
 
@@ -294,7 +296,7 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-        const TestedForm& tested_form = request_.rows[r];
+        const TestedForm& tested_form = request_.tested_forms[r];
         const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(tested_form));
         if (tested_form.form->is_template()) {
             const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), request_.scene->width);

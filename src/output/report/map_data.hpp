@@ -61,7 +61,7 @@ public:
     MapData& operator=(const MapData&) = delete;
 
     /// Returns a function that receives the bands of the request's rows.
-    [[nodiscard]] measure::evaluate::ShowRows band_receiver();
+    [[nodiscard]] measure::evaluate::ShowForms band_receiver();
 
     /// All data except the pixels; call this after the map. `has_scene_size`: the map has the scene's own size, so that
     /// claims are about the same rays. `scene_with_size`: the scene with its size, as a command names it.

@@ -14,12 +14,12 @@
 #include "output/report/assets.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/report/text.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::report {
 
 using measure::answer::Outcome;
-using scene::toml::count_with_noun;
+using text::count_with_noun;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "output/trade/trade_files.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::report {
 
@@ -50,9 +50,9 @@ Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vecto
 Json with_rows(Json json, const auto& request, std::size_t cells, const auto& summary_at, const auto& add_details) {
     json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const auto row_summary_at = [&](std::size_t cell) -> const FormSummary& { return summary_at(r, cell); };
-        add_details(rows.emplace_back(row_json(request.rows[r], request.metrics, cells, row_summary_at)), r);
+        add_details(rows.emplace_back(row_json(request.tested_forms[r], request.metrics, cells, row_summary_at)), r);
     }
     return json;
 }
@@ -73,7 +73,8 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
          {"label", axis.label},
          {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
          {"is_drawn", request.sweep.has_random_rays()}},
-        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
+        request, steps.size(),
+        [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].summaries[r]; },
         [&](Json& row, std::size_t r) {
             Json& row_onsets = row["onsets"] = Json::array();
             for (const Onset& o : onsets) {
@@ -120,7 +121,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
                                        ? case_summaries[r].metrics[inherent_index].quantile(1)
                                        : measure::truth::missing);
             });
-            row["judged"] = intersect::convention_name(request.rows[r].touching);
+            row["judged"] = intersect::convention_name(request.tested_forms[r].touching);
             row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return measure::sweep::verdict_names[static_cast<std::size_t>(
                     measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
@@ -142,7 +143,7 @@ std::string onset_text(const Onset& o) {
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& first_onset = onsets.front();
-    return fmt::format(", among {}{}", scene::toml::count_with_noun(first_onset.rays, "ray"),
+    return fmt::format(", among {}{}", text::count_with_noun(first_onset.rays, "ray"),
                        first_onset.further_first_bad.empty()
                            ? ""
                            : fmt::format(" ({} draws)", 1 + first_onset.further_first_bad.size()));
@@ -171,8 +172,8 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
     std::string text = begin_table(names, "",
                                    fmt::format("First value of {} at which each event happens{}",
                                                html(request.sweep.axes.front().name), draws_text(onsets)));
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const measure::evaluate::TestedForm& tested_form = request.rows[r];
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const measure::evaluate::TestedForm& tested_form = request.tested_forms[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(tested_form.form->info->name),
                             tested_form.format.name);
         for (const EventColumn& column : columns) {

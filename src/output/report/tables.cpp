@@ -64,7 +64,7 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
     std::string text = begin_table(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const FormSummary& s = summaries[r];
-        const TestedForm& tested_form = request.rows[r];
+        const TestedForm& tested_form = request.tested_forms[r];
         text +=
             fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
                         html(tested_form.form->info->name), tested_form.format.name);

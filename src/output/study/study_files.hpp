@@ -68,17 +68,17 @@ public:
                      .opens_files = !keep_piece_},
                     View::columns(study)) {
         if (!keep_piece_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
-        for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
+        for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_row(r);
     }
     StudyFiles(const StudyFiles&) = delete;
     StudyFiles& operator=(const StudyFiles&) = delete;
 
     /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
-        return [this](std::size_t row_index, const Band& band) { rows_[row_index].add_band(band); };
+        return [this](std::size_t form_index, const Band& band) { rows_[form_index].add_band(band); };
     }
     /// Writes the next piece of a row, which another run (a shard) kept.
-    void put(std::size_t row_index, pixel::Piece&& piece) { rows_.at(row_index).write_piece(piece); }
+    void put(std::size_t form_index, pixel::Piece&& piece) { rows_.at(form_index).write_piece(piece); }
 
     void finish(const std::vector<typename Study::Summary>& summaries) {
         for (const auto& book : books_) book->close();
@@ -117,15 +117,16 @@ private:
 
     void add_exr(std::size_t r, typename Rows::Writers& writers, pixel::BandFiles<Band>& files) {
         const auto layers = std::make_shared<const pixel::ExrLayers<Band>>(View::layers(study_));
-        writers.exr_rows = [layers](const Band& band, std::span<const image::Rgb8>) {
-            return std::vector{pixel::ExrRows{0, band.y0, band.rows, layers->samples(band, View::pixels(band))}};
+        writers.exr_scanlines = [layers](const Band& band, std::span<const image::Rgb8>) {
+            return std::vector{
+                pixel::ExrScanlines{0, band.y0, band.scanlines, layers->samples(band, View::pixels(band))}};
         };
         if (keep_piece_) return;
         books_.push_back(std::make_unique<image::ExrBook>(
             options_.folder / (View::row_name(study_, r) + ".exr"),
             std::vector{image::ExrPart{"", View::exr_spec(study_, r, layers->channels(), options_.command)}}));
-        files.write_exr = [book = books_.back().get()](const std::vector<pixel::ExrRows>& pieces) {
-            for (const pixel::ExrRows& piece : pieces)
+        files.write_exr = [book = books_.back().get()](const std::vector<pixel::ExrScanlines>& pieces) {
+            for (const pixel::ExrScanlines& piece : pieces)
                 book->write_rows(piece.part, piece.y0, piece.rows, std::as_bytes(std::span(piece.samples)));
         };
     }

@@ -11,6 +11,7 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/cell_plots.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -93,7 +94,7 @@ private:
 
 image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
                           std::optional<intersect::Touching> touching) {
-    const map::LostBitsScale scale(request.rows);
+    const map::LostBitsScale scale(request.tested_forms);
     plot::MatrixPlotSpec spec{
         .title = touching ? fmt::format("{}: judged by the {} primitive", request.file.title,
                                         intersect::convention_name(touching))
@@ -103,17 +104,18 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
         .scale = scale.bar(),
         .unit = scale.unit()};
     std::vector<std::size_t> row_order;  // indices of rows of the request, by format
-    for (const measure::evaluate::TestedForm& tested_form : request.rows) {
+    for (const measure::evaluate::TestedForm& tested_form : request.tested_forms) {
         const std::string& format = tested_form.format.name;
         if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
             spec.groups.push_back({format, {}});
     }
     for (auto& group : spec.groups) {
-        for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            if (request.rows[r].format.name != group.label || request.rows[r].touching != touching) continue;
-            group.columns.push_back(map::short_name(*request.rows[r].form->info));
+        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+            if (request.tested_forms[r].format.name != group.label || request.tested_forms[r].touching != touching)
+                continue;
+            group.columns.push_back(map::short_name(*request.tested_forms[r].form->info));
             row_order.push_back(r);
-            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.rows[r]);
+            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.tested_forms[r]);
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
@@ -135,7 +137,7 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
                 measure::sweep::verdict_of(cases[i][r], request.metrics, request.file.right_within_bits);
             has_wrong_value |= verdict == Verdict::wrong_value;
             has_within_inputs |= verdict == Verdict::within_inputs;
-            spec.cells.push_back(cell_of(cases[i][r], verdict, request.rows[r].format.parameters));
+            spec.cells.push_back(cell_of(cases[i][r], verdict, request.tested_forms[r].format.parameters));
         }
     }
     if (has_within_inputs) {
@@ -157,12 +159,12 @@ void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
         const std::string name = request_.file.name(i);
         const auto ray_arguments = [&](const measure::evaluate::WorstRay& ray) {
             const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
-            return file_argument_ + " --case " + attribution::shell_word(fmt::format("{}:{}", name, ray_index));
+            return file_argument_ + " --case " + text::shell_word(fmt::format("{}:{}", name, ray_index));
         };
-        for (std::size_t r = 0; r < request_.rows.size(); ++r)
+        for (std::size_t r = 0; r < request_.tested_forms.size(); ++r)
             csv_.add({name,
                       measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file.right_within_bits),
-                      {request_.rows[r], &cases[i][r], ray_arguments}});
+                      {request_.tested_forms[r], &cases[i][r], ray_arguments}});
     }
     for (const auto& touching : request_.file.conventions) {
         image::save_figure(

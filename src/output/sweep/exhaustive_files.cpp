@@ -12,7 +12,7 @@
 #include "output/image/figure.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -38,7 +38,8 @@ struct FloatsRow {
     [[nodiscard]] std::string explain(std::uint32_t float_index) const {
         const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(float_index));
         const std::string scene = request.sweep.mesh ? request.scene + " " : "";
-        return attribution::explain_command(scene + attribution::explain_ray_arguments(&group), request.rows[row]);
+        return attribution::explain_command(scene + attribution::explain_ray_arguments(&group),
+                                            request.tested_forms[row]);
     }
 
     const ExhaustiveRequest& request;
@@ -75,7 +76,7 @@ Table<FloatsRow> subject_columns() {
     using R = FloatsRow;
     Table<R> table;
     table.add(
-        table::subject_columns(), [](const R& r) -> const auto& { return r.request.rows[r.row]; });
+        table::subject_columns(), [](const R& r) -> const auto& { return r.request.tested_forms[r.row]; });
     return table.add(
         {{"ray", "name of the ray", [](const R& r) { return r.request.sweep.rays[r.ray].name; }},
          {"axis", "name of the number that takes every float; columns in the unit of the axis are values of it",
@@ -151,7 +152,7 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
           "for a form that tests a box: the largest padding of tmax that any hit it misses would need, which is the "
           "metric padding; 0 if it misses none whose slab intervals come apart",
           [](const R& r) {
-              const double padding = measure::sweep::padding_max(r.request.rows[r.row], r.tally);
+              const double padding = measure::sweep::padding_max(r.request.tested_forms[r.row], r.tally);
               return table::when(padding >= 0, padding);
           }},
          {"padding_hex", unit, "the float that needs this padding, exactly", [](const R& r) {
@@ -258,10 +259,10 @@ std::string float_text(std::uint32_t float_index) {
 std::string statement(const ExhaustiveRequest& request, const RangeFinding& finding) {
     const auto& sweep = request.sweep;
     const FloatTally& tally = finding.tally;
-    std::string text = fmt::format(
-        "all {} between {} and {} were tried: {}", scene::toml::count_with_noun(tally.floats(), "float"),
-        float_text(finding.floats.first), float_text(finding.floats.last), request.rows[finding.row].form->info->name);
-    if (const auto touching = request.rows[finding.row].touching)
+    std::string text = fmt::format("all {} between {} and {} were tried: {}",
+                                   text::count_with_noun(tally.floats(), "float"), float_text(finding.floats.first),
+                                   float_text(finding.floats.last), request.tested_forms[finding.row].form->info->name);
+    if (const auto touching = request.tested_forms[finding.row].touching)
         text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[finding.ray].name);
     if (!tally.first_wrong) {
@@ -277,9 +278,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& find
                                      finding.floats.falls() ? "down to" : "up to", float_text(*last_right),
                                      float_text(wrong.float_index), failure_phrase(wrong.outcome))
                        : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
-    text += fmt::format("; it is wrong for {} in all{}, the last at {}",
-                        scene::toml::count_with_noun(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
-                        float_text(tally.last_wrong->float_index));
+    text += fmt::format("; it is wrong for {} in all{}, the last at {}", text::count_with_noun(tally.wrong(), "float"),
+                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->float_index));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));
     return text;
@@ -294,11 +294,11 @@ ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::fi
 
 void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     const auto binades = measure::sweep::binades_of(request_.sweep);
-    for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
+    for (std::size_t form_index = 0; form_index < request_.tested_forms.size(); ++form_index) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
-                FloatsRow floats_row{request_, ray, row_index, binades[b].floats,
-                                     state.tallies[request_.tally_index(b, ray, row_index)]};
+                FloatsRow floats_row{request_, ray, form_index, binades[b].floats,
+                                     state.tallies[request_.tally_index(b, ray, form_index)]};
                 floats_row.find_worst();
                 floats_row.binade = binades[b].binade.name();
                 binades_.add(floats_row);

@@ -69,7 +69,7 @@ public:
 
     /// A line over the sizes, with one value for each binade.
     [[nodiscard]] plot::Series series(const AxisHalf& half, const TallyValue& value) const {
-        plot::Series series{.label = label(half), .look = plot::form_look(*request_.rows[half.row].form)};
+        plot::Series series{.label = label(half), .look = plot::form_look(*request_.tested_forms[half.row].form)};
         for (std::size_t b = 0; b < parts_.size(); ++b) {
             if (!is_on_axis(parts_[b]) || parts_[b].binade.negative != half.is_negative) continue;
             const auto [low, high] = size_range_of(parts_[b]);
@@ -102,10 +102,10 @@ public:
 
     [[nodiscard]] std::vector<AxisHalf> halves() const {
         std::vector<AxisHalf> list;
-        for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
+        for (std::size_t form_index = 0; form_index < request_.tested_forms.size(); ++form_index) {
             for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
-                if (positive_count_ > 0) list.push_back({row_index, ray, false});
-                if (negative_count_ > 0) list.push_back({row_index, ray, true});
+                if (positive_count_ > 0) list.push_back({form_index, ray, false});
+                if (negative_count_ > 0) list.push_back({form_index, ray, true});
             }
         }
         return list;
@@ -119,7 +119,7 @@ private:
         if (negative_count_ > 0 && positive_count_ > 0)
             qualifier +=
                 fmt::format("{}{} {} 0", qualifier.empty() ? "" : ", ", sweep.axis.name, half.is_negative ? '<' : '>');
-        const std::string name = map::short_name(*request_.rows[half.row].form->info);
+        const std::string name = map::short_name(*request_.tested_forms[half.row].form->info);
         return qualifier.empty() ? name : fmt::format("{} ({})", name, qualifier);
     }
 

@@ -46,8 +46,9 @@ std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vecto
         return attribution::explain_ray_arguments(ray.given.get());
     };
     std::vector<SampleRow> rows;
-    for (std::size_t r = 0; r < request.rows.size(); ++r)
-        for (const SweepStep& step : steps) rows.push_back({&step, {request.rows[r], &step.rows[r], ray_arguments}});
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r)
+        for (const SweepStep& step : steps)
+            rows.push_back({&step, {request.tested_forms[r], &step.summaries[r], ray_arguments}});
     return rows;
 }
 
@@ -69,7 +70,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
     };
     Table<R> table;
     table.add(
-        table::subject_columns(), [&request](const R& r) -> const auto& { return request.rows[r.row]; });
+        table::subject_columns(), [&request](const R& r) -> const auto& { return request.tested_forms[r.row]; });
     return table.add(
         {{"event",
           "the event: lost_bits, or the loss in a step of a transform, reach the threshold, or an outcome occurs",
@@ -148,9 +149,9 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
 void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     samples_.add_all(sample_rows(request_, steps));
     if (onsets_) onsets_->add_all(onsets);
-    for (std::size_t r = 0; culprits_ && r < request_.rows.size(); ++r)
+    for (std::size_t r = 0; culprits_ && r < request_.tested_forms.size(); ++r)
         for (const SweepStep& step : steps)
-            for (const auto& culprit : map::culprits_of(request_.metrics, request_.rows[r], step.rows[r]))
+            for (const auto& culprit : map::culprits_of(request_.metrics, request_.tested_forms[r], step.summaries[r]))
                 culprits_->add({&step, culprit});
     table::close_tables(folder_, request_.sweep.title, samples_, onsets_, culprits_);
 }

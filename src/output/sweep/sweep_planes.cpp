@@ -51,8 +51,8 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 }
 
 void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane,
-               std::size_t row_index) {
-    const TestedForm& tested_form = request.rows[row_index];
+               std::size_t form_index) {
+    const TestedForm& tested_form = request.tested_forms[form_index];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -70,7 +70,7 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(row_index, column, line)));
+            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(form_index, column, line)));
         }
     }
     image::ExrBook exr(path, {{"", spec}});
@@ -92,7 +92,7 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
 
 const FormSummary& SweepGrid::at(std::size_t form_index, std::size_t x_index, std::size_t y_index) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - x_index : x_index, j = y_falls_ ? y.size() - 1 - y_index : y_index;
-    return steps_[i * y.size() + j].rows[form_index];
+    return steps_[i * y.size() + j].summaries[form_index];
 }
 
 namespace {
@@ -115,13 +115,13 @@ struct DrawnPlane {
     bool has_outlined_cells = false, has_withheld_cells = false;
 };
 
-DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row_index) {
+DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t form_index) {
     const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
                       excess_index = measure::metric::index_of(request.metrics, "excess_bits");
     DrawnPlane drawn;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            const FormSummary& s = plane.at(row_index, column, line);
+            const FormSummary& s = plane.at(form_index, column, line);
             plot::PlaneCell cell;
             bool is_explained = false;
             ++drawn.counts.cells;
@@ -179,11 +179,11 @@ std::string note_of(const DrawnPlane& drawn) {
 
 }  // namespace
 
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index) {
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t form_index) {
     const auto& axes = request.sweep.axes;
-    const TestedForm& tested = request.rows[row_index];
+    const TestedForm& tested = request.tested_forms[form_index];
     const SweepGrid plane(request, steps);
-    const DrawnPlane drawn = draw_plane(request, plane, row_index);
+    const DrawnPlane drawn = draw_plane(request, plane, form_index);
     return plot::plane_plot(
         {.title = fmt::format("{} in {}: lost bits, p99", tested.form->info->name, tested.format.name),
          .subtitle = {request.sweep.title,
@@ -202,12 +202,12 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
                        const std::vector<SweepStep>& steps) {
     const SweepGrid plane(request, steps);
-    const map::LostBitsScale scale(request.rows);
-    const map::RowGrid grid(request.rows);
+    const map::LostBitsScale scale(request.tested_forms);
+    const map::RowGrid grid(request.tested_forms);
     std::vector<DrawnPlane> planes;
     CellCounts total;
     bool has_gap = false, has_explained = false;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const DrawnPlane& drawn = planes.emplace_back(draw_plane(request, plane, r));
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += drawn.counts.outcomes[o];
         total.cells += drawn.counts.cells;
@@ -239,7 +239,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     for (std::size_t r = 0; r < planes.size(); ++r) {
         const auto& [form, format] = grid.cells[r];
         sheet.add_rows(form, format, 0,
-                       colours_of(planes[r], plane.x.size(), scale, request.rows[r].format.parameters));
+                       colours_of(planes[r], plane.x.size(), scale, request.tested_forms[r].format.parameters));
         sheet.set_note(form, format, note_of(planes[r]));
     }
     sheet.finish(legend);
@@ -249,8 +249,8 @@ void write_planes(const std::filesystem::path& folder, const SweepRequest& reque
                   bool single_pictures) {
     const SweepGrid plane(request, steps);
     write_plane_sheet(folder / "contact.png", request, steps);
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const std::string file_stem = map::row_name(request.rows[r]);
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const std::string file_stem = map::row_name(request.tested_forms[r]);
         if (single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
         write_exr(folder / (file_stem + ".exr"), request, plane, r);
     }

@@ -15,7 +15,7 @@
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -51,12 +51,12 @@ using scene::sweep::Axis;
 const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
 
 /// A value of one row of the request at every step, by rising value of the axis.
-Series series_of(const std::vector<SweepStep>& steps, std::size_t row_index, const std::string& label,
+Series series_of(const std::vector<SweepStep>& steps, std::size_t form_index, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
     Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
-        series.y.push_back(value(step.rows[row_index]));
+        series.y.push_back(value(step.summaries[form_index]));
     }
     if (series.x.front() > series.x.back()) {
         std::ranges::reverse(series.x);
@@ -80,13 +80,12 @@ bool is_marching(const TestedForm& tested_form) { return !is_primitive(tested_fo
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
-    const FormSummary& first_summary = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep.has_random_rays())
-        return scene::toml::count_with_noun(first_summary.rays, "ray") + " per step";
+    const FormSummary& first_summary = sweep.steps.front().summaries.front();
+    if (!sweep.request.sweep.has_random_rays()) return text::count_with_noun(first_summary.rays, "ray") + " per step";
     if (first_summary.views == first_summary.rays)
-        return scene::toml::count_with_noun(first_summary.rays, "independent ray") + " per step";
+        return text::count_with_noun(first_summary.rays, "independent ray") + " per step";
     return fmt::format("{} rays per step, of {}", first_summary.rays,
-                       scene::toml::count_with_noun(first_summary.views, "independent view"));
+                       text::count_with_noun(first_summary.views, "independent view"));
 }
 
 /// The parts that all plots along a sweep share: its title, its axis, and the number of rays per step.
@@ -102,11 +101,12 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
     spec.width = size.width;
     spec.height = size.height;
     if (!quantity.note.empty()) spec.subtitle.back() += "; " + quantity.note;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
-        spec.series.push_back(series_of(sweep.steps, r, map::short_name(*request.rows[r].form->info), quantity.value));
-        spec.series.back().look = plot::form_look(*request.rows[r].form);
-        spec.series.back().key = map::row_name(request.rows[r]);
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        if (request.tested_forms[r].format != format || !quantity.shows(request.tested_forms[r])) continue;
+        spec.series.push_back(
+            series_of(sweep.steps, r, map::short_name(*request.tested_forms[r].form->info), quantity.value));
+        spec.series.back().look = plot::form_look(*request.tested_forms[r].form);
+        spec.series.back().key = map::row_name(request.tested_forms[r]);
         // The envelope belongs to the problem and not to a form, so it is taken from any row that has hits all along.
         // It is drawn only if the row has a line to compare with it: a form without t has an envelope but no line.
         const auto& line = spec.series.back().y;
@@ -126,7 +126,7 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& tested_form = sweep.request.rows[o.row];
+            const TestedForm& tested_form = sweep.request.tested_forms[o.row];
             return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
                    tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
                    o.threshold == mark.threshold;
@@ -135,9 +135,10 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
             spec.marks.push_back(
                 {onset->first_bad,
                  mark.event == "lost_bits"
-                     ? fmt::format("{}: its {} reaches {} bits", map::short_name(*request.rows[onset->row].form->info),
+                     ? fmt::format("{}: its {} reaches {} bits",
+                                   map::short_name(*request.tested_forms[onset->row].form->info),
                                    mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
-                     : fmt::format("{}: measured", map::short_name(*request.rows[onset->row].form->info))});
+                     : fmt::format("{}: measured", map::short_name(*request.tested_forms[onset->row].form->info))});
     }
     return plot::line_plot(spec);
 }
@@ -161,7 +162,7 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
     const auto share = [outcome](const FormSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
     std::uint64_t max_rays = 1;
     for (const SweepStep& step : sweep.steps) {
-        for (const FormSummary& s : step.rows) max_rays = std::max(max_rays, s.rays);
+        for (const FormSummary& s : step.summaries) max_rays = std::max(max_rays, s.rays);
     }
     // The axis begins at half the share of one ray, so only a share of 0 lies below it.
     Quantity quantity{
@@ -171,7 +172,7 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
     const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
     const bool is_possible =
         outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
-            return std::ranges::any_of(step.rows, truly_misses);
+            return std::ranges::any_of(step.summaries, truly_misses);
         });
     if (is_possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
     else quantity.empty_text = "No ray of this sweep truly misses, so none can be a false hit.";
@@ -180,8 +181,8 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
 
 bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
     return std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
-        for (std::size_t r = 0; r < step.rows.size(); ++r)
-            if (sweep.request.rows[r].format == format && step.rows[r].count(outcome) > 0) return true;
+        for (std::size_t r = 0; r < step.summaries.size(); ++r)
+            if (sweep.request.tested_forms[r].format == format && step.summaries[r].count(outcome) > 0) return true;
         return false;
     });
 }
@@ -213,20 +214,20 @@ using LabelledMetrics = std::vector<std::pair<std::string, std::string>>;
 
 /// Plots the medians of the parts of one row's error side by side, and where each step of a transform first loses an
 /// ulp.
-image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t row_index, const std::string& title,
+image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, const std::string& title,
                          const LabelledMetrics& parts) {
     const SweepRequest& request = sweep.request;
-    const TestedForm& tested_form = request.rows[row_index];
+    const TestedForm& tested_form = request.tested_forms[form_index];
     LinePlotSpec spec = common_spec(
         sweep, fmt::format("{} of {} in {}, medians", title, tested_form.form->info->name, tested_form.format.name),
         {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
         const std::size_t metric_index = measure::metric::index_of(request.metrics, metric);
-        spec.series.push_back(series_of(sweep.steps, row_index, label, [metric_index](const FormSummary& s) {
+        spec.series.push_back(series_of(sweep.steps, form_index, label, [metric_index](const FormSummary& s) {
             return drawn_quantile(s, metric_index, 0.5);
         }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.row == row_index && o.event == metric)
+            if (o.found && !o.from_start && o.row == form_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep.marks) {
@@ -271,8 +272,8 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
               .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
               .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
               .shows = is_marching}));
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const TestedForm& tested_form = request.rows[r];
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const TestedForm& tested_form = request.tested_forms[r];
         if (tested_form.format == format && is_marching(tested_form))
             save(fmt::format("split.{}", tested_form.form->info->name),
                  parts_plot(sweep, r, "Model and rounding error",
@@ -282,19 +283,19 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
 
 /// Plots the culprits of one row along the axis: the shares of the operations that are blamed most at any step, and
 /// the share of all other operations together. Nothing if no operation is blamed.
-std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t row_index) {
+std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t form_index) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
-    const TestedForm& tested_form = request.rows[row_index];
+    const TestedForm& tested_form = request.tested_forms[form_index];
     const auto culprit_metric = static_cast<std::size_t>(
         std::ranges::find_if(request.metrics, &measure::metric::Metric::depends_on_forms) - request.metrics.begin());
     std::vector<double> peak_share(request.metrics[culprit_metric]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak_share.size(); ++c)
-            peak_share[c] = std::fmax(
-                peak_share[c],
-                measure::attribution::culprit_share(step.rows[row_index].categories[culprit_metric], std::array{c}));
+            peak_share[c] =
+                std::fmax(peak_share[c], measure::attribution::culprit_share(
+                                             step.summaries[form_index].categories[culprit_metric], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak_share.size(); ++c) {
@@ -306,7 +307,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
         sweep, fmt::format("Culprits of {} in {}", tested_form.form->info->name, tested_form.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
-        spec.series.push_back(series_of(sweep.steps, row_index, label, [&](const FormSummary& s) {
+        spec.series.push_back(series_of(sweep.steps, form_index, label, [&](const FormSummary& s) {
             return measure::attribution::culprit_share(s.categories[culprit_metric], categories);
         }));
     };
@@ -318,7 +319,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
             std::span(order).subspan(k, 1));
     }
     if (named_count < order.size())
-        add(scene::toml::count_with_noun(order.size() - named_count, "other operation"),
+        add(text::count_with_noun(order.size() - named_count, "other operation"),
             std::span(order).subspan(named_count));
     return plot::line_plot(spec);
 }
@@ -327,7 +328,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
 
 std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
-    for (const TestedForm& tested_form : sweep.request.rows) {
+    for (const TestedForm& tested_form : sweep.request.tested_forms) {
         if (std::ranges::find(formats, tested_form.format) == formats.end()) formats.push_back(tested_form.format);
     }
     return formats;
@@ -346,8 +347,8 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
             save(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)]),
                  wrong_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
-        for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const TestedForm& tested_form = request.rows[r];
+        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+            const TestedForm& tested_form = request.tested_forms[r];
             if (const LabelledMetrics metrics = transform_step_metrics(request);
                 tested_form.format == format && !metrics.empty() && tested_form.form->is_placed)
                 save(fmt::format("steps.{}", tested_form.form->info->name), parts_plot(sweep, r, "Steps", metrics));

@@ -86,7 +86,7 @@ inline constexpr const char* no_outline_text =
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index);
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t form_index);
 /// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not
 /// enclose are paler instead (`map::paler_colour_meaning`).
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,

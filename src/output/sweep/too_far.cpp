@@ -65,9 +65,10 @@ void add_shade_and_notes(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, c
         shade.label = too_far_text;
     }
     const auto is_withheld = [&](const SweepStep& step) {
-        for (std::size_t r = 0; r < step.rows.size(); ++r) {
-            const FormSummary& s = step.rows[r];
-            if (sweep.request.rows[r].format == format && s.true_hits > 0 && !s.agreement().is_enough()) return true;
+        for (std::size_t r = 0; r < step.summaries.size(); ++r) {
+            const FormSummary& s = step.summaries[r];
+            if (sweep.request.tested_forms[r].format == format && s.true_hits > 0 && !s.agreement().is_enough())
+                return true;
         }
         return false;
     };

@@ -13,7 +13,7 @@
 #include "output/file/escape.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -144,8 +144,8 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
                                    search.smallest ? "smallest" : "largest", search.metric) +
                            (search.nearest ? ", nearest wrong decision" : ""));
     for (std::size_t r = 0; r < results.size(); ++r) {
-        csv.add({request.rows[r], results[r]});
-        if (results[r]) text += worst_case_text(request, request.rows[r], *results[r]);
+        csv.add({request.tested_forms[r], results[r]});
+        if (results[r]) text += worst_case_text(request, request.tested_forms[r], *results[r]);
     }
     hard_cases.write(text);
     hard_cases.commit();
@@ -220,10 +220,10 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
         if (rays == 0) continue;
         const std::string counts = outcomes[0] + outcomes[1] == 0
                                        ? "none"
-                                       : scene::toml::count_with_noun(outcomes[0], "crack") + " and " +
-                                             scene::toml::count_with_noun(outcomes[1], "double hit");
+                                       : text::count_with_noun(outcomes[0], "crack") + " and " +
+                                             text::count_with_noun(outcomes[1], "double hit");
         text += fmt::format("{}{} of {}{}", text.empty() ? "" : ", ", counts,
-                            text.empty() ? scene::toml::count_with_noun(rays, "ray") : std::to_string(rays),
+                            text.empty() ? text::count_with_noun(rays, "ray") : std::to_string(rays),
                             k == 0 ? " at edges" : " at vertices");
     }
     return text;
@@ -235,14 +235,14 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
         const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
         return attribution::explain_command(scene_argument + " " + attribution::explain_ray_arguments(&group),
-                                            request.rows[r]);
+                                            request.tested_forms[r]);
     };
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
     for (std::size_t r = 0; r < findings.size(); ++r) {
         for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
             const auto& nearest = findings[r].nearest.at(k);
-            csv.add({request.rows[r], searched_name(k), findings[r].rays.at(k), nearest,
+            csv.add({request.tested_forms[r], searched_name(k), findings[r].rays.at(k), nearest,
                      nearest ? explain(r, *nearest) : ""});
         }
     }
@@ -252,12 +252,13 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
                                        census_table());
     for (std::size_t r = 0; r < findings.size(); ++r)
         for (std::size_t k = 0; k < findings[r].census.size(); ++k)
-            if (findings[r].census.at(k).rays > 0) census.add({request.rows[r], k, findings[r].census.at(k)});
+            if (findings[r].census.at(k).rays > 0) census.add({request.tested_forms[r], k, findings[r].census.at(k)});
     table::close_tables(folder, request.search.title, csv, census);
 }
 
 std::string NearestFiles::sentence(std::size_t r) const {
-    std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
+    std::string text =
+        fmt::format("{} in {}:", request.tested_forms[r].form->info->name, request.tested_forms[r].format.name);
     const std::string counts = census_phrase(findings[r]);
     if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
@@ -267,7 +268,7 @@ std::string NearestFiles::sentence(std::size_t r) const {
                                       outcome_phrase, findings[r].rays.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
                                       counts.empty() || k > 0 ? "" : " the search for the nearest found",
-                                      outcome_phrase, scene::toml::count_with_noun(findings[r].rays.at(k), "ray"));
+                                      outcome_phrase, text::count_with_noun(findings[r].rays.at(k), "ray"));
     }
     return text;
 }

@@ -14,7 +14,7 @@
 #include "output/file/number_text.hpp"
 #include "output/image/figure.hpp"
 #include "output/map/row_names.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::output::trade {
 
@@ -124,7 +124,7 @@ std::string timing_text(const TradeRequest& request, const TradeResult& result) 
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "
         "vary from run to run.\n",
-        scene::toml::count_with_noun(timed.rays, "ray"), timed.primitives);
+        text::count_with_noun(timed.rays, "ray"), timed.primitives);
 }
 
 KernelKey kernel_key(const TradeKernel& kernel) {
@@ -188,12 +188,11 @@ std::string rays_text(const TradeRequest& request, const TradeResult& result, st
     const auto& timed = result.times.front()[measure::trade::reference_load(request.loads)];
     const std::string repetition_text =
         fmt::format("median of {}, bars from quartile to quartile.",
-                    scene::toml::count_with_noun(request.plan.repetitions, "interleaved repetition"));
+                    text::count_with_noun(request.plan.repetitions, "interleaved repetition"));
     const std::uint64_t judged_rays = result.accuracy(set_index, 0).rays;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           scene::toml::count_with_noun(judged_rays, "ray"), timed.rays, timed.primitives,
-                           repetition_text);
+                           text::count_with_noun(judged_rays, "ray"), timed.rays, timed.primitives, repetition_text);
     const auto sets = measure::trade::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
@@ -286,7 +285,7 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
-                            scene::toml::count_with_noun(result.accuracy(s, 0).rays, "ray"));
+                            text::count_with_noun(result.accuracy(s, 0).rays, "ray"));
         text += ranking_text(request, result, qualities) + cheapest_text(request, qualities) + "\n";
     }
     return text + timing_text(request, result);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "number/error.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -47,8 +47,8 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
             "{}: byte {}: {} the last of the {} that the header names; is "
             "it one array, written whole?",
             source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
-            toml::count_with_noun(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
-            toml::count_with_noun(*records_, "record")));
+            text::count_with_noun(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
+            text::count_with_noun(*records_, "record")));
     if (!records_) records_ = whole_records;
 }
 
@@ -57,13 +57,13 @@ void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
         throw InputError(
             fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
                         "was cut short, so write it again",
-                        source_.name(), toml::count_with_noun(bytes, "byte"),
-                        toml::count_with_noun(*record_layout_.records, "record"), record_layout_.record_size));
+                        source_.name(), text::count_with_noun(bytes, "byte"),
+                        text::count_with_noun(*record_layout_.records, "record"), record_layout_.record_size));
     throw InputError(fmt::format(
         "{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
         "different: check their names and types",
         source_.name(), record, bytes, record_layout_.record_size,
-        record_layout_.records ? ", and the header names " + toml::count_with_noun(*record_layout_.records, "record")
+        record_layout_.records ? ", and the header names " + text::count_with_noun(*record_layout_.records, "record")
                                : ""));
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "number/error.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -257,7 +257,7 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
         throw InputError(
             fmt::format("{}: has {} for {} columns; every record has one for each column, empty "
                         "if it has no value{}",
-                        position_text(line_number, 0), toml::count_with_noun(c, "cell"), columns.size(),
+                        position_text(line_number, 0), text::count_with_noun(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
     writer.end_record([&](std::size_t s) { return position_text(line_number, starts_by_slot[s]); });
 }

@@ -7,8 +7,8 @@
 #include <cctype>
 #include <set>
 
-#include "scene/toml/did_you_mean.hpp"
 #include "shapes/number_names.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -196,7 +196,7 @@ void Layout::find_slots(const Complain& complain) {
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || matches[c].known != nullptr || columns_[c].name.size() < 3) continue;
-        if (const auto closest_name = toml::match_typo(columns_[c].name, missing))
+        if (const auto closest_name = text::match_typo(columns_[c].name, missing))
             complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? To "
                                     "keep it as a column of your own, give it a name less like \"{}\"",
                                     columns_[c].name, *closest_name, *closest_name, *closest_name));
@@ -255,7 +255,7 @@ void Layout::require_complete(const Complain& complain) const {
             std::vector<std::string_view> similar_names;
             for (std::size_t s = 0; s < slot::tmax; ++s) {
                 const std::string_view name = name_of_slot(s, {});
-                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1)
+                if (!has(s) && !column.slot && text::edit_distance(column.name, name) == 1)
                     similar_names.push_back(name);
             }
             if (similar_names.size() == 1)

@@ -5,7 +5,7 @@
 
 #include "number/error.hpp"
 #include "scene/dump/binary_dump.hpp"
-#include "scene/toml/counted.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -260,14 +260,14 @@ RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& option
         if (ray_axes.size() < 2)
             throw InputError(
                 fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields",
-                            file, toml::count_with_noun(ray_axes.size(), "axis", "axes")));
+                            file, text::count_with_noun(ray_axes.size(), "axis", "axes")));
         if (options.columns.empty())
             throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
-                                         toml::count_with_noun(ray_axes.back(), "column")));
+                                         text::count_with_noun(ray_axes.back(), "column")));
         const auto names = split_column_names(options.columns);
         if (names.size() != ray_axes.back())
             throw InputError(fmt::format("{}: has {}, but --columns names {}; write _ for each column to skip", file,
-                                         toml::count_with_noun(ray_axes.back(), "column"), names.size()));
+                                         text::count_with_noun(ray_axes.back(), "column"), names.size()));
         ray_axes.pop_back();
         for (const std::string& name : names) array.columns.push_back({name, type, 0});
     }

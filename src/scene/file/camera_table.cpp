@@ -3,7 +3,7 @@
 #include "number/real.hpp"
 #include "scene/file/stretch.hpp"
 #include "scene/file/tables.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::file {
 
@@ -67,7 +67,7 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
         std::vector<std::string> names;
         for (const camera::RayGenerator& generator : camera::ray_generators()) names.emplace_back(generator.info->name);
         table.fail_at("rays", "is \"" + *name + "\", which is not a known ray generator; " +
-                                  toml::did_you_mean(*name, names) + "; `lostbits list generators` shows them");
+                                  text::did_you_mean(*name, names) + "; `lostbits list generators` shows them");
     }
     if (!camera.projection)
         table.fail_at("rays",

@@ -161,7 +161,7 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
         for (const Variant& variant : variants_)
             if (variant.name == *options.variant) return {interpret(&variant, options)};
         const std::string hint =
-            variants_.empty() ? "the file has none" : toml::did_you_mean(*options.variant, variants());
+            variants_.empty() ? "the file has none" : text::did_you_mean(*options.variant, variants());
         throw InputError(path_.string() + ": no variant \"" + *options.variant + "\"; " + hint);
     }
     if (variants_.empty()) return {interpret(nullptr, options)};
@@ -343,7 +343,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     fail_if_misspelt();
     if (!is_file && std::filesystem::is_regular_file(as_path, ignored))
         throw InputError(name_or_path + ": is not a scene: a scene is a .toml file");
-    const std::string hint = toml::did_you_mean(stem, ids);
+    const std::string hint = text::did_you_mean(stem, ids);
     if (is_file)
         throw InputError(no_file + ", and no scene \"" + name + "\" in " + (data_dir / "scenes").string() +
                          (hint.empty() ? "" : "; " + hint));

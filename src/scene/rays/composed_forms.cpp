@@ -33,7 +33,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
                         "scene, or use --set camera.rays={}",
                         name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
                         generator.info->name, generator.info->name));
-    return composed_forms().row_of({&generator, &form}, [&](FormTable::ComposedRow& made) {
+    return composed_forms().row_of({&generator, &form}, [&](FormTable::ComposedForm& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
@@ -43,24 +43,24 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
     });
 }
 
-const RayGenerator* generator_of(const Intersector& catalogue_row) {
-    return std::get<const RayGenerator*>(composed_forms().parts_of(catalogue_row));
+const RayGenerator* generator_of(const Intersector& form) {
+    return std::get<const RayGenerator*>(composed_forms().parts_of(form));
 }
 
-const Intersector& strip_generator(const Intersector& catalogue_row) {
-    const auto* const form = std::get<const Intersector*>(composed_forms().parts_of(catalogue_row));
-    return form ? *form : catalogue_row;
+const Intersector& strip_generator(const Intersector& form) {
+    const auto* const inner = std::get<const Intersector*>(composed_forms().parts_of(form));
+    return inner ? *inner : form;
 }
 
-const Intersector& require_no_generator(const Intersector& catalogue_row) {
-    if (generator_of(catalogue_row))
+const Intersector& require_no_generator(const Intersector& form) {
+    if (generator_of(form))
         throw InputError(
-            std::string(catalogue_row.info->name) +
+            std::string(form.info->name) +
             ": the ray generator comes last, after one form and its box, as in "
             "sphere.unified^box.signs@ray-three; for several shapes, or with a transform, write camera.rays "
             "into the scene, or --set camera.rays=" +
-            std::string(generator_of(catalogue_row)->info->name));
-    return catalogue_row;
+            std::string(generator_of(form)->info->name));
+    return form;
 }
 
 std::vector<std::string> forms_in_name(const std::string& name) {

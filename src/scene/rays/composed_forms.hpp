@@ -25,14 +25,14 @@ const intersect::table::Intersector& with_generator(const camera::RayGenerator& 
                                                     const intersect::table::Intersector& form);
 
 /// Returns null if the row has no ray generator of its own.
-const camera::RayGenerator* generator_of(const intersect::table::Intersector& catalogue_row);
+const camera::RayGenerator* generator_of(const intersect::table::Intersector& form);
 
 /// Returns the row without its ray generator, or the row itself if it has none.
-const intersect::table::Intersector& strip_generator(const intersect::table::Intersector& catalogue_row);
+const intersect::table::Intersector& strip_generator(const intersect::table::Intersector& form);
 
 /// Returns the row itself, to be made part of another row. Throws InputError if the row has a ray generator, which must
 /// come last in a name, as in `FORM^BOX@ray-METHOD`.
-const intersect::table::Intersector& require_no_generator(const intersect::table::Intersector& catalogue_row);
+const intersect::table::Intersector& require_no_generator(const intersect::table::Intersector& form);
 
 /// Returns the forms in a set's name, `sphere.unified+fma+box.signs`. The name is split at each + except that of
 /// `+fma`. A name of one form is not a set.

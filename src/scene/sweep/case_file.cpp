@@ -237,7 +237,7 @@ std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml:
         names.push_back(cases_[i].name);
         if (fnmatch(glob.c_str(), cases_[i].name.c_str(), 0) == 0) found.push_back(i);
     }
-    if (found.empty()) toml::fail(where, "no case \"" + glob + "\" in " + id + "; " + toml::did_you_mean(glob, names));
+    if (found.empty()) toml::fail(where, "no case \"" + glob + "\" in " + id + "; " + text::did_you_mean(glob, names));
     return found;
 }
 
@@ -290,8 +290,8 @@ void reject_misspelt_tables(const Node& root) {
     for (const auto& [key, where, value] : root.entries) {
         const Node& first = value.kind == Node::Kind::array && !value.items.empty() ? value.items.front() : value;
         if (first.kind != Node::Kind::table || std::ranges::find(tables, key) != tables.end()) continue;
-        if (toml::match_typo(key, tables))
-            toml::fail(where, "unknown key " + key + "; " + toml::did_you_mean(key, tables));
+        if (text::match_typo(key, tables))
+            toml::fail(where, "unknown key " + key + "; " + text::did_you_mean(key, tables));
     }
 }
 

@@ -74,7 +74,7 @@ void ExhaustiveFile::read_path(const std::string& path, const TableReader& table
         table.fail_at("set", "names \"" + path + "\", which is not a number of the ray" +
                                  (mesh ? std::string(", and the numbers of a mesh are fixed")
                                        : " or of its " + std::string(name_of(primitive.shape))) +
-                                 "; " + toml::did_you_mean(path, paths));
+                                 "; " + text::did_you_mean(path, paths));
     auto& indices = path_index < 6 ? ray_indices : primitive_indices;
     const std::size_t number_index = path_index < 6 ? path_index : path_index - 6;
     if (std::ranges::find(indices, number_index) != indices.end())

@@ -12,9 +12,9 @@
 #include "scene/rays/primitive_list.hpp"
 #include "scene/sweep/distributions.hpp"
 #include "scene/sweep/float_order.hpp"
-#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
 #include "scene/toml/round.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -71,7 +71,7 @@ void fill_values(Axis& axis, TableReader& table) {
 std::string read_name(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
     std::string name = table.string(key);
     if (std::ranges::find(names, name) == names.end())
-        table.fail_at(key, "is \"" + name + "\"; " + toml::did_you_mean(name, names));
+        table.fail_at(key, "is \"" + name + "\"; " + text::did_you_mean(name, names));
     return name;
 }
 
@@ -189,8 +189,8 @@ void SweepFile::apply_changes(const SweepChanges& changes) {
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
         throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give one for all, or one for each",
-                                     name, toml::count_with_noun(changes.steps.size(), "number"),
-                                     toml::count_with_noun(axes_tables.size(), "[[axis]] table")));
+                                     name, text::count_with_noun(changes.steps.size(), "number"),
+                                     text::count_with_noun(axes_tables.size(), "[[axis]] table")));
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
             throw InputError(name +
@@ -344,7 +344,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
         return folder / (*std::ranges::find_if(names, has_last_part) + ".toml");
     if (const std::string hint_text = toml::nearby_file(name_or_path); !hint_text.empty())
         throw InputError(name_or_path + ": no such file; " + hint_text);
-    const std::string hint = toml::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
+    const std::string hint = text::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
     throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +
                      (hint.empty() ? "; check the path" : "; " + hint));
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::toml {
 
@@ -35,7 +35,7 @@ std::string nearby_file(const std::filesystem::path& path) {
     std::ranges::sort(names);
     const std::string name = path.filename().string();
     const bool lacks_ending = std::ranges::find(names, name + ".toml") != names.end();
-    const auto closest_name = lacks_ending ? std::optional(name + ".toml") : closest(name, names);
+    const auto closest_name = lacks_ending ? std::optional(name + ".toml") : text::closest(name, names);
     return closest_name ? "did you mean \"" + (folder / *closest_name).string() + "\"?" : "";
 }
 

@@ -3,9 +3,9 @@
 #include <charconv>
 #include <string_view>
 
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/former_names.hpp"
 #include "scene/toml/toml_tree.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::toml {
 namespace {
@@ -84,7 +84,7 @@ void apply_override(Node& root, const Override& change) {
                      unknown + location + " is " + node->describe() + ", which has no keys; end the path there");
             Node* next = node->find(part.key);
             if (next == nullptr && !is_last) {
-                const std::string hint = did_you_mean(part.key, node->keys());
+                const std::string hint = text::did_you_mean(part.key, node->keys());
                 fail(change.where,
                      unknown + location + " has no \"" + part.key + '"' + (hint.empty() ? "" : "; " + hint));
             }

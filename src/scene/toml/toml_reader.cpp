@@ -30,8 +30,8 @@ Real as_number(const Node& node, const std::string& name) {
     if (node.kind != Kind::string && node.kind != Kind::floating) fail_for_type(node, name, a_number);
     const auto parsed = parse_number(node.text);
     if (const auto* fault = std::get_if<NumberFault>(&parsed)) {
-        fail(node.where,
-             name + " = " + (node.kind == Kind::string ? quoted_excerpt(node.text) : node.text) + ' ' + fault->why);
+        fail(node.where, name + " = " + (node.kind == Kind::string ? text::quoted_excerpt(node.text) : node.text) +
+                             ' ' + fault->why);
     }
     return std::get<Real>(parsed);
 }
@@ -122,7 +122,7 @@ const Node& TableReader::require(std::string_view key, std::string_view expected
     for (const std::string& present : table_->keys())
         if (std::find(requested_keys_.begin(), requested_keys_.end(), present) == requested_keys_.end())
             unread.push_back(present);
-    if (const auto closest_key = closest(key, unread)) {
+    if (const auto closest_key = text::closest(key, unread)) {
         for (const Node::Entry& entry : table_->entries)
             if (entry.key == *closest_key)
                 fail(entry.key_where, missing + ", but there is " + path_to(*closest_key) + "; did you mean \"" +
@@ -189,7 +189,7 @@ std::size_t TableReader::choice(std::string_view key, const std::vector<std::str
     const std::string& name = as_text(node, path_to(key));
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
-        fail_at(key, "is " + quoted_excerpt(name) + ", which is not known; " + did_you_mean(name, names));
+        fail_at(key, "is " + text::quoted_excerpt(name) + ", which is not known; " + text::did_you_mean(name, names));
     return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -228,8 +228,8 @@ void TableReader::reject(std::string_view key, std::string_view why) {
 void TableReader::reject_unknown_keys() const {
     for (const Node::Entry& entry : table_->entries) {
         if (std::find(requested_keys_.begin(), requested_keys_.end(), entry.key) != requested_keys_.end()) continue;
-        fail(entry.key_where,
-             "unknown key " + path_to(excerpt(entry.key)) + "; " + did_you_mean(entry.key, requested_keys_));
+        fail(entry.key_where, "unknown key " + path_to(text::excerpt(entry.key)) + "; " +
+                                  text::did_you_mean(entry.key, requested_keys_));
     }
 }
 
@@ -249,10 +249,10 @@ void require_schema(TableReader& file, std::string_view schema) {
     const auto [kind, version] = split(found);
     const auto [expected_kind, newest_version] = split(schema);
     if (kind == expected_kind && version > newest_version)
-        file.fail_at("schema", "is " + quoted_excerpt(found) +
+        file.fail_at("schema", "is " + text::quoted_excerpt(found) +
                                    ", newer than this program reads; use a newer lostbits, or write " + expected);
-    file.fail_at("schema", "is " + quoted_excerpt(found) + ", which is another kind of file than " +
-                               quoted_excerpt(schema) + ", expected here; name a file of that kind");
+    file.fail_at("schema", "is " + text::quoted_excerpt(found) + ", which is another kind of file than " +
+                               text::quoted_excerpt(schema) + ", expected here; name a file of that kind");
 }
 
 }  // namespace lostbits::scene::toml

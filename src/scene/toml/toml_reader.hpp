@@ -13,8 +13,8 @@
 
 #include "geometry/vec.hpp"
 #include "number/real.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/toml_tree.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::toml {
 

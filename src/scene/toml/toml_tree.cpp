@@ -6,9 +6,9 @@
 #include <toml++/toml.h>
 
 #include "scene/toml/byte_source.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/former_names.hpp"
 #include "scene/toml/parse_number.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::toml {
 namespace {
@@ -136,7 +136,7 @@ std::string Node::describe() const {
     switch (kind) {
         case Kind::table: return "a table";
         case Kind::array: return "an array of " + std::to_string(items.size());
-        case Kind::string: return "the string " + quoted_excerpt(text);
+        case Kind::string: return "the string " + text::quoted_excerpt(text);
         case Kind::integer: return "the integer " + std::to_string(integer);
         case Kind::floating: return "the number " + text;
         case Kind::boolean: return boolean ? "the boolean true" : "the boolean false";

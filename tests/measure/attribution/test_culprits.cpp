@@ -145,11 +145,11 @@ TEST_CASE("a metric set keeps one row per label, and the row survives a move", "
 TEST_CASE("categories are ordered by how often they are to blame", "[culprits]") {
     const scene::file::Scene scene = test::scene_named("near-benign", std::pair{60, 40});
     measure::evaluate::MapStudy request{
-        .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
+        .scene = &scene, .tested_forms = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
-        request.rows.push_back({&form, *find_format("f32")});
+        request.tested_forms.push_back({&form, *find_format("f32")});
     MetricSet made;
-    request.metrics = made.adapt_to_forms(request.metrics, measure::evaluate::forms_of(request.rows),
+    request.metrics = made.adapt_to_forms(request.metrics, measure::evaluate::forms_of(request.tested_forms),
                                           measure::attribution::OwnedSetting(scene).get());
     const Metric* const before = request.metrics[1];
     request.metrics = order_culprits(request, made);

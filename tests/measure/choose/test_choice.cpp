@@ -56,7 +56,7 @@ TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor 
 TEST_CASE("every row is timed on rays of the scene and has the accuracy that a map reports") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
     ChoiceRequest request = request_of(scene, 16);
-    request.rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")};
+    request.tested_forms = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")};
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
     REQUIRE(all.size() == 2);
@@ -64,7 +64,8 @@ TEST_CASE("every row is timed on rays of the scene and has the accuracy that a m
     CHECK(timed.rays > 1000);
     for (const Candidate& c : all) CHECK(c.time.median > 0);
     const auto* const lost = measure::metric::find_metric("lost_bits");
-    const auto summaries = measure::evaluate::run_map({.scene = &scene, .rows = request.rows, .metrics = {lost}});
+    const auto summaries =
+        measure::evaluate::run_map({.scene = &scene, .tested_forms = request.tested_forms, .metrics = {lost}});
     for (std::size_t r = 0; r < all.size(); ++r) {
         CHECK(all[r].quality.wrong == summaries[r].wrong_count());
         CHECK(all[r].quality.hits == summaries[r].true_hits);
@@ -170,7 +171,7 @@ TEST_CASE("a requirement holds at the edge of the margin and fails just beyond i
     REQUIRE(distance.end == MarginEnd::fails);
     CHECK(distance.holding_factor >= 1);
     CHECK(distance.end_factor / distance.holding_factor <= 1.02);
-    request.rows = {asked};
+    request.tested_forms = {asked};
     const auto at = [&](double factor) {
         const auto there = stretch(scene, Growth::distance, factor);
         ChoiceRequest there_asked = request;

@@ -47,13 +47,13 @@ std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool primitiv
 
 ChoiceRequest requirement_of(double bits, std::vector<TestedForm> tested_forms) {
     ChoiceRequest request;
-    request.rows = std::move(tested_forms);
+    request.tested_forms = std::move(tested_forms);
     request.requirement.bits = bits;
     request.plan = {.repetitions = 1, .least_seconds = 1e-6};
     return request;
 }
 
-void require_same(const RowQuality& a, const RowQuality& b) {
+void require_same(const FormQuality& a, const FormQuality& b) {
     CHECK(a.rays == b.rays);
     CHECK(a.hits == b.hits);
     CHECK(a.wrong == b.wrong);
@@ -272,7 +272,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     CHECK(loses.cause == Obstacle::Cause::formula);
     const Scene thin = with_smaller_picture(benign, 2048);
     const auto* const inherent = measure::metric::find_metric("inherent_bits");
-    const auto map = measure::evaluate::run_map({.scene = &thin, .rows = {lossy}, .metrics = {inherent}});
+    const auto map = measure::evaluate::run_map({.scene = &thin, .tested_forms = {lossy}, .metrics = {inherent}});
     CHECK(loses.inherent_kept == 24 - map.front().metrics[0].quantile(0.99));
     CHECK(loses.exact.kept_bits == 53);
     // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides correctly.
@@ -308,8 +308,10 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     REQUIRE_FALSE(safe->outside.empty());
     CHECK(safe->outside.front().operations == 0);  // the primitive is at least not tested
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
-    const measure::offset::OffsetStudy request{
-        .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .finds_quiet_offset = false};
+    const measure::offset::OffsetStudy request{.scene = scene,
+                                               .tested_forms = {{row}},
+                                               .strategies = measure::offset::all_strategies(),
+                                               .finds_quiet_offset = false};
     const auto all =
         measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
     REQUIRE(safe->both_sides.size() == all.size());

@@ -43,9 +43,10 @@ struct Kept {
 std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
     std::vector<Kept> kept(tested_forms.size());
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {
-        measure::evaluate::run_map(
-            {.scene = &scene, .rows = {tested_forms[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
-            [&one = kept[r]](std::size_t, const auto& band) { one.add_band(band); });
+        measure::evaluate::run_map({.scene = &scene,
+                                    .tested_forms = {tested_forms[r]},
+                                    .metrics = {measure::metric::find_metric("lost_bits")}},
+                                   [&one = kept[r]](std::size_t, const auto& band) { one.add_band(band); });
     }
     return kept;
 }
@@ -58,8 +59,8 @@ struct Asked {
 
 /// With fixed costs for the rows, so that a test does not depend on the clock.
 Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms,
-              const std::vector<double>& prices, double bits, const std::vector<TestedForm>& untimed_rows = {}) {
-    Asked asked{.request = {.scene = &scene, .rows = tested_forms, .untimed_rows = untimed_rows},
+              const std::vector<double>& prices, double bits, const std::vector<TestedForm>& untimed_forms = {}) {
+    Asked asked{.request = {.scene = &scene, .tested_forms = tested_forms, .untimed_forms = untimed_forms},
                 .all = {},
                 .requirement_map = {}};
     asked.request.requirement.bits = bits;
@@ -81,11 +82,11 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
         const auto scene = small_scene(name);
         const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point", "sphere.unified"}, {"f32", "f64"});
         const std::vector<double> prices{1, 4, 2, 5, 3, 6};
-        const auto untimed_rows = rows_of({"sphere.schoolbook", "sphere.unified"}, {"fp16", "p14"});
+        const auto untimed_forms = rows_of({"sphere.schoolbook", "sphere.unified"}, {"fp16", "p14"});
         const double bits = 13;
-        const auto [request, all, r] = require(scene, rows, prices, bits, untimed_rows);
+        const auto [request, all, r] = require(scene, rows, prices, bits, untimed_forms);
         auto every = rows;
-        every.insert(every.end(), untimed_rows.begin(), untimed_rows.end());
+        every.insert(every.end(), untimed_forms.begin(), untimed_forms.end());
         const auto maps = maps_of(scene, every);
         REQUIRE(r.pixels() == scene.pixels());
         REQUIRE(r.formats.size() == 4);

@@ -26,10 +26,10 @@ const Check* named(std::string_view name) {
     throw std::logic_error("no check " + std::string(name));
 }
 
-std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
-                           std::vector<const Check*> among = all_checks()) {
+std::vector<FormChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
+                            std::vector<const Check*> among = all_checks()) {
     return measure::study::run_study(
-        ConsistencyStudy{.scene = scene, .rows = std::move(tested_forms), .checks = std::move(among)});
+        ConsistencyStudy{.scene = scene, .tested_forms = std::move(tested_forms), .checks = std::move(among)});
 }
 
 /// Result of one check for one row.

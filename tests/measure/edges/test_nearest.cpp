@@ -31,7 +31,7 @@ EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
 
 std::vector<EdgeFinding> found_by(const EdgeSearchFile& search,
                                   const std::vector<measure::evaluate::TestedForm>& tested_forms) {
-    return measure::edges::search_edges({.search = search, .rows = tested_forms});
+    return measure::edges::search_edges({.search = search, .tested_forms = tested_forms});
 }
 
 bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b) {
@@ -101,7 +101,7 @@ TEST_CASE("an edge search finds the leak that contraction opens in a watertight 
                                   "scene = \"mesh-icosphere-near\"\ndistance = [\"0x1p-10\", \"0x1p20\"]\n"
                                   "rays = 32768\n");
     const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
-    const auto found = found_by(search, {plain, {&measure::tape::contracted_row(*plain.form), plain.format}});
+    const auto found = found_by(search, {plain, {&measure::tape::contracted_form(*plain.form), plain.format}});
     CHECK_FALSE(found[0].nearest[0].has_value());
     CHECK(found[1].nearest[0].has_value());
 }
@@ -113,10 +113,10 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
                                   "rays = 1\ncensus = 8000\n");
     const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
     const std::vector rows{plain,
-                           {&measure::tape::contracted_row(*plain.form), plain.format},
+                           {&measure::tape::contracted_form(*plain.form), plain.format},
                            row("triangle.filtered", "f32"),
                            row("triangle.undivided", "f32")};
-    const auto found = measure::edges::search_edges({.search = search, .rows = rows, .census_only = true});
+    const auto found = measure::edges::search_edges({.search = search, .tested_forms = rows, .census_only = true});
     for (const EdgeFinding& one : found) {
         CHECK(one.census[0].rays + one.census[1].rays == 8000);
         CHECK(one.census[0].rays > 4 * one.census[1].rays / 2);
@@ -139,7 +139,7 @@ TEST_CASE("an edge search does not depend on other rows, shards or repetition", 
     const auto all = found_by(search, rows), again = found_by(search, rows);
     CHECK(equal(all, again));
     CHECK(equal(found_by(search, {rows[1]}), {all[1]}));
-    const auto second = measure::edges::search_edges({.search = search, .rows = rows, .share = {2, 2}});
+    const auto second = measure::edges::search_edges({.search = search, .tested_forms = rows, .share = {2, 2}});
     CHECK(equal(second, {all[1]}));
     const auto other = search_of(folder, "scene = \"mesh-icosphere-near\"\nrays = 4096\nseed = 6\n");
     CHECK_FALSE(equal(found_by(other, rows), all));

@@ -75,7 +75,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
     };
     // Rows of one piece are shown at the same time.
     const test::Threads one(1);
-    return judge::run_judge(*dump, {.rows = tested_forms, .metrics = metrics}, show).summaries;
+    return judge::run_judge(*dump, {.tested_forms = tested_forms, .metrics = metrics}, show).summaries;
 }
 
 /// All counts that claims may use.

@@ -40,7 +40,7 @@ scene::file::Scene scene_named(const std::string& name, StopToken stop = {}) {
 
 std::vector<FormSummary> mapped(const scene::file::Scene& scene, const Metric& metric, StopToken stop) {
     return measure::evaluate::run_map({.scene = &scene,
-                                       .rows = {test::row("sphere.schoolbook", "f32")},
+                                       .tested_forms = {test::row("sphere.schoolbook", "f32")},
                                        .metrics = {&metric},
                                        .limit = {.stop = stop}});
 }
@@ -100,48 +100,57 @@ TEST_CASE("every computation stops where its own request says so") {
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map",
-         [&] { m::evaluate::run_map({.scene = &scene, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
+         [&] {
+             m::evaluate::run_map({.scene = &scene, .tested_forms = tested_forms, .metrics = metrics, .limit = limit});
+         }},
         {"needed",
          [&] {
-             m::study::run_study(m::evaluate::BitsNeededStudy{.scene = scene, .rows = {row.form}, .limit = limit});
+             m::study::run_study(
+                 m::evaluate::BitsNeededStudy{.scene = scene, .tested_forms = {row.form}, .limit = limit});
          }},
         {"render",
          [&] {
              m::study::run_study(m::render::RenderStudy{.scene = scene,
                                                         .stages = {scene::file::Stage::visible},
-                                                        .rows = tested_forms,
+                                                        .tested_forms = tested_forms,
                                                         .limit = {.stop = stop}});
          }},
         {"offsets",
          [&] {
              m::study::run_study(m::offset::OffsetStudy{.scene = scene,
-                                                        .rows = {{row, m::offset::HitPointKind::computed}},
+                                                        .tested_forms = {{row, m::offset::HitPointKind::computed}},
                                                         .strategies = m::offset::all_strategies(),
                                                         .limit = limit});
          }},
         {"consistency",
          [&] {
              m::study::run_study(m::consistency::ConsistencyStudy{
-                 .scene = scene, .rows = tested_forms, .checks = m::consistency::all_checks(), .limit = limit});
+                 .scene = scene, .tested_forms = tested_forms, .checks = m::consistency::all_checks(), .limit = limit});
          }},
         {"sweep",
-         [&] { m::sweep::run_sweep({.sweep = sweep, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
+         [&] {
+             m::sweep::run_sweep({.sweep = sweep, .tested_forms = tested_forms, .metrics = metrics, .limit = limit});
+         }},
         {"cases",
-         [&] { m::sweep::run_cases({.file = cases, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
+         [&] {
+             m::sweep::run_cases({.file = cases, .tested_forms = tested_forms, .metrics = metrics, .limit = limit});
+         }},
         {"every float",
-         [&] { m::sweep::run_exhaustive({.sweep = floats, .rows = tested_forms, .limit = limit}, state); }},
+         [&] { m::sweep::run_exhaustive({.sweep = floats, .tested_forms = tested_forms, .limit = limit}, state); }},
         {"search",
-         [&] { m::sweep::find_worst({.search = search, .rows = tested_forms, .metrics = metrics, .limit = limit}); }},
+         [&] {
+             m::sweep::find_worst({.search = search, .tested_forms = tested_forms, .metrics = metrics, .limit = limit});
+         }},
         {"judge",
          [&] {
              m::judge::run_judge(*rays, {.primitives = {Sphere<double>{{0, 0, 0}, 1}},
-                                         .rows = tested_forms,
+                                         .tested_forms = tested_forms,
                                          .metrics = metrics,
                                          .limit = limit});
          }},
         {"a file of rays", [&] { open(stop); }},
         {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).primitives()); }},
-        {"choice", [&] { m::choose::quality_of({.scene = &scene, .rows = tested_forms, .limit = limit}); }},
+        {"choice", [&] { m::choose::quality_of({.scene = &scene, .tested_forms = tested_forms, .limit = limit}); }},
         {"claims", [&] { m::check::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
         {"times",
          [&] {

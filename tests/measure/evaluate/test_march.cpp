@@ -63,14 +63,14 @@ private:
 
 TEST_CASE("input, model and rounding error of a march sum to its total error", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 24);
-    MapStudy request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
+    MapStudy request{.scene = &scene, .tested_forms = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
         request.metrics.push_back(measure::metric::find_metric(name));
-    std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
+    std::vector<Checker> checkers(request.tested_forms.size(), Checker(scene.march->max_steps));
     const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(checkers));
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
-                                              << checkers[r].without_self);
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        INFO(request.tested_forms[r].form->info->name << " in " << request.tested_forms[r].format.name
+                                                      << ", without a value " << checkers[r].without_self);
         CHECK(checkers[r].wrong == 0);
         CHECK(checkers[r].compared > 50);  // in bf16 most of the union is missed
         CHECK(checkers[r].without_self < checkers[r].compared / 20);
@@ -84,7 +84,7 @@ TEST_CASE("input, model and rounding error of a march sum to its total error", "
 TEST_CASE("forms that do not march have no march metrics", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 16);
     MapStudy request{.scene = &scene,
-                     .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}},
+                     .tested_forms = {{&intersect::table::intersectors().front(), *find_format("f32")}},
                      .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("iterations"),
                                  measure::metric::find_metric("stop")}};
     const auto summary = std::move(measure::evaluate::run_map(request).front());
@@ -95,13 +95,14 @@ TEST_CASE("forms that do not march have no march metrics", "[measure][march]") {
 
 TEST_CASE("refining the answer removes the model error", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 24);
-    MapStudy request{
-        .scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
+    MapStudy request{.scene = &scene,
+                     .tested_forms = marches(scene, {"f64"}),
+                     .metrics = {measure::metric::find_metric("model_error")}};
     const auto summaries = measure::evaluate::run_map(request);
     const double plain = summaries[0].metrics[0].quantile(0.5);
     int refined = 0;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        if (!request.rows[r].form->info->name.ends_with("_refined")) continue;
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        if (!request.tested_forms[r].form->info->name.ends_with("_refined")) continue;
         ++refined;
         CHECK(summaries[r].metrics[0].quantile(0.5) < plain / 1000);
     }

@@ -169,16 +169,16 @@ TEST_CASE("outcomes of meshes agree with triangles tested one by one", "[outcome
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
           smaller("mesh-tube-far", {{"mesh[0].along", "16"}}), smaller("mesh-sheets-far", {})}) {
         measure::evaluate::MapStudy request{
-            .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
+            .scene = &scene, .tested_forms = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
         for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
                                  "triangle.havel_herout", "triangle.filtered"})
-            request.rows.push_back(test::row(form, "f32"));
+            request.tested_forms.push_back(test::row(form, "f32"));
         std::vector<Recount> again;
         const MetPixelsByForm meetings(scene);
-        for (const auto& row : request.rows) again.emplace_back(row, meetings);
+        for (const auto& row : request.tested_forms) again.emplace_back(row, meetings);
         const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(again));
         for (std::size_t r = 0; r < again.size(); ++r) {
-            INFO(scene.id << ", " << request.rows[r].form->info->name);
+            INFO(scene.id << ", " << request.tested_forms[r].form->info->name);
             CHECK(again[r].wrong == 0);
             for (const auto& [outcome, count] : again[r].counts) {
                 CHECK(summaries[r].count(outcome) == count);
@@ -194,8 +194,9 @@ TEST_CASE("outcomes of meshes agree with triangles tested one by one", "[outcome
 namespace {
 
 measure::evaluate::FormSummary summary_of(const scene::file::Scene& scene, const char* form) {
-    const measure::evaluate::MapStudy request{
-        .scene = &scene, .rows = {test::row(form, "f32")}, .metrics = {measure::metric::find_metric("lost_bits")}};
+    const measure::evaluate::MapStudy request{.scene = &scene,
+                                              .tested_forms = {test::row(form, "f32")},
+                                              .metrics = {measure::metric::find_metric("lost_bits")}};
     return std::move(measure::evaluate::run_map(request).front());
 }
 

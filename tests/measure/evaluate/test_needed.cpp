@@ -35,8 +35,8 @@ struct Collected {
 
 std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form,
                               const std::vector<std::string>& formats) {
-    MapStudy request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
-    for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
+    MapStudy request{.scene = &scene, .tested_forms = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
+    for (const auto& f : formats) request.tested_forms.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
     run_map(request, show_to_each(all));
     return all;
@@ -55,7 +55,7 @@ std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::
         values.insert(values.end(), r.bits_needed.begin(), r.bits_needed.end());
     };
     const auto summaries =
-        measure::study::run_study(BitsNeededStudy{.scene = scene, .rows = {&form}, .bits = bits}, {keep});
+        measure::study::run_study(BitsNeededStudy{.scene = scene, .tested_forms = {&form}, .bits = bits}, {keep});
     if (summary) *summary = summaries.front();
     return values;
 }
@@ -119,7 +119,7 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
                                                                   &test::form_named("sphere.unified")};
     std::vector<std::vector<double>> together(3);
     std::uint64_t done = 0;
-    BitsNeededStudy request{.scene = scene, .rows = forms, .bits = 16};
+    BitsNeededStudy request{.scene = scene, .tested_forms = forms, .bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
     measure::study::run_study(request, {[&together](std::size_t form, const BitsNeededBand& r) {
                                   together[form].insert(together[form].end(), r.bits_needed.begin(),
@@ -181,7 +181,7 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =
-        BitsNeededStudy{.scene = none, .rows = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
+        BitsNeededStudy{.scene = none, .tested_forms = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
     CHECK(std::isnan(results[0].bits_needed[0]));
     CHECK(results[0].bits_needed[1] <= most_precision);
     BitsNeededSummary summary;

@@ -39,7 +39,7 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     const auto scene = test::load("rtg-fig-7-6-far", 96, 96);
     const measure::evaluate::MapStudy request{
         .scene = &scene,
-        .rows = {test::row("sphere.schoolbook", "f32"), test::row("sphere.schoolbook", "f64")},
+        .tested_forms = {test::row("sphere.schoolbook", "f32"), test::row("sphere.schoolbook", "f64")},
         .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
     std::array<Recount, 2> counts;
     const auto& [single, wide] = counts;

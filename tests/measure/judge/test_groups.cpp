@@ -43,7 +43,7 @@ TEST_CASE("the summary of a group is that of its rays alone") {
             file.path(), {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keep = true});
         const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
         JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
-        request.rows = {{&form.form(), row.format}};
+        request.tested_forms = {{&form.form(), row.format}};
         if (!only) request.group_column = 0;
         return judge::run_judge(*dump, request, {});
     };

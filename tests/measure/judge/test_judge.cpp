@@ -34,7 +34,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);
         const evaluate::TestedForm row = test::row(name, format);
-        const auto expected = evaluate::run_map({.scene = &scene, .rows = {row}, .metrics = all_metrics});
+        const auto expected = evaluate::run_map({.scene = &scene, .tested_forms = {row}, .metrics = all_metrics});
 
         const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
         std::optional<intersect::MarchConstants<double>> march;
@@ -55,7 +55,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
                              {.primitives = scene::rays::stored_beside_mesh(scene, row.format.parameters),
                               .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
                               .march = march,
-                              .rows = {{&form.form(), row.format}, row},
+                              .tested_forms = {{&form.form(), row.format}, row},
                               .file_answers_form = &form.form(),
                               .metrics = all_metrics,
                               .picture = std::pair{scene.width, scene.height}},
@@ -162,7 +162,7 @@ TEST_CASE("primitives of any kinds that are hit at the same t share the hit") {
     };
     const judge::FileForm form("a", Shape::sphere, {});
     JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
-    request.rows = {{&form.form(), *find_format("f64")}};
+    request.tested_forms = {{&form.form(), *find_format("f64")}};
     const auto outcomes_are_right = [&](std::size_t, const scene::dump::Chunk&, const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < primitives.size(); ++i) {
             INFO(i);
@@ -227,7 +227,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     const auto judged = [&](bool late, judge::WorstRays& worst) {
         auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
         if (late) dump = std::make_unique<scene::test::LateDump>(std::move(dump));
-        return judge::run_judge(*dump, {.rows = {row}, .metrics = all_metrics}, kept_in(worst));
+        return judge::run_judge(*dump, {.tested_forms = {row}, .metrics = all_metrics}, kept_in(worst));
     };
     judge::WorstRays first(5, 1), later(5, 1);
     const JudgeResult at_start = judged(false, first), beyond = judged(true, later);
@@ -259,7 +259,8 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
     const judge::FileForm form("a", Shape::sphere, *row.form->info);
     judge::WorstRays worst(10, 1);
     const JudgeResult result = judge::run_judge(
-        *dump, {.rows = {{&form.form(), row.format}, row}, .file_answers_form = &form.form(), .metrics = all_metrics},
+        *dump,
+        {.tested_forms = {{&form.form(), row.format}, row}, .file_answers_form = &form.form(), .metrics = all_metrics},
         kept_in(worst));
     CHECK(result.rays == group.rays.size());
     CHECK(result.answers == result.float_answers);
@@ -310,7 +311,7 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     decides.roots = intersect::Roots::none;
     const judge::FileForm form("a b.c", Shape::sphere, decides);
     CHECK(form.form().info->name == "file.a_b_c");
-    const auto s = std::move(judge::run_judge(*dump, {.rows = {{&form.form(), dump->format()}},
+    const auto s = std::move(judge::run_judge(*dump, {.tested_forms = {{&form.form(), dump->format()}},
                                                       .file_answers_form = &form.form(),
                                                       .metrics = all_metrics})
                                  .summaries.front());
@@ -330,7 +331,7 @@ TEST_CASE("the first of equal errors and the first of wrong decisions are kept")
     judge::WorstRays worst(5, 1);
     judge::run_judge(*dump,
                      {.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})},
-                      .rows = {{&form.form(), dump->format()}},
+                      .tested_forms = {{&form.form(), dump->format()}},
                       .file_answers_form = &form.form(),
                       .metrics = all_metrics},
                      kept_in(worst));

@@ -133,8 +133,8 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
 
 TEST_CASE("the strategies reported as cheapest are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
-    const OffsetRow of{row("sphere.half_b", "f32"), HitPointKind::computed};
-    const OffsetStudy request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
+    const OffsetForm of{row("sphere.half_b", "f32"), HitPointKind::computed};
+    const OffsetStudy request{.scene = scene, .tested_forms = {of}, .strategies = all_strategies()};
     const auto summaries = measure::study::run_study(request);
     const OffsetSummary& summary = summaries.front();
     const auto both = safe_strategies(summary, request.strategies, Shape::sphere);

@@ -35,7 +35,7 @@ inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std:
 /// All results of one run.
 struct Collected {
     explicit Collected(const measure::render::RenderStudy& study)
-        : pictures(study.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
+        : pictures(study.tested_forms.size()), shadows(pictures.size()), residuals(pictures.size()) {
         for (auto& p : pictures) p.resize(study.stages.size());
         auto rows = measure::study::run_study(
             study, {[this](std::size_t row, const measure::render::RenderBand& band) { add(row, band); }});

@@ -13,7 +13,7 @@ using namespace lostbits::test;
 
 TEST_CASE("spheres under matrices are rendered like spheres with the moved numbers, mirrored or not") {
     const scene::file::Scene bare = load("raycast-course.pixels", 48, 48);
-    const Collected plain({.scene = bare, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
+    const Collected plain({.scene = bare, .stages = all_stages, .tested_forms = rows_of({"f64"}, "sphere.unified")});
     const auto& form = *rows_of({"f64"}, "sphere.unified").front().form;
     for (const int mirror : {1, -1}) {
         scene::file::Scene placed = bare;
@@ -28,8 +28,9 @@ TEST_CASE("spheres under matrices are rendered like spheres with the moved numbe
         for (const char* space : {"plain", "relative", "adjugate"}) {
             CAPTURE(mirror, space);
             const auto& row = intersect::transform::transformed_form(test::transform_method_named(space), form);
-            const Collected found(
-                {.scene = placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
+            const Collected found({.scene = placed,
+                                   .stages = all_stages,
+                                   .tested_forms = {{.form = &row, .format = *find_format("f64")}}});
             std::size_t normals = 0;
             for (std::size_t i = 0; i < found.truth.size(); ++i) {
                 REQUIRE(found.truth[i].has_normal == plain.truth[i].has_normal);
@@ -61,7 +62,7 @@ TEST_CASE("the normal of a stretched sphere is that of its surface for every tra
     const auto& form = intersect::transform::transformed_form(test::transform_method_named("relative"),
                                                               *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
-        {.scene = scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
+        {.scene = scene, .stages = all_stages, .tested_forms = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     std::size_t normals = 0;
     for (std::size_t i = 0; i < found.truth.size(); ++i) {

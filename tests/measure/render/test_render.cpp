@@ -85,7 +85,7 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
         const bool among = std::string_view(name) == "among the spheres";
         scene::file::Scene s = load(among ? "raycast-course.pixels" : name, 64, 48);
         if (among) s.appearance.light = Vec<Real>(Real(112), Real(140), Real(30));
-        const Collected run({.scene = s, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
+        const Collected run({.scene = s, .stages = all_stages, .tested_forms = rows_of({"f64"}, "sphere.unified")});
         const auto rays = scene::rays::make_shared_rays(s, 0, s.height);
         std::size_t shadows = 0, highlights = 0;
         for (std::size_t i = 0; i < run.truth.size(); ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("a picture in p53 has the bits of f64, and one in p24 the bits of f32"
                 CAPTURE(name, f.info->name, native);
                 const std::vector<measure::evaluate::TestedForm> tested_forms{{&f, *find_format(native)},
                                                                               {&f, *find_format(emulated)}};
-                const Collected run({.scene = s, .stages = {s.appearance.last_stage()}, .rows = tested_forms});
+                const Collected run({.scene = s, .stages = {s.appearance.last_stage()}, .tested_forms = tested_forms});
                 CHECK(same(run.pictures[0][0], run.pictures[1][0]));
                 CHECK(run.shadows[0] == run.shadows[1]);
                 CHECK(std::ranges::equal(run.residuals[0], run.residuals[1],
@@ -140,7 +140,8 @@ TEST_CASE("a picture in p53 has the bits of f64, and one in p24 the bits of f32"
 TEST_CASE("acne is frequent for shadow rays from the surface, rarer from 4 ulps off it, absent from 0.001") {
     const auto acne = [](const char* name) {
         const scene::file::Scene s = load(name, 32, 24);
-        const Collected run({.scene = s, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.unified")});
+        const Collected run(
+            {.scene = s, .stages = {Stage::shadows}, .tested_forms = rows_of({"f32"}, "sphere.unified")});
         return run.summaries.front().count(false, Shadow::own_shadow);
     };
     const auto on = acne("raycast-acne.none");
@@ -152,7 +153,8 @@ TEST_CASE("acne is frequent for shadow rays from the surface, rarer from 4 ulps 
 TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round") {
     scene::file::Scene s = load("raycast-course.pixels", 32, 24);
     s.inputs = scene::file::Inputs::own;
-    const Collected run({.scene = s, .stages = {Stage::visible}, .rows = rows_of({"f32", "f64"}, "sphere.unified")});
+    const Collected run(
+        {.scene = s, .stages = {Stage::visible}, .tested_forms = rows_of({"f32", "f64"}, "sphere.unified")});
     const TruePixel& corner = run.truth.front();  // background 0.55
     CHECK(abs(Real(corner.colours[0].channel[0].hi) + Real(corner.colours[0].channel[0].lo) - Real(55) / 100) <
           0x1p-70);
@@ -165,7 +167,7 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     CHECK(run.summaries[0].unresolved() == 0);
     const Collected hasty({.scene = s,
                            .stages = {Stage::visible},
-                           .rows = rows_of({"f64"}, "sphere.unified"),
+                           .tested_forms = rows_of({"f64"}, "sphere.unified"),
                            .limit = {.max_bits = 106}});
     const RenderSummary& r = hasty.summaries[0];
     CHECK(r.count(SeenContent::background) > 100);

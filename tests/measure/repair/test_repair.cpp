@@ -37,11 +37,11 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 /// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
     explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(record_tape(asked)) {}
-    RowQuality with(const std::vector<NodeId>& wider) {
+    FormQuality with(const std::vector<NodeId>& wider) {
         return judge.quality_of({tape::widen_operations(tape, wider, binary64)}).front();
     }
     WiderSet smallest(std::uint64_t affordable) {
-        const RowQuality quality = with(all);
+        const FormQuality quality = with(all);
         REQUIRE(quality.meets(request.requirement));
         return smallest_set(tape, binary64, quality, request, judge, affordable);
     }
@@ -51,7 +51,7 @@ struct Search {
     std::vector<NodeId> all = tape::rounded_operations(tape);
 };
 
-bool same(const RowQuality& a, const RowQuality& b) {
+bool same(const FormQuality& a, const FormQuality& b) {
     return a.wrong == b.wrong && a.hits == b.hits && a.rays == b.rays &&
            (a.kept_bits == b.kept_bits || (std::isnan(a.kept_bits) && std::isnan(b.kept_bits)));
 }
@@ -82,7 +82,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         for (std::size_t k = 0; k < set.size(); ++k) {
             std::vector<NodeId> fewer = set;
             fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
-            const RowQuality there = quality_with(fewer);
+            const FormQuality there = quality_with(fewer);
             CHECK(same(there, found.quality_without[k]));
             CHECK_FALSE(there.meets(request.requirement));
         }
@@ -94,7 +94,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         for (const NodeId a : search.all)
             for (const NodeId b : search.all)
                 if (a <= b) pairs.push_back(tape::widen_operations(search.tape, {a, b}, binary64));
-        for (const RowQuality& quality : judge.quality_of(pairs)) CHECK_FALSE(quality.meets(request.requirement));
+        for (const FormQuality& quality : judge.quality_of(pairs)) CHECK_FALSE(quality.meets(request.requirement));
     }
 }
 
@@ -220,12 +220,12 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
         CHECK(m.wider_set->quality.meets(request.requirement));
         CHECK(m.set_probed.size() == m.probes.size());
         const bool holds = std::ranges::all_of(
-            m.set_probed, [&](const RowQuality& quality) { return quality.meets(request.requirement); });
+            m.set_probed, [&](const FormQuality& quality) { return quality.meets(request.requirement); });
         CHECK(holds == !m.symmetric);
         if (!m.symmetric) continue;
         CHECK(m.symmetric->operations.size() % 3 == 0);
         CHECK(m.symmetric->quality.meets(request.requirement));
-        for (const RowQuality& quality : m.symmetric->probed) CHECK(quality.meets(request.requirement));
+        for (const FormQuality& quality : m.symmetric->probed) CHECK(quality.meets(request.requirement));
     }
 }
 
@@ -236,13 +236,13 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     REQUIRE(m.wider_set);
     CHECK(m.wider_set->operations.size() == 3);
     REQUIRE(m.probes.size() == 5);  // a box is not rotated
-    const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
+    const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
     for (std::size_t k = 0; k < 3; ++k) CHECK_FALSE(meets(m.set_probed[k]));
     REQUIRE(m.symmetric);
     CHECK(m.symmetric->is_smallest);
     CHECK(m.symmetric->operations.size() % 3 == 0);
     CHECK(meets(m.symmetric->quality));
-    for (const RowQuality& quality : m.symmetric->probed) CHECK(meets(quality));
+    for (const FormQuality& quality : m.symmetric->probed) CHECK(meets(quality));
     const output::repair::RepairSummary result{
         .request = request, .repair = m, .catalogue = {}, .catalogue_quality = {}};
     const auto proposals = list_proposals(result);
@@ -285,12 +285,12 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         const auto& form = *request.row.form;
         request.row.form = &intersect::transform::transformed_form(test::transform_method_named("plain"), form);
         Search search(request);
-        const RowQuality own = search.with({});
+        const FormQuality own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).quality.meets(request.requirement));
         CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
         request.row.form = &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
-        const RowQuality relative = Judge(request, scene).quality_of({record_tape(request)}).front();
+        const FormQuality relative = Judge(request, scene).quality_of({record_tape(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());

@@ -70,7 +70,7 @@ TEST_CASE("verdicts agree with those worked out by hand") {
     const scene::sweep::CaseFile file(text.path());
     const measure::sweep::CaseRequest request{
         .file = file,
-        .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
+        .tested_forms = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
         .metrics = case_metrics};
     const auto cases = measure::sweep::run_cases(request);
     REQUIRE(cases.size() == file.size());
@@ -177,15 +177,17 @@ TEST_CASE("every file of extremes runs with every form and has a proved truth") 
         CHECK_FALSE(file.title.empty());
         CHECK_FALSE(file.note.empty());
         const measure::sweep::CaseRequest request{
-            .file = file, .rows = all_rows(file.shapes().front(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
+            .file = file,
+            .tested_forms = all_rows(file.shapes().front(), {"f32", "f64", "bf16"}),
+            .metrics = case_metrics};
         const auto cases = measure::sweep::run_cases(request);
         REQUIRE(cases.size() == file.size());
         for (std::size_t i = 0; i < cases.size(); ++i) {
             CAPTURE(file.name(i));
-            REQUIRE(cases[i].size() == request.rows.size());
+            REQUIRE(cases[i].size() == request.tested_forms.size());
             bool any_right = false;
-            for (std::size_t r = 0; r < request.rows.size(); ++r) {
-                CAPTURE(request.rows[r].form->info->name, request.rows[r].format.name);
+            for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+                CAPTURE(request.tested_forms[r].form->info->name, request.tested_forms[r].format.name);
                 const FormSummary& s = cases[i][r];
                 const Verdict v = measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
                 CHECK(v != Verdict::unresolved);

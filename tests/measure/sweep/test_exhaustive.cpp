@@ -82,7 +82,7 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
 }
 
 sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<TestedForm> tested_forms) {
-    return {.sweep = file, .rows = std::move(tested_forms)};
+    return {.sweep = file, .tested_forms = std::move(tested_forms)};
 }
 
 sweep::ExhaustiveState run(const sweep::ExhaustiveRequest& request) {
@@ -187,9 +187,9 @@ TEST_CASE("all bit patterns: every float is counted, and infinities, NaNs and ze
                           [](std::uint64_t sum, const auto& b) { return sum + b.floats.size(); }) == file.floats());
     const auto request = request_of(file, {row("box.signs", "f32"), row("box.baseline", "f32")});
     for (const float x : {0.0F, -0.0F, 1e-45F, HUGE_VALF, -HUGE_VALF, std::nanf("")}) {
-        for (std::size_t k = 0; k < request.rows.size(); ++k) {
+        for (std::size_t k = 0; k < request.tested_forms.size(); ++k) {
             const auto there = sweep::answer_at(request, 0, k, index_of(x));
-            CHECK(there.outcome == try_alone(file, 0, request.rows[k], x).outcome);
+            CHECK(there.outcome == try_alone(file, 0, request.tested_forms[k], x).outcome);
         }
     }
 }
@@ -213,7 +213,7 @@ TEST_CASE("the padding that suffices for every float is that of the slabs, also 
         file.rays = {file.rays[ray]};
         const auto request = request_of(file, {{&form, *find_format("f32")}});
         const auto found = sweep::findings_of(request, run(request)).front().tally;
-        return sweep::padding_max(request.rows[0], found);
+        return sweep::padding_max(request.tested_forms[0], found);
     };
     const auto form = [](std::string_view name) -> const intersect::table::Intersector& {
         return *std::ranges::find(intersect::table::catalogue(), name, [](const auto& row) { return row.info->name; });

@@ -72,7 +72,7 @@ FormSummary one_at_a_time(const std::vector<scene::rays::RayGroup>& groups, cons
         band.find_condition();
         const auto inputs = band.inputs(
             row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit, .stored_truth = true});
-        measure::evaluate::measure_row({row, metrics, {}, static_cast<int>(g)}, band, inputs, sum);
+        measure::evaluate::measure_form({row, metrics, {}, static_cast<int>(g)}, band, inputs, sum);
     }
     for (auto& d : sum.metrics) d.seal();
     return sum;

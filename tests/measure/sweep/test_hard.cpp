@@ -33,10 +33,10 @@ TEST_CASE("every hard ray has the measured value in its name") {
             const measure::metric::Metric* metric = measure::metric::find_metric(is_value ? what : "lost_bits");
             REQUIRE(metric != nullptr);
             const measure::sweep::CaseRequest request{.file = file,
-                                                      .rows = {row(part[1].str(), part[2].str())},
+                                                      .tested_forms = {row(part[1].str(), part[2].str())},
                                                       .metrics = {metric, measure::metric::find_metric("excess_bits")}};
             // In the file the numbers are those of the format: rounding to it again must change none.
-            for (const auto& group : file.rays(i, request.rows[0].format.parameters)) {
+            for (const auto& group : file.rays(i, request.tested_forms[0].format.parameters)) {
                 const auto exact = file.rays(i, binary64).front();
                 CHECK(group.rays.ox == exact.rays.ox);
                 CHECK(group.rays.dz == exact.rays.dz);

@@ -49,19 +49,19 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
     REQUIRE(file.floats() == 1025);
     sweep::ExhaustiveRequest request{.sweep = file};
     for (const char* form : {"triangle.undivided", "triangle.havel_herout", "triangle.woop", "triangle.filtered"})
-        request.rows.push_back(row(form, "f32"));
+        request.tested_forms.push_back(row(form, "f32"));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     std::vector<sweep::FloatTally> all;
     for (const sweep::RangeFinding& finding : sweep::findings_of(request, state)) {
         const sweep::FloatTally& tally = finding.tally;
-        CAPTURE(request.rows[finding.row].form->info->name);
+        CAPTURE(request.tested_forms[finding.row].form->info->name);
         CHECK(tally.floats() == 1025);
         std::uint64_t odd = 0;
         std::map<Outcome, std::uint64_t> counts;
         for (std::uint64_t i = 0; i < finding.floats.size(); ++i) {
             const std::uint32_t place = finding.floats.at(i);
-            const auto counted = count_at(file, request.rows[finding.row], scene::sweep::float_at(place));
+            const auto counted = count_at(file, request.tested_forms[finding.row], scene::sweep::float_at(place));
             const auto answer = sweep::answer_at(request, 0, finding.row, place);
             ++counts[answer.outcome];
             const bool is_odd = counted.claimed % 2 != counted.crossed % 2;

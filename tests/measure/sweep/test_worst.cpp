@@ -36,7 +36,7 @@ std::vector<const measure::metric::Metric*> metrics_of(const SearchFile& search)
 }
 
 std::optional<WorstResult> worst_of(const SearchFile& search, const TestedForm& row) {
-    return find_worst({.search = search, .rows = {row}, .metrics = metrics_of(search)})[0];
+    return find_worst({.search = search, .tested_forms = {row}, .metrics = metrics_of(search)})[0];
 }
 
 bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>& b) {
@@ -72,16 +72,16 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\n"));
     const SearchFile search(text.path());
     const WorstRequest request{
-        .search = search, .rows = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
+        .search = search, .tested_forms = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
     const auto found = find_worst(request);
-    REQUIRE(found.size() == request.rows.size());
-    for (std::size_t i = 0; i < request.rows.size(); ++i) {
-        CAPTURE(request.rows[i].form->info->name, request.rows[i].format.name);
+    REQUIRE(found.size() == request.tested_forms.size());
+    for (std::size_t i = 0; i < request.tested_forms.size(); ++i) {
+        CAPTURE(request.tested_forms[i].form->info->name, request.tested_forms[i].format.name);
         // A row's result does not depend on its neighbours.
-        if (i % 7 == 0) CHECK(equal(worst_of(search, request.rows[i]), found[i]));
+        if (i % 7 == 0) CHECK(equal(worst_of(search, request.tested_forms[i]), found[i]));
         REQUIRE(found[i].has_value());
         const WorstResult& w = *found[i];
-        const FloatFormat& f = request.rows[i].format.parameters;
+        const FloatFormat& f = request.tested_forms[i].format.parameters;
         CHECK(search.holds(w.ray, w.primitive));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
         for (const double x : w.primitive.shape_numbers()) CHECK(is_of(x, f));
@@ -91,7 +91,7 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
     const TextFile other(
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\nseed = 2\n"));
     const SearchFile second(other.path());
-    CHECK_FALSE(equal(worst_of(second, request.rows[0]), found[0]));
+    CHECK_FALSE(equal(worst_of(second, request.tested_forms[0]), found[0]));
 }
 
 TEST_CASE("a search at edges separates slabs further than random rays do") {
@@ -99,7 +99,7 @@ TEST_CASE("a search at edges separates slabs further than random rays do") {
     search.starts = 64;
     search.generations = 96;
     const WorstRequest request{.search = search,
-                               .rows = {row("box.filtered", "f32"), row("box.filtered", "f64")},
+                               .tested_forms = {row("box.filtered", "f32"), row("box.filtered", "f64")},
                                .metrics = metrics_of(search)};
     for (const auto& found : find_worst(request)) {
         REQUIRE(found);
@@ -192,13 +192,13 @@ TEST_CASE("the nearest false miss of the schoolbook form respects the error boun
         "1]\ncentre = [\"-0x1p30\", \"0x1p30\"]\nradius = [0.75, 1.25]\ndistance_radii = [1.25, \"0x1p30\"]\n"
         "impact_radii = [0, 0.99]\nnearest = true\nstarts = 32\ngenerations = 192\n");
     const SearchFile search(text.path());
-    const WorstRequest request{
-        .search = search,
-        .rows = {row("sphere.schoolbook", "p16"), row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
-        .metrics = metrics_of(search)};
+    const WorstRequest request{.search = search,
+                               .tested_forms = {row("sphere.schoolbook", "p16"), row("sphere.schoolbook", "f32"),
+                                                row("sphere.schoolbook", "f64")},
+                               .metrics = metrics_of(search)};
     const auto found = find_worst(request);
     for (std::size_t r = 0; r < found.size(); ++r) {
-        const TestedForm& what = request.rows[r];
+        const TestedForm& what = request.tested_forms[r];
         INFO(what.format.name);
         REQUIRE(found[r]);
         CHECK(found[r]->outcome == Outcome::false_miss);

@@ -22,6 +22,7 @@
 #include "output/repair/form_code.hpp"
 #include "output/report/text.hpp"
 #include "scene/toml/toml_tree.hpp"
+#include "text/shell_word.hpp"
 
 namespace test_escape {
 
@@ -386,7 +387,7 @@ TEST_CASE("a shell reads back every quoted argument", "[escape]") {
     std::string script = "printf '%s\\0'", expected;
     for (int i = 0; i < 2000; ++i) {
         const std::string text = random_text(random);
-        script += " " + output::attribution::shell_word(text);
+        script += " " + text::shell_word(text);
         expected += text + '\0';
     }
     std::ofstream(folder / "script", std::ios::binary) << script;

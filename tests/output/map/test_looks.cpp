@@ -119,15 +119,15 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
                                                               measure::metric::find_metric("excess_bits")};
     const measure::trade::TradeRequest request{.kernels = kernels, .metrics = metrics, .loads = {{"l1", 1024, 0.5}}};
-    measure::trade::TradeResult result{.times = {}, .operations = {}, .row_indices = {}, .rows = {}};
+    measure::trade::TradeResult result{.times = {}, .operations = {}, .form_indices = {}, .summaries = {}};
     for (std::size_t k = 0; k < kernels.size(); ++k) {
         result.times.push_back({{}});
         result.operations.emplace_back();
-        result.row_indices.push_back(k);
+        result.form_indices.push_back(k);
     }
     const auto sets = measure::trade::ray_sets(Shape::sphere);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        auto& rows = result.rows.emplace_back();
+        auto& rows = result.summaries.emplace_back();
         for (std::size_t k = 0; k < kernels.size(); ++k) rows.emplace_back(metrics);
     }
     const auto spec = trade::trade_plot(request, result, 0);

@@ -287,11 +287,12 @@ TEST_CASE("a map says in a sentence which form is best and which is worst", "[fi
     const auto says = [](auto... each) {
         std::vector<FormSummary> summaries;
         (summaries.push_back(std::move(each)), ...);
-        lostbits::measure::evaluate::MapStudy request{
-            .rows = {lostbits::test::row("sphere.unified", "f32"), lostbits::test::row("sphere.schoolbook", "f32"),
-                     lostbits::test::row("sphere.press", "f32")},
-            .metrics = {find_metric("lost_bits")}};
-        request.rows.erase(request.rows.begin() + static_cast<std::ptrdiff_t>(summaries.size()), request.rows.end());
+        lostbits::measure::evaluate::MapStudy request{.tested_forms = {lostbits::test::row("sphere.unified", "f32"),
+                                                                       lostbits::test::row("sphere.schoolbook", "f32"),
+                                                                       lostbits::test::row("sphere.press", "f32")},
+                                                      .metrics = {find_metric("lost_bits")}};
+        request.tested_forms.erase(request.tested_forms.begin() + static_cast<std::ptrdiff_t>(summaries.size()),
+                                   request.tested_forms.end());
         return finding_text(request, summaries);
     };
     const auto right = [](double lost) { return summary_of(lost, {{O::agree_hit, 500}, {O::agree_miss, 500}}); };

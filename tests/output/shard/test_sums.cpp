@@ -54,25 +54,27 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
     const auto touching = load("offset-touching", 6, 40);
     const std::vector rows{row("sphere.half_b", "f32"), row("sphere.press", "bf16")};
     check_parts(measure::consistency::ConsistencyStudy{
-        .scene = touching, .rows = rows, .checks = measure::consistency::checks_for(touching, rows)});
-    check_parts(measure::offset::OffsetStudy{.scene = touching,
-                                             .rows = {{rows[0]}, {rows[1], measure::offset::HitPointKind::projected}},
-                                             .strategies = {&measure::offset::strategies().front()},
-                                             .finds_quiet_offset = false});
+        .scene = touching, .tested_forms = rows, .checks = measure::consistency::checks_for(touching, rows)});
+    check_parts(
+        measure::offset::OffsetStudy{.scene = touching,
+                                     .tested_forms = {{rows[0]}, {rows[1], measure::offset::HitPointKind::projected}},
+                                     .strategies = {&measure::offset::strategies().front()},
+                                     .finds_quiet_offset = false});
     const auto acne = load("raycast-acne", 8, 4200);  // two bands
     check_parts(measure::render::RenderStudy{.scene = acne,
                                              .stages = {scene::file::Stage::visible, scene::file::Stage::shadows},
-                                             .rows = {row("sphere.half_b", "f32")}});
+                                             .tested_forms = {row("sphere.half_b", "f32")}});
 }
 
 TEST_CASE("study: bands are blocks of 16 lines, and shards never split one", "[output][study]") {
     const auto scene = load("near-benign", 4, 70);
     measure::consistency::ConsistencyStudy study{
-        .scene = scene, .rows = {row("sphere.press", "f32")}, .checks = measure::consistency::all_checks()};
+        .scene = scene, .tested_forms = {row("sphere.press", "f32")}, .checks = measure::consistency::all_checks()};
     std::vector<int> lines;
     for (const std::uint64_t k : {1, 2, 3}) {
         study.share = {k, 3};
-        run_share(study, {[&lines](std::size_t, const auto& band) { lines.push_back(band.y0 * 100 + band.rows); }});
+        run_share(study,
+                  {[&lines](std::size_t, const auto& band) { lines.push_back(band.y0 * 100 + band.scanlines); }});
     }
     CHECK(lines == std::vector<int>{16, 1616, 3216, 4816, 6406});
     CHECK(measure::study::lines_of_band(1024, 32768) == 32);

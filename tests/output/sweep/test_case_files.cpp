@@ -65,10 +65,11 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
     const TextFile text(cases_text);
     const scene::sweep::CaseFile file(text.path());
     // f64 stands between two rows of f32: the picture gathers a format's forms, the table keeps the order.
-    const measure::sweep::CaseRequest request{.file = file,
-                                              .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"),
-                                                       row("sphere.schoolbook_strict", "f32")},
-                                              .metrics = lostbits::test::case_metrics};
+    const measure::sweep::CaseRequest request{
+        .file = file,
+        .tested_forms = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"),
+                         row("sphere.schoolbook_strict", "f32")},
+        .metrics = lostbits::test::case_metrics};
     static_cast<void>(backend());
     output::sweep::CaseFiles files(request, folder.path(), "t.toml");
     CHECK_FALSE(fs::exists(folder / "cases.csv"));
@@ -81,8 +82,8 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
         for (std::size_t r = 0; r < 3; ++r) {
             CAPTURE(i, r);
             CHECK(cell(table, "case", 3 * i + r) == file.name(i));
-            CHECK(cell(table, "form", 3 * i + r) == request.rows[r].form->info->name);
-            CHECK(cell(table, "format", 3 * i + r) == request.rows[r].format.name);
+            CHECK(cell(table, "form", 3 * i + r) == request.tested_forms[r].form->info->name);
+            CHECK(cell(table, "format", 3 * i + r) == request.tested_forms[r].format.name);
             CHECK(cell(table, "rays", 3 * i + r) == (i == 4 ? "2" : "1"));
             if (r == 1) CHECK(cell(table, "verdict", 3 * i + r) == "right");
             if (r == 0) CHECK(cell(table, "verdict", 3 * i + r) == expected[i]);
@@ -117,12 +118,12 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
 
     const auto image = backend().read_png(folder / "matrix.png");
     CHECK(rim_is_blank(image));
-    const LostBitsScale scale(request.rows);  // rows in float and in double
+    const LostBitsScale scale(request.tested_forms);  // rows in float and in double
     const auto in_float = metric_scale(*measure::metric::find_metric("lost_bits"), binary32);
     CHECK(scale.unit() == "% of the significand lost");
     for (const double bits : {0.0, 6.0, 24.0}) CHECK(scale.colour(bits, binary32) == in_float.map(bits));
     CHECK(scale.colour(53, binary64) == in_float.map(24));
-    CHECK(LostBitsScale(std::span(request.rows).first(1)).unit() == "lost bits");
+    CHECK(LostBitsScale(std::span(request.tested_forms).first(1)).unit() == "lost bits");
     int pitch = 26;  // of a column: as wide as the widest text
     while (find_block(image, {226, 238, 226}, pitch, 21)) ++pitch;
     const auto first = find_block(image, {226, 238, 226}, pitch - 1, 21);
@@ -170,7 +171,7 @@ radius = [0.5, 2]
     const scene::sweep::SearchFile search(text.path());
     const measure::sweep::WorstRequest request{
         .search = search,
-        .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
+        .tested_forms = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
         .metrics = lostbits::test::case_metrics};
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
     const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};

@@ -29,7 +29,7 @@ const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";
 /// A sweep that was run.
 struct Ran {
     Ran(const std::string& text, const std::vector<TestedForm>& tested_forms)
-        : written(text), file(written.path(), LOSTBITS_DATA_DIR), request{.sweep = file, .rows = tested_forms} {
+        : written(text), file(written.path(), LOSTBITS_DATA_DIR), request{.sweep = file, .tested_forms = tested_forms} {
         measure::sweep::run_exhaustive(request, state);
     }
     [[nodiscard]] auto plots() const { return exhaustive_plots(request, state); }

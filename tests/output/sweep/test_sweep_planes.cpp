@@ -49,8 +49,9 @@ struct Planes {
         : text(sweep_text(x_falls, y_falls)),
           sweep(text.path(), LOSTBITS_DATA_DIR),
           // In fp16 squares overflow from 256 radii on.
-          request{
-              .sweep = sweep, .rows = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")}, .metrics = {}} {
+          request{.sweep = sweep,
+                  .tested_forms = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")},
+                  .metrics = {}} {
         for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"})
             request.metrics.push_back(measure::metric::find_metric(name));
         steps = measure::sweep::run_sweep(request);
@@ -142,9 +143,9 @@ TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, an
     const std::size_t lost = 0, excess = 2;
     const auto sheet = backend().read_png(planes.folder / "contact.png");
     CHECK(rim_is_blank(sheet));
-    const LostBitsScale on_sheet(planes.request.rows);
+    const LostBitsScale on_sheet(planes.request.tested_forms);
     for (std::size_t r = 0; r < 2; ++r) {
-        const measure::evaluate::TestedForm& what = planes.request.rows[r];
+        const measure::evaluate::TestedForm& what = planes.request.tested_forms[r];
         const auto image =
             backend().read_png(planes.folder / (std::string(what.form->info->name) + "." + what.format.name + ".png"));
         CHECK(rim_is_blank(image));
@@ -153,7 +154,7 @@ TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, an
         int plain_cells = 0, wrong_cells = 0;
         std::map<double, int> highest;  // in the sheet, of the first column's gaps
         for (const measure::sweep::SweepStep& step : planes.steps) {
-            const measure::evaluate::FormSummary& s = step.rows[r];
+            const measure::evaluate::FormSummary& s = step.summaries[r];
             const double p99 = s.metrics[lost].quantile(0.99);
             constexpr measure::answer::Outcome kinds[] = {measure::answer::Outcome::false_hit,
                                                           measure::answer::Outcome::false_miss,

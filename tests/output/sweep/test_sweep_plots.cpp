@@ -44,22 +44,22 @@ struct Made {
     Made()
         : text(sweep_of("rays = 16", "distance", "2", "\"0x1p20\"", steps)),
           sweep(text.path(), LOSTBITS_DATA_DIR),
-          request{.sweep = sweep, .rows = {row("sphere.schoolbook", "f32")}, .metrics = {}} {
+          request{.sweep = sweep, .tested_forms = {row("sphere.schoolbook", "f32")}, .metrics = {}} {
         for (const char* name : {"lost_bits", "inherent_bits"})
             request.metrics.push_back(measure::metric::find_metric(name));
         for (std::size_t k = 0; k < steps; ++k) {
             measure::sweep::SweepStep& step = made.emplace_back();
             step.values = {sweep.axes.front().values[k]};
-            step.rows.emplace_back(request.metrics);
-            FormSummary& s = step.rows.back();
+            step.summaries.emplace_back(request.metrics);
+            FormSummary& s = step.summaries.back();
             s.rays = s.true_hits = s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = rays;
         }
     }
     void put(Outcome o, std::size_t step, std::uint64_t n) {
-        made[step].rows[0].outcomes[static_cast<std::size_t>(o)] = n;
+        made[step].summaries[0].outcomes[static_cast<std::size_t>(o)] = n;
     }
     [[nodiscard]] output::sweep::MeasuredSweep measured() const { return {request, made, onsets}; }
-    [[nodiscard]] Format format() const { return request.rows[0].format; }
+    [[nodiscard]] Format format() const { return request.tested_forms[0].format; }
 
     TextFile text;
     scene::sweep::SweepFile sweep;
@@ -90,7 +90,7 @@ Found find(const image::PngImage& image, image::Rgb8 colour) {
 TEST_CASE("a plot of one false miss in a thousand rays differs from that of none, and of a false hit") {
     const Scratch folder;
     Made made;
-    const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.rows[0].form));
+    const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.tested_forms[0].form));
     const auto drawn = [&](Outcome o) {
         output::image::save_figure(folder / "w.png", output::sweep::wrong_plot(made.measured(), made.format(), o));
         return find(backend().read_png(folder / "w.png"), line);
@@ -109,7 +109,7 @@ TEST_CASE("a plot of one false miss in a thousand rays differs from that of none
     // No ray truly misses, so that none can be a false hit: a line at 0 would say that the form is good at it.
     CHECK(drawn(Outcome::false_hit).pixels == 0);
     CHECK(backend().read_png(folder / "w.png").height < 200);  // a sentence, without a frame
-    made.made[0].rows[0].true_hits = rays - 1;
+    made.made[0].summaries[0].true_hits = rays - 1;
     const Found hits = drawn(Outcome::false_hit);
     CHECK(hits.pixels > 300);
     CHECK(hits.foot - hits.top <= 3);
@@ -126,9 +126,9 @@ TEST_CASE("an envelope is drawn for a form that returns t, and not for one that 
     for (const bool tells : {true, false}) {
         Made made;
         for (auto& step : made.made) {
-            if (tells) step.rows[0].metrics[0].add(3.0);
-            step.rows[0].metrics[1].add(2.0);
-            for (auto& metric : step.rows[0].metrics) metric.seal();
+            if (tells) step.summaries[0].metrics[0].add(3.0);
+            step.summaries[0].metrics[1].add(2.0);
+            for (auto& metric : step.summaries[0].metrics) metric.seal();
         }
         static_cast<void>(backend());
         output::image::save_figure(folder / "l.png",

@@ -7,10 +7,10 @@
 #include <set>
 #include <utility>
 
-#include "scene/toml/counted.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "shapes/triangle/mesh/gltf_json.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
+#include "text/count_with_noun.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::triangle {
 
@@ -34,7 +34,7 @@ public:
         if (!json_.is_object()) root_.fail("is not a JSON object; a glTF file is one");
         const std::string version = root_.at("asset").at("version").text();
         if (!version.starts_with("2."))
-            root_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + "; only 2.0 is supported");
+            root_.at("asset").at("version").fail("is " + text::quoted_excerpt(version) + "; only 2.0 is supported");
         refuse_extensions();
         for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
             sections_[key] = root_.elements(key);
@@ -60,7 +60,7 @@ private:
     void refuse_extensions() const {
         std::string names;
         for (const GltfValue& name : root_.elements("extensionsRequired"))
-            names += (names.empty() ? "" : ", ") + toml::quoted_excerpt(name.text());
+            names += (names.empty() ? "" : ", ") + text::quoted_excerpt(name.text());
         if (!names.empty())
             root_.at("extensionsRequired")
                 .fail("names " + names + ", which are not supported; export the mesh without them");
@@ -147,7 +147,7 @@ private:
         for (const auto& [key, identity] : identities)
             if (node.has(key) && *node.at(key).json_value != identity)
                 node.at(key).fail(
-                    (node.has("name") ? "moves " + toml::quoted_excerpt(node.at("name").text()) : "moves a mesh") +
+                    (node.has("name") ? "moves " + text::quoted_excerpt(node.at("name").text()) : "moves a mesh") +
                     ", which would round its vertices; apply transforms before you export");
     }
 
@@ -158,7 +158,7 @@ private:
                 primitive.at("mode").fail(fmt::format("is {}; only 4, triangles, is supported", mode));
             if (primitive.has("extensions") && !primitive.at("extensions").json_value->empty())
                 primitive.at("extensions")
-                    .fail("are not supported: " + toml::excerpt(primitive.at("extensions").json_value->begin().key()));
+                    .fail("are not supported: " + text::excerpt(primitive.at("extensions").json_value->begin().key()));
             if (!primitive.has("attributes") || !primitive.at("attributes").has("POSITION")) continue;
             const Vertices vertices = read_vertices(primitive.at("attributes").at("POSITION"));
             add_faces(primitive, vertices);
@@ -259,7 +259,7 @@ private:
     }
     template <class IndexAt>
     void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const IndexAt& index_at) {
-        if (corners % 3 != 0) value.fail("has " + toml::count_with_noun(corners, "corner") + "; three make a triangle");
+        if (corners % 3 != 0) value.fail("has " + text::count_with_noun(corners, "corner") + "; three make a triangle");
         require_within_limit(value, parsed_mesh_.mesh.faces.size(), corners / 3, "triangles");
         for (std::size_t i = 0; i < corners; i += 3) {
             settings_.stop.check();
@@ -319,13 +319,13 @@ private:
         const std::string& text = uri.text();
         const auto name = decode_uri(text);
         if (!name || name->empty() || name->find('\0') != std::string::npos)
-            uri.fail("is " + toml::quoted_excerpt(text) + ", which is not the name of a file");
+            uri.fail("is " + text::quoted_excerpt(text) + ", which is not the name of a file");
         const std::filesystem::path path(*name);
         const bool leaves_folder =
             path.is_absolute() || text.find(':') != std::string::npos || std::ranges::find(path, "..") != path.end();
         if (leaves_folder)
             uri.fail(
-                "is " + toml::quoted_excerpt(text) +
+                "is " + text::quoted_excerpt(text) +
                 ", which is outside the folder of the glTF and is not opened; copy it there, and write its name alone");
         return (std::filesystem::path(file_).parent_path() / path).lexically_normal();
     }

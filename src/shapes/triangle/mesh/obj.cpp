@@ -23,7 +23,7 @@ std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, 
     long long number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size())
-        lines.fail("the corner " + toml::quoted_excerpt(word) + " is not the number of a vertex");
+        lines.fail("the corner " + text::quoted_excerpt(word) + " is not the number of a vertex");
     const auto count = static_cast<long long>(vertices);
     if (number == 0) lines.fail("names vertex 0; vertices count from 1, and -1 is the last one");
     if (number > count || number < -count)
@@ -36,7 +36,7 @@ std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, 
 /// the line below it would be ignored.
 void refuse_element(const TextLines& lines, std::string_view word) {
     if (word == "v" || word == "f")
-        lines.fail(toml::quoted_excerpt(word) +
+        lines.fail(text::quoted_excerpt(word) +
                    " begins a line that continues the one above, which ends with \\, so a vertex or a face might be "
                    "left out; remove the \\, or write this line elsewhere");
 }
@@ -55,7 +55,7 @@ void skip_more_numbers(TextLines& lines) {
         const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
         if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
-            lines.fail(toml::quoted_excerpt(word) +
+            lines.fail(text::quoted_excerpt(word) +
                        " follows the x, y and z of a vertex and is not a number; a weight or a colour may follow them, "
                        "so correct it or remove it");
     }
@@ -87,7 +87,7 @@ ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
             if (parsed_mesh.mesh.faces.size() > most_faces)
                 lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
         } else if (!is_ignored(keyword)) {
-            lines.fail(toml::quoted_excerpt(keyword) +
+            lines.fail(text::quoted_excerpt(keyword) +
                        " is not a keyword of OBJ, so a face might be left out; correct it, or write # before "
                        "it");
         }

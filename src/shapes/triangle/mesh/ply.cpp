@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "scene/toml/counted.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 #include "shapes/triangle/mesh/text_lines.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::scene::triangle {
 
@@ -67,7 +67,7 @@ public:
             else if (keyword == "property") read_property();
             else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty())
                 lines_.fail(
-                    toml::quoted_excerpt(keyword) +
+                    text::quoted_excerpt(keyword) +
                     " is not a keyword of a PLY header; write format, element, property, comment or end_header");
         }
         lines_.fail("ends before end_header");
@@ -89,8 +89,8 @@ private:
     void read_element() {
         const std::string name(lines_.word());
         if (std::ranges::find(header_.elements, name, &PlyElement::name) != header_.elements.end())
-            lines_.fail("a second element " + toml::quoted_excerpt(name) + "; write them into one");
-        header_.elements.push_back({name, lines_.number<std::uint32_t>("the count of " + toml::excerpt(name))});
+            lines_.fail("a second element " + text::quoted_excerpt(name) + "; write them into one");
+        header_.elements.push_back({name, lines_.number<std::uint32_t>("the count of " + text::excerpt(name))});
     }
     void read_property() {
         if (header_.elements.empty()) lines_.fail_line("a property comes before the first element");
@@ -102,7 +102,7 @@ private:
         property.name = lines_.word();
         if (property.name.empty()) lines_.fail("ends before the name of the property");
         if (element.has(property.name))
-            lines_.fail("a second property " + toml::quoted_excerpt(property.name) + " of one element");
+            lines_.fail("a second property " + text::quoted_excerpt(property.name) + " of one element");
         if (element.is_face() && property.is_corner_list() &&
             std::ranges::any_of(element.properties, &PlyProperty::is_corner_list))
             lines_.fail("a second list of the corners of a face");
@@ -115,7 +115,7 @@ private:
     [[nodiscard]] PlyType type_named(std::string_view name) const {
         for (std::size_t k = 0; k < ply_types.size(); ++k)
             if (name == ply_types[k].old_name || name == ply_types[k].name) return static_cast<PlyType>(k);
-        lines_.fail(toml::quoted_excerpt(name) + " is not a type of PLY; write float, double, uchar, int, …");
+        lines_.fail(text::quoted_excerpt(name) + " is not a type of PLY; write float, double, uchar, int, …");
     }
     PlyHeader check_header() {
         if (!has_format_) lines_.fail("the header has no format line; write format ascii 1.0 if the numbers are text");
@@ -125,9 +125,9 @@ private:
             if (element.is_face() && std::ranges::none_of(element.properties, &PlyProperty::is_corner_list))
                 lines_.fail("face has no list vertex_indices");
             if (element.count > 0 && element.properties.empty())
-                lines_.fail("element " + toml::excerpt(element.name) +
+                lines_.fail("element " + text::excerpt(element.name) +
                             " has no properties, so nothing says where its " +
-                            toml::count_with_noun(element.count, "element") + " end; leave it out");
+                            text::count_with_noun(element.count, "element") + " end; leave it out");
         }
         return std::move(header_);
     }
@@ -154,8 +154,8 @@ public:
         if (element.count * least_bytes > bytes_.remaining() + 1)
             throw InputError(
                 fmt::format("{}: ends before the {} of {}, which take at least {} bytes; was it cut short?",
-                            position_text(), toml::count_with_noun(element.count, "element"),
-                            toml::excerpt(element.name), element.count * least_bytes));
+                            position_text(), text::count_with_noun(element.count, "element"),
+                            text::excerpt(element.name), element.count * least_bytes));
     }
     /// Begins an element, which is one line in a text file.
     void begin_element() {
@@ -168,7 +168,7 @@ public:
     /// Refuses data that the header does not name, because it may be faces.
     void end() {
         if (!is_text() && bytes_.remaining() > 0)
-            fail(toml::count_with_noun(bytes_.remaining(), "byte follows", "bytes follow") +
+            fail(text::count_with_noun(bytes_.remaining(), "byte follows", "bytes follow") +
                  " the last element that the header names");
         while (is_text() && lines_.next())
             if (!lines_.word().empty()) lines_.fail("follows the last element that the header names");

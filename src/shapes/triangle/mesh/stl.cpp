@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "scene/toml/counted.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 #include "shapes/triangle/mesh/text_lines.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::scene::triangle {
 
@@ -36,7 +36,7 @@ private:
         else if (keyword == "endfacet") end_facet();
         else if (keyword == "endsolid") require_and_move(Position::in_solid, Position::outside);
         else if (keyword != "outer" && keyword != "endloop")
-            lines_.fail(toml::quoted_excerpt(keyword) + " is not a keyword of STL; is it an STL?");
+            lines_.fail(text::quoted_excerpt(keyword) + " is not a keyword of STL; is it an STL?");
     }
     void require_and_move(Position expected, Position next) {
         if (position_ != expected)
@@ -55,7 +55,7 @@ private:
     void end_facet() {
         require_and_move(Position::in_facet, Position::in_solid);
         if (corners_ != 3)
-            lines_.fail_line("ends a facet of " + scene::toml::count_with_noun(corners_, "vertex", "vertices") +
+            lines_.fail_line("ends a facet of " + text::count_with_noun(corners_, "vertex", "vertices") +
                              "; an STL facet has 3");
     }
 
@@ -83,7 +83,7 @@ ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
         throw InputError(
             fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
                         "would have {} bytes and not {}; was it cut short?",
-                        bytes.name(), first_bytes.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"),
+                        bytes.name(), first_bytes.size() < header_size ? 0 : 80, text::count_with_noun(count, "facet"),
                         size, bytes.size()));
     }
     ParsedMesh parsed_mesh;

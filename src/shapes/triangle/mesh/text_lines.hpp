@@ -11,11 +11,11 @@
 #include <utility>
 
 #include "number/real.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/triangle/mesh/mesh_bytes.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
+#include "text/did_you_mean.hpp"
 
 namespace lostbits::scene::triangle {
 
@@ -61,7 +61,7 @@ public:
         const bool is_whole_word = end == digits.data() + digits.size();
         if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, number_name);
         if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
-            fail(std::string(number_name) + " is " + toml::quoted_excerpt(text) + ", which is not " +
+            fail(std::string(number_name) + " is " + text::quoted_excerpt(text) + ", which is not " +
                  (std::is_unsigned_v<T>   ? "a whole number of at least 0"
                   : std::is_integral_v<T> ? "a whole number"
                                           : "a number; write a decimal with a point, such as 0.5 or 1e-3"));
@@ -73,7 +73,7 @@ public:
         const T x = number<T>(number_name);
         if (const auto fault = coordinate_error(static_cast<double>(x), vertex_format); !fault.empty())
             fail(std::string(number_name) + " is " +
-                 toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) + ", which " +
+                 text::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) + ", which " +
                  std::string(fault));
         return x;
     }
@@ -116,7 +116,7 @@ private:
                     std::isfinite(x))
                     return static_cast<T>(x);
         }
-        fail(std::string(number_name) + " is " + toml::quoted_excerpt(text) + ", which overflows");
+        fail(std::string(number_name) + " is " + text::quoted_excerpt(text) + ", which overflows");
     }
     void refuse_byte(char byte, const char* message) {
         const void* const found = std::memchr(line_.data(), byte, line_.size());

@@ -16,13 +16,13 @@
 namespace lostbits::measure::evaluate {
 
 /// A band, with the inputs and columns that one row needs.
-struct RowInputs {
+struct FormInputs {
     const truth::Band& band;
     const truth::FormatInputs& inputs;    ///< inputs in the row's format
     const columns::BandColumns& columns;  ///< computed for the row's convention and unit
 };
 
-/// Truth of a band that several rows share: the inputs in each of their formats, and the true answers in each unit and
+/// Truth of a band that several forms share: the inputs in each of their formats, and the true answers in each unit and
 /// by each convention that they use. The band must outlive this object.
 class SharedBandTruth {
 public:
@@ -30,7 +30,7 @@ public:
     SharedBandTruth(truth::Band& band, const std::vector<TestedForm>& tested_forms,
                     const std::vector<const metric::Metric*>& metrics);
 
-    [[nodiscard]] RowInputs inputs_of(const TestedForm& tested_form) const {
+    [[nodiscard]] FormInputs inputs_of(const TestedForm& tested_form) const {
         return {band_, inputs_.at(tested_form.format.name), columns_};
     }
 
@@ -46,8 +46,8 @@ struct RaySubset {
     FormSummary* summary;
 };
 
-/// Does the same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
-void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
-                 std::span<const RaySubset> parts = {});
+/// Does the same as `measure_form` of evaluate.hpp, which computes the columns for one row only.
+void measure_form(const FormRequest& request, const FormInputs& form_inputs, FormSummary& summary,
+                  std::span<const RaySubset> parts = {});
 
 }  // namespace lostbits::measure::evaluate

@@ -1,8 +1,8 @@
-#include "scene/toml/did_you_mean.hpp"
+#include "text/did_you_mean.hpp"
 
 #include <algorithm>
 
-namespace lostbits::scene::toml {
+namespace lostbits::text {
 namespace {
 
 constexpr std::size_t most_listed = 12;
@@ -140,4 +140,4 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     return text;
 }
 
-}  // namespace lostbits::scene::toml
+}  // namespace lostbits::text

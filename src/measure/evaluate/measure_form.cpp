@@ -1,5 +1,5 @@
 // Measures one row on one band: outcomes first, then errors in columns, then metrics that need each ray by itself.
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/measure_form.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
 /// Computes the metrics of a row on a band.
 class Measurement {
 public:
-    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& columns_of_thread)
+    Measurement(const FormRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& columns_of_thread)
         : metrics_(request.metrics),
           row_(request.row),
           request_(request),
@@ -278,7 +278,7 @@ private:
 
     const std::vector<const Metric*>& metrics_;
     const TestedForm& row_;
-    const RowRequest& request_;
+    const FormRequest& request_;
     BandResult& result_;
     const TrueLengths& truth_;
     unsigned needs_;
@@ -291,26 +291,26 @@ private:
 
 }  // namespace
 
-void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
-                 std::span<const RaySubset> parts) {
+void measure_form(const FormRequest& request, const FormInputs& form_inputs, FormSummary& summary,
+                  std::span<const RaySubset> parts) {
     const TestedForm& tested_form = request.row;
     const answer::Answers evaluated =
-        request.answers ? answer::Answers{} : answer::evaluate(*tested_form.form, row_inputs.inputs);
+        request.answers ? answer::Answers{} : answer::evaluate(*tested_form.form, form_inputs.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : evaluated;
-    // The columns are taken out of `idle_columns`: a thread that waits in here may start another row.
+    // The columns are taken out of `idle_columns`: a thread that waits in here may start another form.
     thread_local std::optional<RowColumns> idle_columns;
     RowColumns columns_of_thread = std::exchange(idle_columns, std::nullopt).value_or(RowColumns{});
-    columns_of_thread.make(row_inputs.band.pixels(), request.metrics);
-    BandResult result{.y0 = row_inputs.band.y0(),
-                      .rows = row_inputs.band.rows(),
-                      .width = row_inputs.inputs.rays.width,
-                      .band = &row_inputs.band,
-                      .inputs = &row_inputs.inputs,
+    columns_of_thread.make(form_inputs.band.pixels(), request.metrics);
+    BandResult result{.y0 = form_inputs.band.y0(),
+                      .scanlines = form_inputs.band.scanlines(),
+                      .width = form_inputs.inputs.rays.width,
+                      .band = &form_inputs.band,
+                      .inputs = &form_inputs.inputs,
                       .answers = &answers,
                       .convention = tested_form.convention(),
                       .outcomes = std::move(columns_of_thread.outcomes),
                       .metrics = std::move(columns_of_thread.metrics)};
-    const TrueLengths& truth = row_inputs.columns.lengths(tested_form.convention(), tested_form.form->info->direction);
+    const TrueLengths& truth = form_inputs.columns.lengths(tested_form.convention(), tested_form.form->info->direction);
     Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
     columns_of_thread.outcomes = std::move(result.outcomes);
@@ -318,11 +318,11 @@ void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSum
     idle_columns = std::move(columns_of_thread);
 }
 
-void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
-                 FormSummary& summary) {
+void measure_form(const FormRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
+                  FormSummary& summary) {
     columns::BandColumns columns(band);
     columns.compute_lengths(request.row.convention(), request.row.form->info->direction);
-    measure_row(request, {band, inputs, columns}, summary);
+    measure_form(request, {band, inputs, columns}, summary);
 }
 
 }  // namespace lostbits::measure::evaluate

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace lostbits::scene::toml {
+namespace lostbits::text {
 
 /// Returns `2 rays` for n = 2 and `noun` = "ray". `plural` is the plural, if it is not `noun` followed by an s.
 template <class Count>
@@ -14,4 +14,4 @@ std::string count_with_noun(Count n, std::string_view noun, std::string_view plu
     return plural.empty() ? text.append(noun) + "s" : text.append(plural);
 }
 
-}  // namespace lostbits::scene::toml
+}  // namespace lostbits::text

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace lostbits::scene::toml {
+namespace lostbits::text {
 
 /// Returns the smallest number of letters to insert, delete, replace or swap with a neighbour that turns `a` into `b`
 /// ("optimal string alignment"). Upper and lower case count as the same letter.
@@ -31,4 +31,4 @@ std::string quoted_excerpt(std::string_view text);
 /// contain it). It is empty only if there are no candidates.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
-}  // namespace lostbits::scene::toml
+}  // namespace lostbits::text
