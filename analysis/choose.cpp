@@ -63,7 +63,7 @@ public:
 private:
     void repair_one(const TestedForm& tested_form) {
         requests_.push_back({.scene = request_.scene,
-                             .row = tested_form,
+                             .tested_form = tested_form,
                              .requirement = request_.requirement,
                              .limit = request_.limit});
         try {
@@ -90,7 +90,7 @@ private:
     }
 
     void add(const RepairSummary& result, const Proposal& proposal, int count) {
-        const TestedForm& tested_form = result.request.row;
+        const TestedForm& tested_form = result.request.tested_form;
         std::string name(tested_form.form->info->name);
         std::ranges::replace(name, '.', '_');
         name += fmt::format("_{}{}", tested_form.format.name == "f32" ? "" : tested_form.format.name + "_", count);
@@ -119,7 +119,7 @@ LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::
     LoadedRepairs repairs;
     if (repairer.sources.empty()) return repairs;
     auto formulas =
-        compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, repairer.sources, setup);
+        compile_and_load({.scene = request.scene, .tested_form = {}, .limit = request.limit}, repairer.sources, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = repairer.candidates[k];
         const auto file = folder / candidate.file;
@@ -195,8 +195,8 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
-                                                       request.limit);
+        choice.offsets = measure::choose::safe_offsets(
+            *request.scene, measured_candidates[*choice.cheapest_index].tested_form, request.limit);
     files.finish(choice);
     complete_folder(result_folder);
     progress.finish();
@@ -232,7 +232,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
         request, {options.compiler, selection::form_flags_folder()}, folder,
         common.typed_command.for_subject(selection::name_of_scene(scene, selection::data_folder(common.data))));
     for (const auto& repair : repairs.forms)
-        request.tested_forms.push_back({.form = &repair.formula.row, .format = repair.format});
+        request.tested_forms.push_back({.form = &repair.formula.intersector, .format = repair.format});
     return choose(request, files, result_folder, progress, common, std::move(repairs.candidates));
 }
 

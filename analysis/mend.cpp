@@ -70,9 +70,9 @@ void add_prices(RepairSummary& result, const MendOptions& options, const std::st
         std::vector<intersect::external::Formula> formulas;
         if (!sources.empty())
             formulas = compile_and_load(request, sources, {options.compiler, selection::form_flags_folder()});
-        std::vector<measure::evaluate::TestedForm> tested_forms{request.row};
+        std::vector<measure::evaluate::TestedForm> tested_forms{request.tested_form};
         for (const auto& formula : formulas)
-            tested_forms.push_back({.form = &formula.row, .format = request.row.format});
+            tested_forms.push_back({.form = &formula.intersector, .format = request.tested_form.format});
         tested_forms.insert(tested_forms.end(), result.catalogue.begin(), result.catalogue.end());
         result.prices = measure_prices(request, tested_forms, {.stop = request.limit.stop});
     } catch (const EnvironmentError& error) {
@@ -137,15 +137,15 @@ public:
 
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
-        rays_ = judge(request, measure::repair::comparable_forms(request.row));
+        rays_ = judge(request, measure::repair::comparable_forms(request.tested_form));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
             std::vector<measure::evaluate::TestedForm> tested_forms;
             for (const Tape& tape : tapes) {
-                forms.emplace_back(*request.row.form, request.row.format, tape, "mended", "");
-                tested_forms.push_back({.form = &forms.back().row(), .format = request.row.format});
+                forms.emplace_back(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
+                tested_forms.push_back({.form = &forms.back().form(), .format = request.tested_form.format});
             }
             opened_ = open();
             return judge(request, tested_forms).quality;
@@ -192,17 +192,17 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     else scene = load_subject_scene(options, data);
     const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
     RepairRequest request{.scene = scene ? &*scene : nullptr,
-                          .row = select_tested_form(options, scene ? scene->id : rays->id(), can_test),
+                          .tested_form = select_tested_form(options, scene ? scene->id : rays->id(), can_test),
                           .two_words = options.wider == "two-words"};
-    if (options.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
+    if (options.emit.ends_with(".glsl") && request.tested_form.format.engine == Format::Engine::native64)
         throw InputError("--emit " + options.emit +
                          ": shaders compute in f32; write -f f32, or a file name that ends in "
                          ".hpp");
-    if (options.emit.ends_with(".glsl") && request.row.form->is_placed)
+    if (options.emit.ends_with(".glsl") && request.tested_form.form->is_placed)
         throw InputError("--emit " + options.emit +
                          ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
                          "form without its transform, -i " +
-                         std::string(intersect::bounding_box::innermost_form(*request.row.form).info->name));
+                         std::string(intersect::bounding_box::innermost_form(*request.tested_form.form).info->name));
     request.requirement = {.bits = options.bits, .wrong = options.wrong, .quantile = parse_quantile(options.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);

@@ -33,7 +33,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
         if (!onset.found || (onset.from_last && onset.from_start)) continue;
-        const TestedForm& tested_form = request.tested_forms[onset.row];
+        const TestedForm& tested_form = request.tested_forms[onset.form_index];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
         fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14.8g}  {:>15}  {}\n",

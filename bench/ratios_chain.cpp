@@ -82,7 +82,7 @@ void print_tapes() {
         const measure::tape::TapeForm row(form, format, tape, "tape", "");
         double best = HUGE_VAL;
         for (int k = 0; k < 9; ++k)
-            best = std::min(best, seconds_of([&] { measure::answer::evaluate(row.row(), inputs); }));
+            best = std::min(best, seconds_of([&] { measure::answer::evaluate(row.form(), inputs); }));
         const double done = static_cast<double>(row.program().operation_count() * band.pixels());
         std::printf("%-28s %18.0f\n", name, done / best / 1e6);
     }

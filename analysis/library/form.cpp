@@ -34,11 +34,11 @@ TapeOp parse_operation(const char* name) {
 
 /// Updates both forms after a formula was added.
 void update_forms(lostbits_form& form) {
-    form.form = form.written_form = form.foreign_form->row();
+    form.form = form.written_form = form.foreign_form->to_intersector();
     if (!form.formulas[0] && !form.formulas[1]) return;
     form.written.emplace(form.formulas[0], form.formulas[1]);
     form.written->fill(form.form);
-    form.written_form = form.written->row(form.foreign_form->info);
+    form.written_form = form.written->make_intersector(form.foreign_form->info);
 }
 
 }  // namespace
@@ -126,8 +126,8 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         auto created = std::make_unique<lostbits_form>();
         created->function = intersect::function::load_function(named, {.stop = CallSettings(run).stop()});
         const auto& function = *created->function;
-        created->form = function.row;
-        created->written_form = function.written->row(function.answers->info);
+        created->form = function.intersector;
+        created->written_form = function.written->make_intersector(function.answers->info);
         auto signature_result = std::make_unique<lostbits_result>();
         signature_result->tables
             .emplace_back("function",
@@ -137,7 +137,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
                               {"signature", "string", "", "what its arguments and its result are taken for"}})
             .writer()
             .add(function.answers->info.name)
-            .add(name_of(function.row.shape))
+            .add(name_of(function.intersector.shape))
             .add(function.signature_text)
             .end_row();
         hand_over(std::move(signature_result), result);

@@ -144,7 +144,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     selection::refuse_generators({tested_form.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
     measure::repair::RepairRequest request{
-        .scene = &scene, .row = tested_form, .requirement = requirement, .two_words = two_words};
+        .scene = &scene, .tested_form = tested_form, .requirement = requirement, .two_words = two_words};
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);

@@ -58,7 +58,7 @@ output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
 struct MendWork {
     scene::file::Scene scene;
     measure::choose::Requirement requirement;
-    measure::evaluate::TestedForm row;
+    measure::evaluate::TestedForm tested_form;
 };
 /// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Otherwise
 /// like `parse_choice`.

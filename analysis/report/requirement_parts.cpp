@@ -92,7 +92,7 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     selection::refuse_generated_rays({scene}, "mend");
     MendWork work{std::move(scene), parsed.requirement, rows.front()};
     // Refuses a form that filters here, before anything is measured.
-    static_cast<void>(measure::repair::record_tape({.scene = &work.scene, .row = work.row}));
+    static_cast<void>(measure::repair::record_tape({.scene = &work.scene, .tested_form = work.tested_form}));
     return work;
 }
 
@@ -113,14 +113,15 @@ output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
 }
 
 output::report::MendPart mend_part(const MendWork& work, StopToken stop) {
-    measure::repair::RepairRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
+    measure::repair::RepairRequest request{
+        .scene = &work.scene, .tested_form = work.tested_form, .requirement = work.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
     return mend_part(output::repair::summarize_repair(request, repair));
 }
 
 output::report::MendPart mend_part(const output::repair::RepairSummary& result) {
-    const auto& row = result.request.row;
+    const auto& row = result.request.tested_form;
     output::report::MendPart part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),

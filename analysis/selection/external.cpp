@@ -194,7 +194,7 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
             for (auto& formula : formulas) intersect::external::add_prefix(formula, prefix);
         }
         for (const auto& formula : formulas) {
-            const std::string form(formula.row.info->name);
+            const std::string form(formula.intersector.info->name);
             if (const auto [known, is_new] = library_by_formula.try_emplace(form, library.string()); !is_new)
                 throw InputError(fmt::format(
                     "{0}: {1} and {2} both have a form of this name; give one library a name: --plugin new={2} calls "
@@ -238,7 +238,7 @@ std::string difference_text(const measure::tape::DriverDifference& found) {
 
 /// If a function is also given to `--shader`, compares it with the answers of the drivers.
 void note_driver_differences(const intersect::function::UserFunction& function) {
-    const auto& program = function.row;
+    const auto& program = function.intersector;
     const std::string source_prefix =
         fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
     // If the file does not say which root its t is, --shader takes t for the near root, and --function for the first
@@ -284,7 +284,7 @@ void open_external(const ExternalOptions& options, int threads) {
     // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
     std::erase_if(external_forms.forms, [&external_forms](const ForeignForm& form) {
         return std::ranges::any_of(external_forms.formulas,
-                                   [&form](const auto& f) { return f.row.info->name == form.contract.name; });
+                                   [&form](const auto& f) { return f.intersector.info->name == form.contract.name; });
     });
     intersect::external::register_formulas(external_forms.formulas);
     intersect::external::register_forms(std::move(external_forms.forms));

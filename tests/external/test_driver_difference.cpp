@@ -70,7 +70,7 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
             for (TapeNode& n : made.nodes)  // a tape without values; a program needs those of constants
                 if (n.op == TapeOp::constant) n.value = n.operands[0];
             const TapeForm driver(program, f32, made, "driver", "");
-            const DriverDifference found = driver_difference(driver.row(), program);
+            const DriverDifference found = driver_difference(driver.form(), program);
             CAPTURE(driver_rewriting_names()[k], site);
             if (found.differing_rays == 0) continue;  // it rounds the same on all rays
             REQUIRE(found.rewritings.size() == 1);

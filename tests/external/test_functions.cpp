@@ -320,7 +320,7 @@ void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
         const table::Intersector* some = nullptr;
         for (const auto& row : table::catalogue())
             if (row.info->name == "sphere.schoolbook") some = &row;
-        const table::Intersector row = form.row(*some->info);
+        const table::Intersector row = form.make_intersector(*some->info);
         const std::vector<S> numbers = random_inputs<S>(random, rays * inputs);
         std::vector<Primitive<S>> primitives(rays, Primitive<S>(Shape::sphere));
         std::array<std::vector<S>, 6> columns;

@@ -40,7 +40,7 @@ std::vector<std::string> answers_of(const Tape& made, const intersect::table::In
     const measure::tape::TapeForm row(form, *find_format("f32"), made, "tape", "");
     const measure::truth::Band band(scene, 0, scene.height);
     const auto inputs = band.inputs_for(*find_format("f32"), *form.info);
-    const auto found = measure::answer::evaluate(row.row(), inputs);
+    const auto found = measure::answer::evaluate(row.form(), inputs);
     std::vector<std::string> all;
     for (std::size_t i = 0; i < found.t.size(); ++i)
         all.push_back(found.hit[i] == 0 ? "" : hex_of(static_cast<float>(found.t[i])));

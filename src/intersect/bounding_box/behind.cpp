@@ -23,16 +23,18 @@ using table::RayBatch;
 namespace {
 
 using Parts = std::tuple<const BoxMethod*, const Intersector*, const Intersector*>;
-using Rows = table::ComposedForms<Parts>;
-Rows& rows() {
-    static Rows composed_rows;
-    return composed_rows;
+using BoxedForms = table::ComposedForms<Parts>;
+BoxedForms& boxed_forms() {
+    static BoxedForms composed_forms;
+    return composed_forms;
 }
 
 BoxedFormParts parts_in(const Parts& parts) {
     return std::apply([](auto... part) { return BoxedFormParts{part...}; }, parts);
 }
-BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::ComposedForm*>(context)->parts); }
+BoxedFormParts parts_of_context(void* context) {
+    return parts_in(static_cast<const BoxedForms::ComposedForm*>(context)->parts);
+}
 
 template <class S>
 Primitive<S> box_around(const BoxedFormParts& form_parts, const Format& format, const Primitive<S>& primitive) {
@@ -72,7 +74,7 @@ void evaluate(const BoxedFormParts& form_parts, const Format& format, const BoxK
 /// Runs both forms in native arithmetic; in packs of rays if all rays share one primitive.
 template <class S>
 void evaluate_natively(void* context, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
-    const BoxedFormParts form_parts = parts_of_row(context);
+    const BoxedFormParts form_parts = parts_of_context(context);
     static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
     const bool has_one_primitive = target.primitives.size() == 1;
     const auto kernel = [has_one_primitive](const Intersector& form) {
@@ -86,22 +88,22 @@ void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<d
     const auto kernel = [&format](const Intersector& form) {
         return [&](const auto&... a) { form.rounded(format, a...); };
     };
-    evaluate(parts_of_row(context), Format{"", format, Format::Engine::rounded}, kernel(*parts_of_row(context).box),
-             kernel(*parts_of_row(context).form), rays, target, hits);
+    evaluate(parts_of_context(context), Format{"", format, Format::Engine::rounded},
+             kernel(*parts_of_context(context).box), kernel(*parts_of_context(context).form), rays, target, hits);
 }
 
 /// Enclosures omit the box: in exact arithmetic, every hit of the form also hits the box.
 Hit<Ball> ball(void* context, const Ray<Ball>& ray, const Target<Ball>& target) {
-    return parts_of_row(context).form->ball(ray, target);
+    return parts_of_context(context).form->ball(ray, target);
 }
 Hit<Interval> interval(void* context, const Ray<Interval>& ray, const Target<Interval>& target) {
-    return parts_of_row(context).form->interval(ray, target);
+    return parts_of_context(context).form->interval(ray, target);
 }
 
-/// Records the box form, then the form. `record_row(row, target, tape)` records one of them.
-template <class RecordRow>
+/// Records the box form, then the form. `record_form(form, target, tape)` records one of them.
+template <class RecordForm>
 void record_with(const BoxedFormParts& form_parts, const Format& format, const Ray<double>& ray,
-                 const Target<double>& target, double tmax, Tape& tape, const RecordRow& record_row) {
+                 const Target<double>& target, double tmax, Tape& tape, const RecordForm& record_form) {
     tape.clear();
     const bool runs_every_loop = tape.runs_every_loop;
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
@@ -116,28 +118,28 @@ void record_with(const BoxedFormParts& form_parts, const Format& format, const R
     form_inputs.push_back(input(tmax));
     for (const double x : box.shape_numbers()) box_inputs.push_back(input(x));
     box_inputs.push_back(form_inputs.back());
-    const auto append_row = [&](const Intersector& form, const Target<double>& part_target,
-                                const std::vector<NodeId>& inputs) {
-        Tape row_tape;
-        row_tape.runs_every_loop = runs_every_loop;
-        record_row(form, part_target, row_tape);
-        return table::append_tape(row_tape, inputs, tape);
+    const auto append_form = [&](const Intersector& form, const Target<double>& part_target,
+                                 const std::vector<NodeId>& inputs) {
+        Tape form_tape;
+        form_tape.runs_every_loop = runs_every_loop;
+        record_form(form, part_target, form_tape);
+        return table::append_tape(form_tape, inputs, tape);
     };
-    const TapeOutputs box_outcome = append_row(*form_parts.box, Target<double>(box), box_inputs);
-    TapeOutputs answer = append_row(*form_parts.form, target, form_inputs);
+    const TapeOutputs box_outcome = append_form(*form_parts.box, Target<double>(box), box_inputs);
+    TapeOutputs answer = append_form(*form_parts.form, target, form_inputs);
     const bool hit = tape[box_outcome.hit].value != 0 && tape[answer.hit].value != 0;
     answer.hit = tape.add(TapeOp::logical_and, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
     tape.outputs = answer;
 }
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    record_with(parts_of_row(context), format, ray, target, tmax, tape,
+    record_with(parts_of_context(context), format, ray, target, tmax, tape,
                 [&](const Intersector& form, const Target<double>& part_target, Tape& part_tape) {
                     form.record(format, ray, part_target, tmax, part_tape);
                 });
 }
 void record_all(void* context, const Target<double>& target, Tape& tape) {
-    record_with(parts_of_row(context), *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target,
+    record_with(parts_of_context(context), *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target,
                 HUGE_VAL, tape, [](const Intersector& form, const Target<double>& part_target, Tape& part_tape) {
                     form.record_all(part_target, part_tape);
                 });
@@ -149,8 +151,8 @@ std::string join_text(auto... parts) {
     return result;
 }
 
-void fill_row(Rows::ComposedForm& composed) {
-    const BoxedFormParts parts = parts_of_row(&composed);
+void fill_form(BoxedForms::ComposedForm& composed) {
+    const BoxedFormParts parts = parts_of_context(&composed);
     const Info &form = *parts.form->info, &box = *parts.box->info;
     const BoxMethodInfo& box_method = *parts.method->info;
     composed.name = join_text(form.name, "^", box.name);
@@ -159,15 +161,18 @@ void fill_row(Rows::ComposedForm& composed) {
     composed.source = join_text(form.source, "; ", box.source);
     if (box_method.source != "-") composed.source += join_text("; ", box_method.source);
     composed.copy_contract(form);
-    composed.row = {.info = &composed.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
-    if (parts.form->native32 && parts.box->native32) composed.row.native32 = {evaluate_natively<float>, &composed};
-    if (parts.form->native64 && parts.box->native64) composed.row.native64 = {evaluate_natively<double>, &composed};
-    if (parts.form->rounded && parts.box->rounded) composed.row.rounded = {evaluate_rounded, &composed};
-    if (parts.form->ball) composed.row.ball = {ball, &composed};
-    if (parts.form->interval) composed.row.interval = {interval, &composed};
-    if (parts.form->record && parts.box->record) composed.row.record = {record, &composed};
-    if (parts.form->record_all && parts.box->record_all) composed.row.record_all = {record_all, &composed};
-    composed.row.is_placed = parts.form->is_placed;
+    composed.intersector = {
+        .info = &composed.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
+    if (parts.form->native32 && parts.box->native32)
+        composed.intersector.native32 = {evaluate_natively<float>, &composed};
+    if (parts.form->native64 && parts.box->native64)
+        composed.intersector.native64 = {evaluate_natively<double>, &composed};
+    if (parts.form->rounded && parts.box->rounded) composed.intersector.rounded = {evaluate_rounded, &composed};
+    if (parts.form->ball) composed.intersector.ball = {ball, &composed};
+    if (parts.form->interval) composed.intersector.interval = {interval, &composed};
+    if (parts.form->record && parts.box->record) composed.intersector.record = {record, &composed};
+    if (parts.form->record_all && parts.box->record_all) composed.intersector.record_all = {record_all, &composed};
+    composed.intersector.is_placed = parts.form->is_placed;
 }
 
 /// Returns the reason why a form cannot have such a box; empty if it can.
@@ -190,10 +195,10 @@ std::string refusal(const Intersector& box, const Intersector& form) {
 const Intersector& boxed_form(const BoxMethod& method, const Intersector& box, const Intersector& form) {
     if (const std::string reason = refusal(box, form); !reason.empty())
         throw InputError(join_text(form.info->name, "^", box.info->name, ": ", reason));
-    return rows().row_of({&method, &box, &form}, fill_row);
+    return boxed_forms().find_or_add({&method, &box, &form}, fill_form);
 }
 
-BoxedFormParts boxed_parts_of(const Intersector& form) { return parts_in(rows().parts_of(form)); }
+BoxedFormParts boxed_parts_of(const Intersector& form) { return parts_in(boxed_forms().parts_of(form)); }
 
 bool has_box(const Intersector& form) {
     if (form.is_set()) return std::ranges::any_of(form.parts, [](const Intersector* part) { return has_box(*part); });

@@ -1,4 +1,4 @@
-// Forms that run only if the ray hits the bounding box of their primitive, as rows of the table: the query of a
+// Forms that run only if the ray hits the bounding box of their primitive, in the table of intersectors: the query of a
 // hierarchy traversal.
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace lostbits::intersect::bounding_box {
 
-/// A row composed of a form of one shape and a form of boxes, such as `triangle.undivided^box.signs~nearest` (the
-/// default box method is not named). Each row is created once and kept, as registered rows are.
+/// A form composed of a form of one shape and a form of boxes, such as `triangle.undivided^box.signs~nearest` (the
+/// default box method is not named). Each form is created once and kept, as registered forms are.
 ///
-/// - The row hits if the form hits the primitive and the box form hits the bounding box, both in the format. Its t is
+/// - The form hits if the form hits the primitive and the box form hits the bounding box, both in the format. Its t is
 /// that of the form. Both are tested up to the end of the ray, not up to a closer hit on another primitive.
 /// - `transformed_form(method, boxed_form(…))` has its box in the space of the primitive, `boxed_form(…,
 /// transformed_form(…))` in the world.
@@ -24,27 +24,28 @@ namespace lostbits::intersect::bounding_box {
 const table::Intersector& boxed_form(const BoxMethod& method, const table::Intersector& box,
                                      const table::Intersector& form);
 
-/// The parts of a row that `boxed_form` created.
+/// The parts of a form that `boxed_form` created.
 struct BoxedFormParts {
     const BoxMethod* method;
     const table::Intersector *box, *form;
 };
-/// The parts of a row; null pointers if `boxed_form` did not create it.
+/// The parts of a form; null pointers if `boxed_form` did not create it.
 BoxedFormParts boxed_parts_of(const table::Intersector& form);
 
-/// True if a row has a box, in the space of its primitive or in the world. A set has a box if any of its forms has one.
+/// True if a form has a box, in the space of its primitive or in the world. A set has a box if any of its forms has
+/// one.
 bool has_box(const table::Intersector& form);
 
-/// Returns the row without its boxes in the world. For primitives under matrices, the result is a row that
+/// Returns the form without its boxes in the world. For primitives under matrices, the result is a form that
 /// `transform::transformed_form` created.
 const table::Intersector& without_world_boxes(const table::Intersector& form);
 
-/// Names of the inputs on a row's tape: those of the form, then the numbers of each box, the outermost box first.
+/// Names of the inputs on a form's tape: those of the form, then the numbers of each box, the outermost box first.
 std::vector<std::string> names_on_tape(const table::Intersector& form, const Target<double>& target);
 
 /// Returns the form itself, without boxes and transforms.
 const table::Intersector& innermost_form(const table::Intersector& form);
-/// Returns the row with the same boxes and transforms around another form of the same shape.
+/// Returns the form with the same boxes and transforms around another form of the same shape.
 const table::Intersector& with_other_form(const table::Intersector& composed_form, const table::Intersector& form);
 
 }  // namespace lostbits::intersect::bounding_box

@@ -1,4 +1,4 @@
-// The contract of an external intersector, and its conversion to a row of the table.
+// The contract of an external intersector, and its conversion to a form of the table.
 #pragma once
 
 #include <functional>
@@ -62,15 +62,15 @@ Inside inside_of(const Contract& contract);
 /// Converts the contract to the `Info` of a form of the catalogue, which points to the texts of the contract.
 Info info_of(const Contract& contract);
 
-/// Adds the forms as rows of the table, which keeps them until the program ends. Two forms of one name in different
-/// formats become one row. Throws InputError if two forms of one name differ in more than the format, or if a row of
-/// the table already has the name.
+/// Adds the forms in the table of intersectors, which keeps them until the program ends. Two forms of one name in
+/// different formats become one form. Throws InputError if two forms of one name differ in more than the format, or if
+/// a form of the table already has the name.
 void register_forms(std::vector<ForeignForm> forms);
 
-/// Returns the external forms of a row: one, or one for each of two formats. Empty for a row of the catalogue.
+/// Returns the external forms of a form: one, or one for each of two formats. Empty for a form of the catalogue.
 std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form);
 
-/// True if a call of the row cannot crash or hang this process: for a row of the catalogue, or of isolated forms.
+/// True if a call of the form cannot crash or hang this process: for a form of the catalogue, or of isolated forms.
 bool is_safe_to_run(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::external

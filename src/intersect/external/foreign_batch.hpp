@@ -40,8 +40,8 @@ private:
     std::mutex one_at_a_time_;
 };
 
-/// The forms of one name, in one format or in both, as a row of the table. A `ForeignIntersector` must not move in
-/// memory, since the row points into it.
+/// The forms of one name, in one format or in both, in the table of intersectors. A `ForeignIntersector` must not move
+/// in memory, since the form points into it.
 struct ForeignIntersector {
     Info info = {};
     std::unique_ptr<ForeignBatch> batch32 = {}, batch64 = {};
@@ -52,7 +52,7 @@ struct ForeignIntersector {
     /// Adds the same form in the other format. Throws InputError if there is already a form in that format, or if its
     /// contract differs.
     void add(ForeignForm other);
-    [[nodiscard]] table::Intersector row() const;
+    [[nodiscard]] table::Intersector to_intersector() const;
 
 private:
     void store(ForeignForm form);

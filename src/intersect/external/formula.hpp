@@ -19,7 +19,7 @@ struct FormulaWatch {
 
 /// A form as the library compiled it.
 struct Formula {
-    table::Intersector row;
+    table::Intersector intersector;
     std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null where not compiled
     const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
     /// Forms of the C interface that yield the t of the hits as their root, in float and in double; the C interface has

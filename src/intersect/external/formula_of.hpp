@@ -1,4 +1,4 @@
-// Makes a form template of a library available to the program: as a row in every arithmetic, and as functions of the C
+// Makes a form template of a library available to the program: as a form in every arithmetic, and as functions of the C
 // interface. This header is compiled into the library, and nothing in it refers to the program.
 #pragma once
 

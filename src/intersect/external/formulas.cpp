@@ -20,11 +20,11 @@ constexpr FormulaWatch running_formula_watch{[](const char* who) { running_formu
                                              [] { running_formulas.pop_back(); }};
 
 Contract contract_of_formula(const Formula& formula) {
-    const Info& info = *formula.row.info;
+    const Info& info = *formula.intersector.info;
     return {.name = std::string(info.name),
             .title = std::string(info.title),
             .source = std::string(info.source),
-            .shape = formula.row.shape,
+            .shape = formula.intersector.shape,
             .direction = info.direction,
             .roots = info.roots,
             .touching = info.touching,
@@ -65,7 +65,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
         require_valid(contract_of_formula(formula), path);
-        *formula.who = lasting_text(path + ": form \"" + std::string(formula.row.info->name) + "\"");
+        *formula.who = lasting_text(path + ": form \"" + std::string(formula.intersector.info->name) + "\"");
     }
     return formulas;
 }
@@ -73,30 +73,31 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
 std::optional<ForeignForm> first_root_form_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
     for (const Formula& formula : formulas) {
         const lb_form* const c_form = formula.first[form.contract.bits == 64 ? 1 : 0];
-        if (formula.row.info->name != form.contract.name || c_form == nullptr) continue;
+        if (formula.intersector.info->name != form.contract.name || c_form == nullptr) continue;
         ForeignForm first_root_form = foreign_form_of(*c_form, form.provider, process::FloatingPoint::standard());
         first_root_form.contract = form.contract;
         first_root_form.contract.roots = Roots::first_only;
-        first_root_form.contract.inside = formula.row.info->inside;
+        first_root_form.contract.inside = formula.intersector.info->inside;
         return first_root_form;
     }
     return {};
 }
 
 void add_prefix(Formula& formula, const std::string& prefix) {
-    Info* const info = new Info(*formula.row.info);  // never freed, like `lasting_text`: exit handlers may read it
+    Info* const info =
+        new Info(*formula.intersector.info);  // never freed, like `lasting_text`: exit handlers may read it
     info->name = lasting_text(prefix + std::string(info->name));
-    formula.row.info = info;
+    formula.intersector.info = info;
 }
 
 void register_formulas(const std::vector<Formula>& formulas) {
-    std::vector<table::Intersector> rows;
+    std::vector<table::Intersector> forms;
     std::vector<simd::ExternalPacks> packs;
     for (const Formula& formula : formulas) {
-        rows.push_back(formula.row);
-        packs.push_back({formula.row.info, formula.packed});
+        forms.push_back(formula.intersector);
+        packs.push_back({formula.intersector.info, formula.packed});
     }
-    table::register_intersectors(rows);
+    table::register_intersectors(forms);
     simd::register_packs(packs);
 }
 

@@ -1,4 +1,4 @@
-// Adds external forms to the table as rows.
+// Adds external forms to the table as forms.
 #include <algorithm>
 #include <deque>
 #include <memory>
@@ -53,7 +53,7 @@ void ForeignIntersector::store(ForeignForm form) {
     same_format = std::make_unique<ForeignBatch>(std::move(form));
 }
 
-table::Intersector ForeignIntersector::row() const {
+table::Intersector ForeignIntersector::to_intersector() const {
     const Contract& contract = (batch32 ? batch32 : batch64)->form().contract;
     table::Intersector form{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
     if (batch32) form.native32 = {answer_batch<float>, batch32.get()};
@@ -73,9 +73,10 @@ void register_forms(std::vector<ForeignForm> forms) {
         }
         all_registered().emplace_back(std::move(form));
     }
-    std::vector<table::Intersector> rows;
-    for (std::size_t i = old_count; i < all_registered().size(); ++i) rows.push_back(all_registered()[i].row());
-    table::register_intersectors(rows);
+    std::vector<table::Intersector> intersectors;
+    for (std::size_t i = old_count; i < all_registered().size(); ++i)
+        intersectors.push_back(all_registered()[i].to_intersector());
+    table::register_intersectors(intersectors);
 }
 
 std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form) {

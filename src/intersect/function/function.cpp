@@ -381,16 +381,18 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     else bind(0.0);
     user_function->answers = std::make_unique<external::ForeignIntersector>(std::move(form));
     user_function->answers->info.formats = Formats::all;
-    user_function->row = user_function->answers->row();
-    user_function->written->fill(user_function->row);
-    const table::Intersector recorded_form = user_function->written->row(user_function->answers->info);
+    user_function->intersector = user_function->answers->to_intersector();
+    user_function->written->fill(user_function->intersector);
+    const table::Intersector recorded_form = user_function->written->make_intersector(user_function->answers->info);
     const bool has_t = contract.roots != Roots::none;
     if (signature.bits == 32) {
-        require_same_answers(user_function->row.native32, recorded_form.native32, contract.shape, has_t, subject);
-        user_function->row.native64 = recorded_form.native64;
+        require_same_answers(user_function->intersector.native32, recorded_form.native32, contract.shape, has_t,
+                             subject);
+        user_function->intersector.native64 = recorded_form.native64;
     } else {
-        require_same_answers(user_function->row.native64, recorded_form.native64, contract.shape, has_t, subject);
-        user_function->row.native32 = recorded_form.native32;
+        require_same_answers(user_function->intersector.native64, recorded_form.native64, contract.shape, has_t,
+                             subject);
+        user_function->intersector.native32 = recorded_form.native32;
     }
     return user_function;
 }

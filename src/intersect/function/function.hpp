@@ -53,7 +53,7 @@ struct UserFunction {
     std::vector<SourcePlace> places;                        ///< the places of operations in the source
     std::vector<int> place_of_operation;                    ///< index of the place of each operation; -1: none
     std::vector<NamedNumber> names;  ///< arguments, then variables in the order in which they are set
-    table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
+    table::Intersector intersector = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
 };
 
 /// Compiles `FILE.c:NAME` (with a signature after another colon, if given) and reads its operations. Throws InputError

@@ -36,7 +36,7 @@ UserFunction::~UserFunction() {
 void register_forms(std::unique_ptr<UserFunction> function) {
     static std::deque<std::unique_ptr<UserFunction>> registered_functions;
     registered_functions.push_back(std::move(function));
-    table::register_intersectors({registered_functions.back()->row});
+    table::register_intersectors({registered_functions.back()->intersector});
 }
 
 const UserFunction* function_of(const Info& form) {

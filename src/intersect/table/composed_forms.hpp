@@ -1,4 +1,4 @@
-// Rows composed of other rows at run time. Each row is created once and kept.
+// Forms composed of other forms at run time. Each form is created once and kept.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::table {
 
-/// The rows by their parts, a tuple of pointers. Rows do not move in memory. Several threads may call the functions.
+/// The forms by their parts, a tuple of pointers. Forms do not move in memory. Several threads may call the functions.
 template <class Parts>
 class ComposedForms {
 public:
@@ -18,37 +18,37 @@ public:
         Parts parts;
         std::string name, title, source;
         Info info;
-        Intersector row;
+        Intersector intersector;
 
-        /// Copies the contract, but keeps this row's own name, title and source.
+        /// Copies the contract, but keeps this form's own name, title and source.
         void copy_contract(const Info& contract) {
             info = contract;
             info.name = name, info.title = title, info.source = source;
         }
     };
 
-    /// Returns the row with these parts. If it is new, calls `fill(Made&)` after `parts` is set.
+    /// Returns the form with these parts. If it is new, calls `fill(ComposedForm&)` after `parts` is set.
     template <class Fill>
-    const Intersector& row_of(const Parts& parts, const Fill& fill) {
+    const Intersector& find_or_add(const Parts& parts, const Fill& fill) {
         const std::lock_guard lock(mutex_);
-        const auto found = std::ranges::find(rows_, parts, &ComposedForm::parts);
-        if (found != rows_.end()) return found->row;
-        ComposedForm& composed = rows_.emplace_back();
+        const auto found = std::ranges::find(forms_, parts, &ComposedForm::parts);
+        if (found != forms_.end()) return found->intersector;
+        ComposedForm& composed = forms_.emplace_back();
         composed.parts = parts;
         fill(composed);
-        return composed.row;
+        return composed.intersector;
     }
-    /// The parts of a row; null pointers if this object did not create the row.
+    /// The parts of a form; null pointers if this object did not create the form.
     Parts parts_of(const Intersector& form) {
         const std::lock_guard lock(mutex_);
-        const auto found =
-            std::ranges::find_if(rows_, [&form](const ComposedForm& composed) { return &composed.row == &form; });
-        return found == rows_.end() ? Parts{} : found->parts;
+        const auto found = std::ranges::find_if(
+            forms_, [&form](const ComposedForm& composed) { return &composed.intersector == &form; });
+        return found == forms_.end() ? Parts{} : found->parts;
     }
 
 private:
     std::mutex mutex_;
-    std::deque<ComposedForm> rows_;
+    std::deque<ComposedForm> forms_;
 };
 
 }  // namespace lostbits::intersect::table

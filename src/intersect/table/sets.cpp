@@ -10,14 +10,14 @@ namespace lostbits::intersect::table {
 
 namespace {
 
-/// A set of forms, and the data that its row points to.
+/// A set of forms, and the data that its form points to.
 struct FormSet {
     std::vector<const Intersector*> parts;
     std::string name, title, source;
     /// Indexed as `Info::by_shape`, then by shape.
     std::array<std::array<Convention, all_shapes.size()>, 3> conventions;
     Info info;
-    Intersector row;
+    Intersector intersector;
 };
 
 template <class S>
@@ -25,23 +25,24 @@ Shape shape_of_target(const Target<S>& target) {
     return target.primitives.front().shape;
 }
 
-/// The shape of the target among the arguments of one of the row's functions.
+/// The shape of the target among the arguments of one of the form's functions.
 template <class First, class... Rest>
 Shape shape_of_arguments(const First& first, const Rest&... rest) {
     if constexpr (requires { shape_of_target(first); }) return shape_of_target(first);
     else return shape_of_arguments(rest...);
 }
 
-/// Gives the set's row the function `member`, if every form of the set has one. The row's function calls the function
+/// Gives the set's form the function `member`, if every form of the set has one. The form's function calls the function
 /// of the form for the target's shape. Pass the same member again as the argument, from which R and A are deduced.
 template <auto member, class R, class... A>
 void forward_if_all_have(FormSet& set, Function<R(A...)> Intersector::*) {
     if (!std::ranges::all_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->*member); }))
         return;
-    set.row.*member = {[](void* context, A... a) -> R {
-                           return (static_cast<Intersector*>(context)->of(shape_of_arguments(a...)).*member)(a...);
-                       },
-                       &set.row};
+    set.intersector.*
+        member = {[](void* context, A... a) -> R {
+                      return (static_cast<Intersector*>(context)->of(shape_of_arguments(a...)).*member)(a...);
+                  },
+                  &set.intersector};
 }
 
 /// The arithmetic of the form for the target's shape. A form that does not filter decides every ray in its own
@@ -64,7 +65,7 @@ void forward_all(FormSet& set) {
     forward_if_all_have<&Intersector::bounded>(set, &Intersector::bounded);
     if (std::ranges::any_of(set.parts,
                             [](const Intersector* part) { return static_cast<bool>(part->filter_arithmetic); }))
-        set.row.filter_arithmetic = {filter_arithmetic_of_part, &set.row};
+        set.intersector.filter_arithmetic = {filter_arithmetic_of_part, &set.intersector};
 }
 
 /// The value of `member` if all forms of the set agree on it, else `otherwise`.
@@ -114,11 +115,11 @@ void fill_set(FormSet& set) {
                 .facing = common_value(set, &Info::facing, Facing::both),
                 .endless = common_value(set, &Info::endless, false)};
     fill_conventions(set);
-    set.row = {.info = &set.info,
-               .shape = set.parts.front()->shape,
-               .native32 = nullptr,
-               .native64 = nullptr,
-               .parts = set.parts};
+    set.intersector = {.info = &set.info,
+                       .shape = set.parts.front()->shape,
+                       .native32 = nullptr,
+                       .native64 = nullptr,
+                       .parts = set.parts};
     forward_all(set);
 }
 
@@ -167,11 +168,11 @@ const Intersector& set_of(std::vector<const Intersector*> parts) {
     static std::deque<FormSet> sets;
     const std::lock_guard lock(mutex);
     const auto known_set = std::ranges::find(sets, parts, &FormSet::parts);
-    if (known_set != sets.end()) return known_set->row;
+    if (known_set != sets.end()) return known_set->intersector;
     FormSet& set = sets.emplace_back();
     set.parts = std::move(parts);
     fill_set(set);
-    return set.row;
+    return set.intersector;
 }
 
 }  // namespace lostbits::intersect::table

@@ -1,4 +1,4 @@
-// Sets of forms, one for each of several shapes, as rows of the table. They measure scenes with several shapes.
+// Sets of forms, one for each of several shapes, in the table of intersectors. They measure scenes with several shapes.
 #pragma once
 
 #include <string>
@@ -13,10 +13,10 @@ namespace lostbits::intersect::table {
 /// all forms yield t or none does.
 std::string refusal_of_set(const std::vector<const Intersector*>& parts);
 
-/// The row `sphere.unified+box.signs` of two or more forms of different shapes, in any order. Each function of the row
-/// calls the same function of the form for the target's shape; it is null unless all forms have that function. If one
-/// form takes unit directions, all forms receive unit directions, and every t is a distance. The truth of each
-/// primitive follows the contract of its own form. Each row is created once and kept, as registered rows are. Throws
+/// The form `sphere.unified+box.signs` of two or more forms of different shapes, in any order. Each function of the
+/// form calls the same function of the form for the target's shape; it is null unless all forms have that function. If
+/// one form takes unit directions, all forms receive unit directions, and every t is a distance. The truth of each
+/// primitive follows the contract of its own form. Each form is created once and kept, as registered forms are. Throws
 /// InputError if `refusal_of_set` returns a reason.
 const Intersector& set_of(std::vector<const Intersector*> parts);
 

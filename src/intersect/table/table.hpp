@@ -1,5 +1,5 @@
 // The run-time table: each form in every arithmetic, as plain functions over batches of rays. Code that uses this
-// header need not know whether a row is a form template of lostbits or an external form.
+// header need not know whether a form is a form template of lostbits or an external form.
 #pragma once
 
 #include <cstddef>
@@ -75,7 +75,7 @@ private:
     void* context_ = nullptr;
 };
 
-/// The function of a row that computes the answers for a batch.
+/// The function of a form that computes the answers for a batch.
 template <class S>
 using Kernel = Function<void(const RayBatch<S>&, const Target<S>&, const HitBatch<S>&)>;
 
@@ -116,7 +116,7 @@ struct Intersector {
         filter_arithmetic = nullptr;
     /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
-    /// True if the row has a transform method, so that it takes primitives under matrices
+    /// True if the form has a transform method, so that it takes primitives under matrices
     /// (`transform/transformed_form.hpp`).
     bool is_placed = false;
 
@@ -131,13 +131,13 @@ struct Intersector {
     /// True if the formula itself is available in any arithmetic: widths between the formats, enclosures, tapes.
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
     [[nodiscard]] bool is_set() const { return !parts.empty(); }
-    /// The form for one of the row's shapes: for a set, its form for that shape.
+    /// The form for one of the form's shapes: for a set, its form for that shape.
     [[nodiscard]] const Intersector& of(Shape primitive) const {
         for (const Intersector* const part : parts)
             if (part->shape == primitive) return *part;
         return *this;
     }
-    /// The shapes of the row's primitives; `sdf` for a form that marches.
+    /// The shapes of the form's primitives; `sdf` for a form that marches.
     [[nodiscard]] Shapes shapes() const {
         Shapes all = Shapes(shape).placed(is_placed);
         for (const Intersector* const part : parts) all |= part->shapes();
@@ -145,13 +145,13 @@ struct Intersector {
     }
 };
 
-/// Every row: the catalogue's forms in their order, then the registered rows in the order in which they were added.
+/// Every form: the catalogue's forms in their order, then the registered forms in the order in which they were added.
 std::span<const Intersector> intersectors();
 /// The `form_count` forms of the catalogue; `intersectors(shape)` returns those of one shape.
 std::span<const Intersector> catalogue();
 std::span<const Intersector> intersectors(Shape shape);
-/// Adds rows from outside the catalogue. Their `info` must live as long as the program. Throws InputError for a name
-/// that is taken. Call it before other code uses the rows, since rows move in memory.
-void register_intersectors(const std::vector<Intersector>& rows);
+/// Adds forms from outside the catalogue. Their `info` must live as long as the program. Throws InputError for a name
+/// that is taken. Call it before other code uses the forms, since forms move in memory.
+void register_intersectors(const std::vector<Intersector>& forms);
 
 }  // namespace lostbits::intersect::table

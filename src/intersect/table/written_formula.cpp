@@ -388,7 +388,7 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
     return nodes;
 }
 
-Intersector WrittenForm::row(const Info& info) {
+Intersector WrittenForm::make_intersector(const Info& info) {
     Intersector form{.info = &info, .shape = formula_in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
     form.native32 = {answer_32, this};
     form.native64 = {answer_64, this};

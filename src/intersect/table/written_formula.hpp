@@ -54,16 +54,16 @@ class WrittenForm {
 public:
     /// Either formula may be null; both have the same shape.
     WrittenForm(std::shared_ptr<const WrittenFormula> formula32, std::shared_ptr<const WrittenFormula> formula64);
-    /// Uses the formula that `record_all` of a row records, and records it at its first use. The row's `info` must live
-    /// as long.
+    /// Uses the formula that `record_all` of a form records, and records it at its first use. The form's `info` must
+    /// live as long.
     explicit WrittenForm(const Intersector& recorded_form);
-    /// Fills the functions of a row for formats chosen at run time and for enclosures. The row then points to this
+    /// Fills the functions of a form for formats chosen at run time and for enclosures. The form then points to this
     /// object.
     void fill_arithmetics(Intersector& form);
-    /// Fills all functions of a row except the native kernels. The row then points to this object.
+    /// Fills all functions of a form except the native kernels. The form then points to this object.
     void fill(Intersector& form);
-    /// Returns a row all of whose functions evaluate the formula, the kernels in f32 and f64 included.
-    [[nodiscard]] Intersector row(const Info& info);
+    /// Returns a form all of whose functions evaluate the formula, the kernels in f32 and f64 included.
+    [[nodiscard]] Intersector make_intersector(const Info& info);
     [[nodiscard]] const WrittenFormula& formula_in(const Format& format) const;
     /// Returns the index of each operation's node on a tape of this format.
     [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;

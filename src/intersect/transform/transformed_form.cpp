@@ -18,17 +18,17 @@ using table::RayBatch;
 namespace {
 
 using Parts = std::tuple<const TransformMethod*, const Intersector*>;
-using Rows = table::ComposedForms<Parts>;
-Rows& rows() {
-    static Rows composed_rows;
-    return composed_rows;
+using TransformedForms = table::ComposedForms<Parts>;
+TransformedForms& transformed_forms() {
+    static TransformedForms composed_forms;
+    return composed_forms;
 }
 
 TransformedFormParts to_parts(const Parts& parts) {
     return std::apply([](auto... part) { return TransformedFormParts{part...}; }, parts);
 }
-TransformedFormParts parts_of_row(void* context) {
-    return to_parts(static_cast<const Rows::ComposedForm*>(context)->parts);
+TransformedFormParts parts_of_context(void* context) {
+    return to_parts(static_cast<const TransformedForms::ComposedForm*>(context)->parts);
 }
 
 template <class S>
@@ -74,25 +74,25 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
 }
 
 void evaluate_32(void* context, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    evaluate(parts_of_row(context).method->batch32, simd::packed_kernels(*parts_of_row(context).form).f32, rays, target,
-             hits);
+    evaluate(parts_of_context(context).method->batch32, simd::packed_kernels(*parts_of_context(context).form).f32, rays,
+             target, hits);
 }
 void evaluate_64(void* context, const RayBatch<double>& rays, const Target<double>& target,
                  const HitBatch<double>& hits) {
-    evaluate(parts_of_row(context).method->batch64, simd::packed_kernels(*parts_of_row(context).form).f64, rays, target,
-             hits);
+    evaluate(parts_of_context(context).method->batch64, simd::packed_kernels(*parts_of_context(context).form).f64, rays,
+             target, hits);
 }
 void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<double>& rays,
                       const Target<double>& target, const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    const auto kernel = [&](const auto&... a) { parts_of_row(context).form->rounded(format, a...); };
-    evaluate(parts_of_row(context).method->batch_rounded, kernel, rays, target, hits);
+    const auto kernel = [&](const auto&... a) { parts_of_context(context).form->rounded(format, a...); };
+    evaluate(parts_of_context(context).method->batch_rounded, kernel, rays, target, hits);
 }
 
-/// Runs a row over enclosures. If the determinant is not known to differ from 0, the answer is unknown.
+/// Runs a form over enclosures. If the determinant is not known to differ from 0, the answer is unknown.
 template <auto steps_member, auto kernel_member, class E>
 Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
-    const TransformedFormParts form_parts = parts_of_row(context);
+    const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<E>& primitive = target.primitives.front();
     if (!primitive.placed) return (form_parts.form->*kernel_member)(ray, target);
     const StepFunctions<E>& steps = form_parts.method->*steps_member;
@@ -161,7 +161,7 @@ void record_with(const TransformedFormParts& form_parts, const Format& format, c
 
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    const TransformedFormParts form_parts = parts_of_row(context);
+    const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<double>& primitive = target.primitives.front();
     if (!primitive.placed) return form_parts.form->record(format, ray, target, tmax, tape);
     record_with(
@@ -171,7 +171,7 @@ void record(void* context, const Format& format, const Ray<double>& ray, const T
         });
 }
 void record_all(void* context, const Target<double>& target, Tape& tape) {
-    const TransformedFormParts form_parts = parts_of_row(context);
+    const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<double>& primitive = target.primitives.front();
     if (!primitive.placed) return form_parts.form->record_all(target, tape);
     record_with(form_parts, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, primitive, HUGE_VAL,
@@ -180,7 +180,7 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
                 });
 }
 
-void fill_row(Rows::ComposedForm& composed) {
+void fill_form(TransformedForms::ComposedForm& composed) {
     const auto& [method, tested_form] = composed.parts;
     const Info& form = *tested_form->info;
     const TransformMethodInfo& method_info = *method->info;
@@ -197,16 +197,19 @@ void fill_row(Rows::ComposedForm& composed) {
     // applies. With any other method, the form's requirement applies too.
     if (method_info.normalises) composed.info.direction = method_info.direction;
     else if (method_info.direction == Direction::unit) composed.info.direction = Direction::unit;
-    composed.row = {.info = &composed.info, .shape = tested_form->shape, .native32 = nullptr, .native64 = nullptr};
-    if (tested_form->native32) composed.row.native32 = {evaluate_32, &composed};
-    if (tested_form->native64) composed.row.native64 = {evaluate_64, &composed};
-    if (tested_form->rounded) composed.row.rounded = {evaluate_rounded, &composed};
-    if (tested_form->ball) composed.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
+    composed.intersector = {
+        .info = &composed.info, .shape = tested_form->shape, .native32 = nullptr, .native64 = nullptr};
+    if (tested_form->native32) composed.intersector.native32 = {evaluate_32, &composed};
+    if (tested_form->native64) composed.intersector.native64 = {evaluate_64, &composed};
+    if (tested_form->rounded) composed.intersector.rounded = {evaluate_rounded, &composed};
+    if (tested_form->ball)
+        composed.intersector.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
     if (tested_form->interval)
-        composed.row.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>, &composed};
-    if (tested_form->record) composed.row.record = {record, &composed};
-    if (tested_form->record_all) composed.row.record_all = {record_all, &composed};
-    composed.row.is_placed = true;
+        composed.intersector.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>,
+                                         &composed};
+    if (tested_form->record) composed.intersector.record = {record, &composed};
+    if (tested_form->record_all) composed.intersector.record_all = {record_all, &composed};
+    composed.intersector.is_placed = true;
 }
 
 }  // namespace
@@ -218,9 +221,11 @@ const Intersector& transformed_form(const TransformMethod& method, const Interse
                          ": a form that marches takes all primitives at once and in the world; leave @TRANSFORM out");
     if (form.is_set() || form.is_placed)
         throw InputError(name + "@" + std::string(method.info->name) + ": write one @TRANSFORM after each form");
-    return rows().row_of({&method, &form}, fill_row);
+    return transformed_forms().find_or_add({&method, &form}, fill_form);
 }
 
-TransformedFormParts transformed_parts_of(const Intersector& form) { return to_parts(rows().parts_of(form)); }
+TransformedFormParts transformed_parts_of(const Intersector& form) {
+    return to_parts(transformed_forms().parts_of(form));
+}
 
 }  // namespace lostbits::intersect::transform

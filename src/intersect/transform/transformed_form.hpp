@@ -1,22 +1,22 @@
-// Forms with a transform method, as rows of the table. They measure scenes with primitives under matrices.
+// Forms with a transform method, in the table of intersectors. They measure scenes with primitives under matrices.
 #pragma once
 
 #include "intersect/transform/transform_method.hpp"
 
 namespace lostbits::intersect::transform {
 
-/// The row `sphere.unified@pbrt` for a form of one shape. It converts the ray to the space of the primitive, runs the
-/// form there, and converts t back, all in the arithmetic of the row. For a primitive without a matrix, it runs the
-/// form only. Each row is created once and kept, as registered rows are. Throws InputError for a form that marches and
-/// for a set.
+/// The form `sphere.unified@pbrt` for a form of one shape. It converts the ray to the space of the primitive, runs the
+/// form there, and converts t back, all in the arithmetic of the form. For a primitive without a matrix, it runs the
+/// form only. Each form is created once and kept, as registered forms are. Throws InputError for a form that marches
+/// and for a set.
 const table::Intersector& transformed_form(const TransformMethod& method, const table::Intersector& form);
 
-/// The parts of a row that `through` created.
+/// The parts of a form that `through` created.
 struct TransformedFormParts {
     const TransformMethod* method;
     const table::Intersector* form;
 };
-/// The parts of a row; null pointers if `through` did not create it.
+/// The parts of a form; null pointers if `through` did not create it.
 TransformedFormParts transformed_parts_of(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::transform

@@ -23,7 +23,7 @@ public:
         : scene_(one_scene(claim, run)) {
         if (subject.size) std::tie(scene_.width, scene_.height) = *subject.size;
         request_.scene = &scene_;
-        request_.row = tested_form_for(claim, scene_);
+        request_.tested_form = tested_form_for(claim, scene_);
         request_.requirement = {.bits = subject.requirement.bits, .wrong = subject.requirement.wrong};
         request_.requirement.quantile =
             find_for_claim(claim, [&] { return choose::quantile_named(subject.requirement.at); });
@@ -42,7 +42,7 @@ public:
     /// requirement is not met even with all operations wider.
     double count_wider_operations() {
         if (own_quality_.meets(request_.requirement)) return 0;
-        const FloatFormat wider = tape::wider_format(request_.row.format.parameters, false);
+        const FloatFormat wider = tape::wider_format(request_.tested_form.format.parameters, false);
         const auto quality_all_wider =
             judge_->quality_of({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
         if (!quality_all_wider.meets(request_.requirement)) return truth::missing;

@@ -55,7 +55,7 @@ struct FormQuality {
 
 /// A form in a format, as a program would call it.
 struct Candidate {
-    evaluate::TestedForm row;
+    evaluate::TestedForm tested_form;
     std::string_view isa = {};  ///< register width: `scalar`, `128`, ...
     trade::Timing time{};       ///< seconds for one ray and primitive
     FormQuality quality{};

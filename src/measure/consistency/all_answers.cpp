@@ -91,12 +91,13 @@ std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const Ra
 }
 
 void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
-    const intersect::Info& info = *band_form.row.form->info;
+    const intersect::Info& info = *band_form.tested_form.form->info;
     std::vector<FormKernels> kernels_by_width;
-    const bool is_software = band_form.row.format.is_emulated();  // software formats have no registers
+    const bool is_software = band_form.tested_form.format.is_emulated();  // software formats have no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         if (!is_software || isa == intersect::simd::Isa::scalar)
-            kernels_by_width.emplace_back(*band_form.row.form, band_form.row.format, band_form.kernels.stop, isa);
+            kernels_by_width.emplace_back(*band_form.tested_form.form, band_form.tested_form.format,
+                                          band_form.kernels.stop, isa);
     }
     band_form.for_each_primitive(
         band_form.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {

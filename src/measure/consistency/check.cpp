@@ -21,10 +21,10 @@ std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, 
 
 }  // namespace
 
-FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& tested_form,
+FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& form_to_test,
                        const truth::Band& tested_band)
     : scene(tested_scene),
-      row(tested_form),
+      tested_form(form_to_test),
       band(tested_band),
       kernels(*tested_form.form, tested_form.format, tested_band.stop()),
       inputs(tested_band.inputs_for(tested_form.format, *tested_form.form->info)),

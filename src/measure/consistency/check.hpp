@@ -123,17 +123,19 @@ struct FormOnBand {
                const truth::Band& tested_band);
 
     const scene::file::Scene& scene;
-    const evaluate::TestedForm& row;
+    const evaluate::TestedForm& tested_form;
     const truth::Band& band;
     FormKernels kernels;
     truth::FormatInputs inputs;
     answer::Answers closest_hits;  ///< as in a map
 
     /// Returns the rays of the pixels, with unit directions if the form assumes them.
-    [[nodiscard]] const scene::rays::RayBlock& rays() const { return inputs.rays_for(*row.form->info); }
+    [[nodiscard]] const scene::rays::RayBlock& rays() const { return inputs.rays_for(*tested_form.form->info); }
     [[nodiscard]] std::size_t pixels() const { return closest_hits.hit.size(); }
-    [[nodiscard]] const FloatFormat& format() const { return row.format.parameters; }
-    [[nodiscard]] bool takes_unit_directions() const { return row.form->info->direction == intersect::Direction::unit; }
+    [[nodiscard]] const FloatFormat& format() const { return tested_form.format.parameters; }
+    [[nodiscard]] bool takes_unit_directions() const {
+        return tested_form.form->info->direction == intersect::Direction::unit;
+    }
     /// The primitives that rays may meet, and their indices: all primitives, or the triangles of a large mesh that a
     /// tree finds.
     struct Candidates {

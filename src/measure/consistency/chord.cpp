@@ -79,7 +79,7 @@ struct BallOnRay {
 /// ray passes nearest to, in units of its radius. Of a large mesh, only primitives whose box the ray comes near are
 /// considered.
 std::optional<std::size_t> primitive_of(const FormOnBand& band_form, std::size_t i) {
-    const Truth truth = band_form.band.truth(i, band_form.row.convention());
+    const Truth truth = band_form.band.truth(i, band_form.tested_form.convention());
     if (truth.is_hit()) return static_cast<std::size_t>(truth.primitive);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
@@ -102,7 +102,7 @@ std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t 
     if (!ball.is_ahead()) return std::nullopt;
     const Vec<double> p = ray.origin;
     Vec<double> q{0, 0, 0}, difference{0, 0, 0};
-    with_number(band_form.row.format, [&]<class T>() {
+    with_number(band_form.tested_form.format, [&]<class T>() {
         for (int axis = 0; axis < 3; ++axis) {
             const T end = static_cast<T>(std::fma(ball.end(), ray.direction[axis], p[axis]));
             q[axis] = as_double(end);
@@ -177,12 +177,12 @@ void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
     }
     if (pixels.empty()) return;
     const SegmentsFromEnd forth(band_form, from_p_rays, primitives), back(band_form, from_q_rays, primitives);
-    const bool has_numbers = band_form.row.form->info->roots == intersect::Roots::both;
+    const bool has_numbers = band_form.tested_form.form->info->roots == intersect::Roots::both;
     const AllAnswers &a = forth.answers, &b = back.answers;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const std::size_t i = pixels[k];
-        const auto p_decision = forth.band.truth(k, band_form.row.convention()).decision;
-        const auto q_decision = back.band.truth(k, band_form.row.convention()).decision;
+        const auto p_decision = forth.band.truth(k, band_form.tested_form.convention()).decision;
+        const auto q_decision = back.band.truth(k, band_form.tested_form.convention()).decision;
         CheckResult result = check_result_of(a.hit[k] != 0, b.hit[k] != 0, p_decision == Truth::Decision::hit,
                                              q_decision == Truth::Decision::hit);
         if (p_decision == Truth::Decision::unresolved || q_decision == Truth::Decision::unresolved)

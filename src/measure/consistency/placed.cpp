@@ -135,13 +135,14 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
     if (converted.empty()) return;
     const BandAmongPrimitives given_band(band_form, primitives), converted_band(band_form, converted);
     const truth::Band &given_truth = *given_band.band, &converted_truth = *converted_band.band;
-    const Intersector& form = form_with_matrices(*band_form.row.form);
+    const Intersector& form = form_with_matrices(*band_form.tested_form.form);
     const bool is_unit = form.info->direction == intersect::Direction::unit;
-    const auto converted_answers = answer::evaluate(form, converted_truth.inputs_for(band_form.row.format, *form.info));
+    const auto converted_answers =
+        answer::evaluate(form, converted_truth.inputs_for(band_form.tested_form.format, *form.info));
     const answer::Answers &a = band_form.closest_hits, &b = converted_answers;
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
-        const Truth p = given_truth.truth(i, band_form.row.convention()),
-                    q = converted_truth.truth(i, band_form.row.convention());
+        const Truth p = given_truth.truth(i, band_form.tested_form.convention()),
+                    q = converted_truth.truth(i, band_form.tested_form.convention());
         CheckResult result = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
         if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
             result = CheckResult::unresolved;

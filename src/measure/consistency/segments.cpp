@@ -47,7 +47,7 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
 /// Returns the point seen at a pixel: o + t*·d of its ray, each coordinate rounded to the format. Returns nothing if
 /// the ray truly misses.
 std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i) {
-    const Truth truth = band_form.band.truth(i, band_form.row.convention());
+    const Truth truth = band_form.band.truth(i, band_form.tested_form.convention());
     if (!truth.is_hit()) return std::nullopt;
     const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
     const Ray<double> ray = band_form.inputs.rays[i];
@@ -64,7 +64,7 @@ bool are_proper(const SegmentRays& s) {
 
 CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRays& s, bool first, bool second) {
     if (first == second) return CheckResult::agree;
-    const intersect::Convention convention = band_form.row.convention();
+    const intersect::Convention convention = band_form.tested_form.convention();
     const auto first_exact = truly_meets_before(s.by_difference, s.difference_end,
                                                 band_form.candidates(s.by_difference).primitives, convention);
     const auto second_exact =
@@ -83,7 +83,7 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndO
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
         const auto q = seen_point(band_form, i);
         if (!q) continue;
-        const SegmentRays s = write_segment(start_of(i), *q, band_form.row.format, end);
+        const SegmentRays s = write_segment(start_of(i), *q, band_form.tested_form.format, end);
         if (!are_proper(s)) continue;
         pixels.push_back(i);
         segments.push_back(s);

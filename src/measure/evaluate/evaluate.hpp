@@ -18,7 +18,7 @@
 
 namespace lostbits::measure::evaluate {
 
-/// One row of a run: a form in a format.
+/// A form in a format, as a run tests it.
 struct TestedForm {
     const intersect::table::Intersector* form;
     Format format;
@@ -57,7 +57,7 @@ struct WorstRay {
 
 using answer::is_wrong, answer::wrong_decisions;
 
-/// Summary of a row over the whole picture.
+/// Summary of a tested form over the whole picture.
 struct FormSummary {
     std::uint64_t rays = 0;
     std::uint64_t views = 1;  ///< number of groups of rays with primitives of their own: the independent samples, since
@@ -97,7 +97,7 @@ struct FormSummary {
     [[nodiscard]] std::uint64_t true_misses() const { return rays - true_hits - count(answer::Outcome::unresolved); }
 };
 
-/// Results of a row over some scanlines.
+/// Results of a tested form over some scanlines.
 struct BandResult {
     int y0, scanlines, width;
     const truth::Band* band;
@@ -108,24 +108,24 @@ struct BandResult {
     /// One vector for each requested metric; NaN where the metric has no value.
     std::vector<std::vector<double>> metrics;
 
-    /// Truth by the convention that the row is judged by.
+    /// Truth by the convention that the form is judged by.
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, convention); }
 };
 
-/// Receives a row's results (for files, plots, tests); may be empty. It is called for each band from top to bottom, one
-/// band after another for one form. The results of different forms may be shown at the same time.
+/// Receives a form's results (for files, plots, tests); may be empty. It is called for each band from top to bottom,
+/// one band after another for one form. The results of different forms may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
 /// Receives the results of all tested forms, each with the index of its form.
 using ShowForms = std::function<void(std::size_t form_index, const BandResult&)>;
-/// Passes the bands of row i to the function `add_band` of readers[i]. The readers must outlive the result.
+/// Passes the bands of form i to the function `add_band` of readers[i]. The readers must outlive the result.
 template <class Readers>
 ShowForms show_to_each(Readers& readers) {
     return [&readers](std::size_t form_index, const BandResult& result) { readers.at(form_index).add_band(result); };
 }
 
-/// Metrics and receiver of one row.
+/// Metrics and receiver of one tested form.
 struct FormRequest {
-    const TestedForm& row;
+    const TestedForm& tested_form;
     const std::vector<const metric::Metric*>& metrics;
     Show show = {};
     int group = 0;           ///< index of the group in a sweep or case, for the rays that the summary names
@@ -134,12 +134,12 @@ struct FormRequest {
     const answer::Answers* answers = nullptr;
 };
 
-/// Evaluates a row on a band and adds the results to `summary`, which must be made for these metrics. `inputs` are the
-/// band's inputs in the row's format.
+/// Evaluates a form on a band and adds the results to `summary`, which must be made for these metrics. `inputs` are the
+/// band's inputs in the form's format.
 void measure_form(const FormRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                   FormSummary& summary);
 
-/// Measures every row over all groups of rays; one summary for each row, with sealed distributions.
+/// Measures every tested form over all groups of rays; one summary for each, with sealed distributions.
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups,
                                         const std::vector<TestedForm>& tested_forms,
                                         const std::vector<const metric::Metric*>& metrics, truth::ProofLimit limit);

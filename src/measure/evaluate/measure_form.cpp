@@ -38,7 +38,7 @@ class Measurement {
 public:
     Measurement(const FormRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& columns_of_thread)
         : metrics_(request.metrics),
-          row_(request.row),
+          row_(request.tested_form),
           request_(request),
           result_(result),
           truth_(truth),
@@ -293,7 +293,7 @@ private:
 
 void measure_form(const FormRequest& request, const FormInputs& form_inputs, FormSummary& summary,
                   std::span<const RaySubset> parts) {
-    const TestedForm& tested_form = request.row;
+    const TestedForm& tested_form = request.tested_form;
     const answer::Answers evaluated =
         request.answers ? answer::Answers{} : answer::evaluate(*tested_form.form, form_inputs.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : evaluated;
@@ -321,7 +321,7 @@ void measure_form(const FormRequest& request, const FormInputs& form_inputs, For
 void measure_form(const FormRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                   FormSummary& summary) {
     columns::BandColumns columns(band);
-    columns.compute_lengths(request.row.convention(), request.row.form->info->direction);
+    columns.compute_lengths(request.tested_form.convention(), request.tested_form.form->info->direction);
     measure_form(request, {band, inputs, columns}, summary);
 }
 

@@ -18,7 +18,7 @@ namespace lostbits::measure::evaluate {
 /// A band, with the inputs and columns that one row needs.
 struct FormInputs {
     const truth::Band& band;
-    const truth::FormatInputs& inputs;    ///< inputs in the row's format
+    const truth::FormatInputs& inputs;    ///< inputs in the form's format
     const columns::BandColumns& columns;  ///< computed for the row's convention and unit
 };
 

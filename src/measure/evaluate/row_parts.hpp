@@ -68,7 +68,7 @@ class RowSums {
 public:
     /// `ulps`: the ulp_error of each ray, NaN for all but correct hits.
     RowSums(const FormRequest& request, const BandResult& result, const columns::TrueLengths& truth, const double* ulps)
-        : request_(request), row_(request.row), result_(result), truth_(truth), ulps_(ulps) {}
+        : request_(request), row_(request.tested_form), result_(result), truth_(truth), ulps_(ulps) {}
 
     /// Keeps the first of the rays with the largest error; `largest` is the largest |ulps|.
     void keep_worst(FormSummary& summary, double largest) const;

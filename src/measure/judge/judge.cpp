@@ -232,7 +232,7 @@ private:
             std::vector<evaluate::RaySubset> parts;
             for (const auto& [value, rays] : rays_by_value)
                 parts.push_back({rays, &result_.groups.at(value).summaries[r]});
-            evaluate::measure_form({.row = tested_form,
+            evaluate::measure_form({.tested_form = tested_form,
                                     .metrics = request_.metrics,
                                     .show = show,
                                     .first = first,

@@ -101,7 +101,7 @@ void require_known_label(const Metric& metric, const std::vector<const Intersect
 const Metric* MetricSet::find(std::string_view name) {
     if (const Metric* const row = find_metric(name)) return row;
     const auto owned_metric = std::ranges::find(owned_, name, &OwnedMetric::name);
-    if (owned_metric != owned_.end()) return &owned_metric->row;
+    if (owned_metric != owned_.end()) return &owned_metric->metric;
     const auto kind = std::ranges::find_if(
         labelled_metrics, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
     if (kind == std::end(labelled_metrics)) return nullptr;
@@ -109,11 +109,11 @@ const Metric* MetricSet::find(std::string_view name) {
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
     owned.layer = std::string(kind->layer) + owned.name.substr(kind->name.size());
-    owned.row = *kind;
-    owned.row.name = owned.name;
-    owned.row.layer = owned.layer;
-    owned.row.label = owned.row.name.substr(kind->name.size());
-    return &owned.row;
+    owned.metric = *kind;
+    owned.metric.name = owned.name;
+    owned.metric.layer = owned.layer;
+    owned.metric.label = owned.metric.name.substr(kind->name.size());
+    return &owned.metric;
 }
 
 const Metric* MetricSet::make_metric_with_number(const Metric& kind, std::string_view name) {
@@ -122,17 +122,17 @@ const Metric* MetricSet::make_metric_with_number(const Metric& kind, std::string
         throw InputError("--metric " + std::string(name) +
                          ": write a finite number of at least 0 after the colon, such as " + std::string(kind.name) +
                          (kind.value == beyond ? "0.001" : "16"));
-    if (std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.row.name; }) != owned_.end())
+    if (std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.metric.name; }) != owned_.end())
         throw InputError("--metric " + std::string(name) +
                          ": this metric takes one number per run; measure the other number in another run");
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
-    owned.row = kind;
-    owned.row.name = column;
-    owned.row.label = std::string_view(owned.name).substr(kind.name.size());
-    owned.meaning = std::string(kind.meaning) + std::string(owned.row.label);
-    owned.row.meaning = owned.meaning;
-    return &owned.row;
+    owned.metric = kind;
+    owned.metric.name = column;
+    owned.metric.label = std::string_view(owned.name).substr(kind.name.size());
+    owned.meaning = std::string(kind.meaning) + std::string(owned.metric.label);
+    owned.metric.meaning = owned.meaning;
+    return &owned.metric;
 }
 
 const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) {
@@ -140,9 +140,9 @@ const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) 
     owned.operations = operations;
     owned.categories.emplace_back(no_culprit);
     owned.categories.insert(owned.categories.end(), owned.operations.begin(), owned.operations.end());
-    owned.row = *find_metric("culprit");
-    owned.row.categories = owned.categories;
-    return &owned.row;
+    owned.metric = *find_metric("culprit");
+    owned.metric.categories = owned.categories;
+    return &owned.metric;
 }
 
 std::vector<const Metric*> MetricSet::adapt_to_forms(std::vector<const Metric*> metrics,

@@ -40,7 +40,7 @@ private:
         std::string name, layer, meaning;
         std::vector<std::string> operations;
         std::vector<std::string_view> categories;
-        Metric row;
+        Metric metric;
     };
     std::deque<OwnedMetric> owned_;  // a deque, because pointers to its rows must stay valid
 };

@@ -47,7 +47,7 @@ private:
 
 /// Row that runs a tape, with the format and convention of another row.
 TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
-    return {.form = &form.row(), .format = tested_form.format, .touching = tested_form.touching};
+    return {.form = &form.form(), .format = tested_form.format, .touching = tested_form.touching};
 }
 
 /// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one
@@ -56,13 +56,13 @@ TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
 template <class S>
 void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
     constexpr std::size_t rays_per_call = 512;
-    const scene::rays::RayBlock& rays = in.rays_for(*form.row().info);
+    const scene::rays::RayBlock& rays = in.rays_for(*form.form().info);
     answers.claimed.resize(in.candidates->pair_count());
     for (std::size_t begin = 0; begin < rays.size(); begin += rays_per_call) {
         answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_per_call, rays.size()));
         pairs.evaluate_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {
             form.program().run<S>(batch, target, hits);
-            intersect::table::limit_batch_to_range(*form.row().info, form.row().shape, batch, hits);
+            intersect::table::limit_batch_to_range(*form.form().info, form.form().shape, batch, hits);
         });
         pairs.write_to(answers);
     }
@@ -70,7 +70,7 @@ void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, an
 
 std::optional<answer::Answers> evaluate_candidate_pairs(const TapeForm& form, const truth::FormatInputs& in) {
     if (!in.candidates) return std::nullopt;
-    const std::size_t ray_count = in.rays_for(*form.row().info).size();
+    const std::size_t ray_count = in.rays_for(*form.form().info).size();
     answer::Answers answers{std::vector<double>(ray_count), std::vector<std::uint8_t>(ray_count),
                             std::vector<std::int32_t>(ray_count, -1)};
     if (in.format.engine == Format::Engine::native32) evaluate_candidates<float>(form, in, answers);
@@ -84,7 +84,7 @@ struct Comparison {
     bool is_same;
 };
 Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
-    const TapeForm tape_form(*request.row.form, request.row.format, tape, "tape", "");
+    const TapeForm tape_form(*request.tested_form.form, request.tested_form.format, tape, "tape", "");
     std::array<AnswerHash, 2> hashes;
     const auto quality = judge.quality_of({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
     return {quality.front(), hashes[0] == hashes[1]};
@@ -99,12 +99,14 @@ class Judge::Part {
 public:
     Part(const RepairRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
         : band(bands.at(k, request.limit, culler)),
-          row_(request.row),
+          row_(request.tested_form),
           shared_(band, {row_}, request.requirement.metrics()) {}
     Part(const RepairRequest& request, const scene::rays::RayGroup& rays)
-        : band(rays, request.limit), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
+        : band(rays, request.limit), row_(request.tested_form), shared_(band, {row_}, request.requirement.metrics()) {}
     Part(const RepairRequest& request, const choose::IdealRays& rays)
-        : band(rays.band(request.limit)), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
+        : band(rays.band(request.limit)),
+          row_(request.tested_form),
+          shared_(band, {row_}, request.requirement.metrics()) {}
 
     [[nodiscard]] evaluate::FormInputs rows() const { return shared_.inputs_of(row_); }
 
@@ -177,9 +179,9 @@ std::vector<FormQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
         std::vector<std::unique_ptr<TapeForm>> forms;
         std::vector<TestedForm> tested_forms;
         for (std::size_t k = begin; k < end; ++k) {
-            forms.push_back(
-                std::make_unique<TapeForm>(*request_.row.form, request_.row.format, tapes[k], "candidate", ""));
-            tested_forms.push_back(make_row(request_.row, *forms.back()));
+            forms.push_back(std::make_unique<TapeForm>(*request_.tested_form.form, request_.tested_form.format,
+                                                       tapes[k], "candidate", ""));
+            tested_forms.push_back(make_row(request_.tested_form, *forms.back()));
         }
         const auto quality = quality_of(tested_forms, {}, forms);
         qualities.insert(qualities.end(), quality.begin(), quality.end());
@@ -202,10 +204,10 @@ bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairR
 }
 
 FormQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
-    const Comparison comparison = compare_with_tape(request.row, tape, request, judge);
+    const Comparison comparison = compare_with_tape(request.tested_form, tape, request, judge);
     if (comparison.is_same) return comparison.quality;
     throw InputError(
-        std::string(request.row.form->info->name) +
+        std::string(request.tested_form.form->info->name) +
         ": its operations differ from ray to ray, because it uses more precision where a ray needs it; name a "
         "form that does the same operations for every ray");
 }
@@ -225,8 +227,9 @@ std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& t
 }
 
 std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
-    choose::ChoiceRequest choice_request{
-        .scene = request.scene, .tested_forms = comparable_forms(request.row), .requirement = request.requirement};
+    choose::ChoiceRequest choice_request{.scene = request.scene,
+                                         .tested_forms = comparable_forms(request.tested_form),
+                                         .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
     std::vector<Ranked> ranked;
@@ -239,8 +242,8 @@ std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, 
     choose::ChoiceRequest choice_request{
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
-    const tape::TapeForm form(*request.row.form, request.row.format, tape, "mended", "");
-    return margins_of(choice_request, {.form = &form.row(), .format = request.row.format}, few_rays);
+    const tape::TapeForm form(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
+    return margins_of(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays);
 }
 
 }  // namespace lostbits::measure::repair

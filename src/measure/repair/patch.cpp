@@ -178,10 +178,10 @@ public:
         try {
             if (function_.language == FileLanguage::other)
                 throw NotWritten("it is not a file of C, C++, Rust, GLSL or HLSL");
-            const bool is_double = request_.row.format.engine == Format::Engine::native64;
+            const bool is_double = request_.tested_form.format.engine == Format::Engine::native64;
             if (is_double != (function_.bits == 64))
                 throw NotWritten(fmt::format("the function computes in {}, and this is a change in {}",
-                                             is_double ? "float" : "double", request_.row.format.name));
+                                             is_double ? "float" : "double", request_.tested_form.format.name));
             for (const bool shares_values : {true, false}) {
                 patch.diff = make_diff(new_tape, shares_values);
                 if (!patch.diff.empty()) return patch;
@@ -214,7 +214,7 @@ private:
 
     /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
     void locate_nodes() {
-        const std::vector<NodeId> tape_nodes = function_.written->nodes_on_tape(request_.row.format);
+        const std::vector<NodeId> tape_nodes = function_.written->nodes_on_tape(request_.tested_form.format);
         std::map<std::pair<int, int>, std::vector<NodeId>> nodes_by_position;
         for (std::size_t k = 0; k < tape_nodes.size(); ++k) {
             const int place_index = function_.place_of_operation[k];
@@ -444,15 +444,16 @@ bool Patcher::Writer::answers_like_tape(const std::string& text, const Tape& new
         const auto patched = intersect::function::load_function(
             copy_path.string() + function_.name,
             {.stop = request_.limit.stop, .headers = std::filesystem::absolute(original_path).parent_path()});
-        if (patched->row.shape != request_.row.form->shape) return false;
-        return has_answers_of_tape({.form = &patched->row, .format = request_.row.format}, new_tape, request_, *judge_);
+        if (patched->intersector.shape != request_.tested_form.form->shape) return false;
+        return has_answers_of_tape({.form = &patched->intersector, .format = request_.tested_form.format}, new_tape,
+                                   request_, *judge_);
     } catch (const InputError&) {
         return false;
     }
 }
 
 Patcher::Patcher(const RepairRequest& request, const Tape& old_tape) {
-    if (const UserFunction* const f = intersect::function::function_of(*request.row.form->info))
+    if (const UserFunction* const f = intersect::function::function_of(*request.tested_form.form->info))
         writer_ = std::make_unique<Writer>(request, old_tape, *f);
 }
 

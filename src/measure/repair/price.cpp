@@ -118,7 +118,7 @@ std::vector<external::Formula> placed_rows(const fs::path& library_path, const s
             .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
         if (is_double(forms[k])) form.native64 = load_kernel<double>(loaded, name);
         else form.native32 = load_kernel<float>(loaded, name);
-        formulas.push_back({.row = form, .packed = {}, .who = nullptr, .first = {}});
+        formulas.push_back({.intersector = form, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }
@@ -207,13 +207,13 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
     for (std::size_t k = 0; k < forms.size(); ++k) {
         const evaluate::TestedForm& original = forms[k].original;
         RepairRequest form_request = request;
-        form_request.row = original;
+        form_request.tested_form = original;
         Judge judge(form_request);
         const evaluate::TestedForm compiled{
-            .form = &formulas[k].row, .format = original.format, .touching = original.touching};
+            .form = &formulas[k].intersector, .format = original.format, .touching = original.touching};
         if (!has_answers_of_tape(compiled, *forms[k].tape, form_request, judge))
             throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
-        if (!compiled.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
+        if (!compiled.form->is_placed) simd::register_packs({{formulas[k].intersector.info, formulas[k].packed}});
     }
     return formulas;
 }

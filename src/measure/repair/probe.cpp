@@ -113,7 +113,7 @@ std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, in
     const auto originals = request_rays(request, rays);
     if (!originals) return probes;
     for (const Isometry& isometry : isometries) {
-        if (isometry.mirrors() && request.row.form->info->facing != intersect::Facing::both) continue;
+        if (isometry.mirrors() && request.tested_form.form->info->facing != intersect::Facing::both) continue;
         auto moved_rays = map_rays(originals->ideal, isometry);
         if (!moved_rays) continue;
         if (originals->format)

@@ -295,7 +295,7 @@ WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const FormQual
 }
 
 bool are_matrices_inverse(const RepairRequest& request) {
-    if (!request.row.form->is_placed) return false;
+    if (!request.tested_form.form->is_placed) return false;
     std::set<int> kinds;
     const auto add = [&kinds](const auto& primitives) {
         for (const auto& primitive : primitives)
@@ -310,7 +310,7 @@ bool are_matrices_inverse(const RepairRequest& request) {
 }
 
 Tape record_tape(const RepairRequest& request) {
-    return tape::tape_of(*request.row.form, request.row.format, are_matrices_inverse(request));
+    return tape::tape_of(*request.tested_form.form, request.tested_form.format, are_matrices_inverse(request));
 }
 
 Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& operations) {
@@ -319,7 +319,7 @@ Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& ope
 
 RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable) {
     RepairResult result{.tape = record_tape(request),
-                        .wider = tape::wider_format(request.row.format.parameters, request.two_words)};
+                        .wider = tape::wider_format(request.tested_form.format.parameters, request.two_words)};
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
     result.operations = all_operations.size();
     Judge judge(request);

@@ -45,7 +45,7 @@ public:
     RewriteSearch(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
                   const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
-        if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
+        if (request.tested_form.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
         candidates_.push_back({.outputs = terms_.outputs(), .quality = own_quality, .work = estimated_work(form)});
         seen_.insert(identity::output_nodes(terms_.outputs()));
     }
@@ -188,8 +188,8 @@ Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) 
 }
 
 RaySample::RaySample(const RepairRequest& request, int rays)
-    : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
-    const evaluate::TestedForm& tested_form = request.row;
+    : row_(request.tested_form), requirement_(request.requirement), limit_(request.limit) {
+    const evaluate::TestedForm& tested_form = request.tested_form;
     std::optional<scene::file::Scene> smaller_scene;
     if (request.scene) smaller_scene = choose::with_smaller_picture(*request.scene, rays);
     const truth::Band band =

@@ -132,7 +132,7 @@ using StepOrder = std::vector<const SweepStep*>;
 void find_recovery(const SweepRequest& request, const StepOrder& steps, std::size_t bad_index, const Event& event,
                    FormEvaluator& evaluator, Onset& onset) {
     std::size_t good_index = steps.size() - 1;
-    while (good_index > bad_index && !event.is_good(steps[good_index]->summaries[onset.row])) --good_index;
+    while (good_index > bad_index && !event.is_good(steps[good_index]->summaries[onset.form_index])) --good_index;
     if (good_index == bad_index) return;
     onset.recovers = true;
     onset.good_at_end = good_index + 1 == steps.size();
@@ -261,7 +261,7 @@ SweepFindings measure_sweep(const SweepRequest& request) {
     share_request.tested_forms = {request.tested_forms.begin() + static_cast<std::ptrdiff_t>(rows.first),
                                   request.tested_forms.begin() + static_cast<std::ptrdiff_t>(rows.last)};
     findings.onsets = find_onsets(share_request, run_sweep(share_request));
-    for (Onset& onset : findings.onsets) onset.row += rows.first;
+    for (Onset& onset : findings.onsets) onset.form_index += rows.first;
     return findings;
 }
 

@@ -23,9 +23,9 @@ struct SweepStep {
     std::vector<evaluate::FormSummary> summaries;
 };
 
-/// Value of the first axis at which a row first crosses a threshold.
+/// Value of the first axis at which a form first crosses a threshold.
 struct Onset {
-    std::size_t row;
+    std::size_t form_index;
     std::string event;       ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
     std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
     double threshold;        ///< in bits, in ulps of a step, or 1 for a count
@@ -44,7 +44,7 @@ struct Onset {
 
     /// True if both are the same event of one row, read from the same end.
     [[nodiscard]] bool is_same_event(const Onset& other) const {
-        return row == other.row && event == other.event && statistic == other.statistic &&
+        return form_index == other.form_index && event == other.event && statistic == other.statistic &&
                threshold == other.threshold && from_last == other.from_last;
     }
     /// Spread of first_bad over all draws.

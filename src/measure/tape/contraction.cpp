@@ -230,25 +230,25 @@ struct ContractedForm {
     }
 };
 
-using ContractedRows = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
-ContractedRows& contracted_rows() {
-    static ContractedRows composed_rows;
-    return composed_rows;
+using ContractedForms = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
+ContractedForms& contracted_forms() {
+    static ContractedForms composed_forms;
+    return composed_forms;
 }
 
-void fill_contracted_row(ContractedRows::ComposedForm& composed) {
-    static std::deque<ContractedForm> contractions;  // rows point to its elements
+void fill_contracted_form(ContractedForms::ComposedForm& composed) {
+    static std::deque<ContractedForm> contractions;  // forms point to its elements
     const Intersector& form = *std::get<0>(composed.parts);
     composed.name = std::string(form.info->name) + std::string(contracted_suffix);
     composed.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     composed.source = form.info->source;
     composed.copy_contract(*form.info);
     const ContractedForm& contraction = contractions.emplace_back(form, composed.name);
-    composed.row = {.info = &composed.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
-    if (contraction.written) contraction.written->fill(composed.row);
-    if (!form.rounded) composed.row.rounded = nullptr;
-    if (contraction.tape32) composed.row.native32 = contraction.tape32->row().native32;
-    if (contraction.tape64) composed.row.native64 = contraction.tape64->row().native64;
+    composed.intersector = {.info = &composed.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
+    if (contraction.written) contraction.written->fill(composed.intersector);
+    if (!form.rounded) composed.intersector.rounded = nullptr;
+    if (contraction.tape32) composed.intersector.native32 = contraction.tape32->form().native32;
+    if (contraction.tape64) composed.intersector.native64 = contraction.tape64->form().native64;
 }
 
 }  // namespace
@@ -267,20 +267,20 @@ const Intersector& contracted_form(const Intersector& form) {
         throw InputError(fmt::format("{}{}: its operations cannot be contracted: {}", form.info->name,
                                      contracted_suffix, reason.what()));
     }
-    return contracted_rows().row_of({&form}, fill_contracted_row);
+    return contracted_forms().find_or_add({&form}, fill_contracted_form);
 }
 
-bool is_contracted(const Intersector& form) { return std::get<0>(contracted_rows().parts_of(form)) != nullptr; }
+bool is_contracted(const Intersector& form) { return std::get<0>(contracted_forms().parts_of(form)) != nullptr; }
 
-FormOperation operation_before_contraction(const Intersector& row, const Format& format, NodeId node) {
-    const Intersector& form = *std::get<0>(contracted_rows().parts_of(row));
+FormOperation operation_before_contraction(const Intersector& contracted, const Format& format, NodeId node) {
+    const Intersector& form = *std::get<0>(contracted_forms().parts_of(contracted));
     const Format f32 = *find_format("f32"), f64 = *find_format("f64");
     const bool is_from_f64 = !form.exists_in(f32) || (format.engine == Format::Engine::native64 && form.exists_in(f64));
     const Format& tape_format = is_from_f64 ? f64 : f32;
     const Tape tape = tape_of(form, tape_format);
     Contraction contraction(tape);
     const auto list = std::make_shared<const WrittenFormula>(
-        intersect::table::formula_from_tape(contraction.contract(), form.shape, std::string(row.info->name)));
+        intersect::table::formula_from_tape(contraction.contract(), form.shape, std::string(contracted.info->name)));
     const std::vector<NodeId> nodes = WrittenForm(list, nullptr).nodes_on_tape(format);
     const auto found = std::ranges::find(nodes, node);
     const bool is_found = node != no_node && found != nodes.end();

@@ -33,7 +33,8 @@ struct DriverDifference {
     [[nodiscard]] NodeId first_changed() const;
 };
 
-/// Compares the driver's row with the row of the program that it compiled, in f32 on random rays. Both have one shape.
+/// Compares the driver's form with the form of the program that it compiled, in f32 on random rays. Both have one
+/// shape.
 DriverDifference driver_difference(const intersect::table::Intersector& driver,
                                    const intersect::table::Intersector& program);
 

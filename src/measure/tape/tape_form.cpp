@@ -196,15 +196,15 @@ TapeForm::TapeForm(const Intersector& model, const Format& format, const Tape& t
       name_(std::move(name)),
       title_(std::move(title)),
       info_(*model.info),
-      row_{.info = &info_,
-           .shape = model.shape,
-           .native32 = nullptr,
-           .native64 = nullptr,
-           .is_placed = model.is_placed} {
+      form_{.info = &info_,
+            .shape = model.shape,
+            .native32 = nullptr,
+            .native64 = nullptr,
+            .is_placed = model.is_placed} {
     info_.name = name_;
     info_.title = title_;
-    if (format.engine == Format::Engine::native32) row_.native32 = {run_program<float>, &program_};
-    else row_.native64 = {run_program<double>, &program_};
+    if (format.engine == Format::Engine::native32) form_.native32 = {run_program<float>, &program_};
+    else form_.native64 = {run_program<double>, &program_};
 }
 
 }  // namespace lostbits::measure::tape

@@ -1,4 +1,4 @@
-// A tape as a row of the table, so that all commands that measure forms can measure it.
+// A tape in the table of intersectors, so that all commands that measure forms can measure it.
 #pragma once
 
 #include <string>
@@ -36,7 +36,7 @@ Tape widen_operations(const Tape& tape, const std::vector<NodeId>& operations, c
 /// of the format itself.
 FloatFormat wider_format(const FloatFormat& format, bool two_words);
 
-/// A row that runs a tape in one format, with the contract of the form that the tape was recorded from.
+/// A form that runs a tape in one format, with the contract of the form that the tape was recorded from.
 class TapeForm {
 public:
     TapeForm(const intersect::table::Intersector& model, const Format& format, const Tape& tape, std::string name,
@@ -44,15 +44,15 @@ public:
     TapeForm(const TapeForm&) = delete;
     TapeForm& operator=(const TapeForm&) = delete;
 
-    /// Row of the table; valid as long as this object.
-    [[nodiscard]] const intersect::table::Intersector& row() const { return row_; }
+    /// Form of the table; valid as long as this object.
+    [[nodiscard]] const intersect::table::Intersector& form() const { return form_; }
     [[nodiscard]] const TapeProgram& program() const { return program_; }
 
 private:
     TapeProgram program_;
     std::string name_, title_;
     intersect::Info info_;
-    intersect::table::Intersector row_;
+    intersect::table::Intersector form_;
 };
 
 }  // namespace lostbits::measure::tape

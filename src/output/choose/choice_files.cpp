@@ -21,8 +21,11 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     measure::choose::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
-    if (result.cheapest_index) result.margins = margins_of(quiet_request, candidates[*result.cheapest_index].row);
-    else result.obstacle = find_obstacle(quiet_request, candidates[*nearest(candidates, request.requirement)].row);
+    if (result.cheapest_index)
+        result.margins = margins_of(quiet_request, candidates[*result.cheapest_index].tested_form);
+    else
+        result.obstacle =
+            find_obstacle(quiet_request, candidates[*nearest(candidates, request.requirement)].tested_form);
     return result;
 }
 
@@ -140,10 +143,11 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     spec.title = fmt::format("Time against kept bits on {}", result.request.id());
     spec.subtitle = {
         fmt::format("Required: {}. {}.", requirement_text(requirement),
-                    result.cheapest_index ? fmt::format("Chosen: {} in {}",
-                                                        result.candidates[*result.cheapest_index].row.form->info->name,
-                                                        result.candidates[*result.cheapest_index].row.format.name)
-                                          : "Nothing meets the requirement"),
+                    result.cheapest_index
+                        ? fmt::format("Chosen: {} in {}",
+                                      result.candidates[*result.cheapest_index].tested_form.form->info->name,
+                                      result.candidates[*result.cheapest_index].tested_form.format.name)
+                        : "Nothing meets the requirement"),
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
@@ -154,7 +158,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     std::vector<trade::KernelPoint> points;
     for (std::size_t k = 0; k < result.candidates.size(); ++k) {
         const Candidate& c = result.candidates[k];
-        points.push_back({.tested_form = c.row,
+        points.push_back({.tested_form = c.tested_form,
                           .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
                           .time = c.time,
                           .marker = result.cheapest_index == k ? 3 : 0,
@@ -189,8 +193,8 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
     std::vector<CandidateRow> rows;
     for (const std::size_t k : order_by_price(result.candidates)) {
         const Candidate& c = result.candidates[k];
-        const std::string_view form = c.row.form->info->name;
-        rows.push_back({{form, c.row.format.name, c.isa},
+        const std::string_view form = c.tested_form.form->info->name;
+        rows.push_back({{form, c.tested_form.format.name, c.isa},
                         &c.time,
                         &c.quality,
                         c.quality.meets(requirement),

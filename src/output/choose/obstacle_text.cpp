@@ -44,10 +44,10 @@ std::string inputs_text(const InputTrial& trial, std::string_view position_names
 std::string required_inputs_text(const ChoiceResult& result, const Candidate& nearest) {
     const Obstacle& obstacle = *result.obstacle;
     const Requirement& requirement = result.request.requirement;
-    const Shape shape = nearest.row.form->shape;
+    const Shape shape = nearest.tested_form.form->shape;
     const std::string_view position_names = is_primitive(shape) ? row_of(shape).texts.anchor_points : "centres";
     const auto form_in_f64 = [&nearest, &requirement](const InputTrial& trial) {
-        return trial.form ? fmt::format("; {} in f64 keeps {}", nearest.row.form->info->name,
+        return trial.form ? fmt::format("; {} in f64 keeps {}", nearest.tested_form.form->info->name,
                                         kept_and_wrong(*trial.form, requirement))
                           : std::string();
     };
@@ -93,8 +93,8 @@ std::string input_format_name(const FloatFormat& format) {
 std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest) {
     const Obstacle& obstacle = *result.obstacle;
     const Requirement& requirement = result.request.requirement;
-    const std::string& format = nearest.row.format.name;
-    const int precision = nearest.row.format.parameters.precision;
+    const std::string& format = nearest.tested_form.format.name;
+    const int precision = nearest.tested_form.format.parameters.precision;
     const std::string exact_text = kept_and_wrong(obstacle.exact, requirement);
     const std::string remaining_bits = bits_text(obstacle.inherent_kept, requirement, obstacle.inherent_distance);
     const std::string f64_sentence = format == "f64" ? ""

@@ -38,7 +38,7 @@ namespace {
 constexpr std::size_t max_colours = 10;
 
 std::string name_of(const Candidate& c) {
-    return fmt::format("{} {}", map::short_name(*c.row.form->info), c.row.format.name);
+    return fmt::format("{} {}", map::short_name(*c.tested_form.form->info), c.tested_form.format.name);
 }
 
 using pixel::colour_of;
@@ -112,8 +112,9 @@ std::vector<RequirementRow> requirement_rows(const ChoiceResult& result, const R
     std::vector<RequirementRow> rows;
     for (const std::size_t c : measure::choose::order_by_price(result.candidates)) {
         const Candidate& candidate = result.candidates[c];
-        rows.push_back({candidate.row.form->info->name, candidate.row.format.name, candidate.time.median * 1e9,
-                        requirement_map.pixels_met[c], requirement_map.pixels_cheapest[c], requirement_map.pixels()});
+        rows.push_back({candidate.tested_form.form->info->name, candidate.tested_form.format.name,
+                        candidate.time.median * 1e9, requirement_map.pixels_met[c], requirement_map.pixels_cheapest[c],
+                        requirement_map.pixels()});
     }
     for (std::size_t f = 0; f < requirement_map.formats.size(); ++f)
         rows.push_back({"any",

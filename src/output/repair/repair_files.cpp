@@ -41,7 +41,7 @@ int marker_of(const FormRow& row) {
 
 std::vector<FormRow> form_rows(const RepairSummary& summary) {
     const auto& repair = summary.repair;
-    const auto& original_row = summary.request.row;
+    const auto& original_row = summary.request.tested_form;
     const std::string wider_format = wider_format_name(repair.wider);
     std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row, repair.operations, 0,
                                &repair.own_quality, &repair.own_held_out, &repair.own_probed}};
@@ -113,11 +113,12 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     const bool is_timed = !summary.prices.empty();
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("{} against kept bits: {} on {}", is_timed ? "Time" : "Wider operations",
-                             summary.request.row.form->info->name, summary.request.id());
+                             summary.request.tested_form.form->info->name, summary.request.id());
     spec.subtitle = {
         fmt::format("Required: {}.", choose::requirement_text(requirement)),
         "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
-            (is_timed ? std::string() : " The catalogue: only forms in " + summary.request.row.format.name + ".")};
+            (is_timed ? std::string()
+                      : " The catalogue: only forms in " + summary.request.tested_form.format.name + ".")};
     if (is_timed)
         spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     else spec.x = {"operations in " + wider_format_name(summary.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
@@ -130,7 +131,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
         const bool can_be_drawn = is_timed ? row.price != nullptr
                                            : is_of_repair || measure::choose::computing_format(row.tested_form).name ==
                                                                  row.tested_form.format.name;
-        if (!can_be_drawn || (!is_of_repair && row.tested_form.form == summary.request.row.form)) continue;
+        if (!can_be_drawn || (!is_of_repair && row.tested_form.form == summary.request.tested_form.form)) continue;
         points.push_back({.tested_form = row.tested_form,
                           .quality = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
@@ -279,13 +280,13 @@ namespace {
 FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const std::string& name,
                    const std::string& command) {
     const auto& repair = summary.repair;
-    const std::string form_name(summary.request.row.form->info->name), method = method_text(summary, proposal);
+    const std::string form_name(summary.request.tested_form.form->info->name), method = method_text(summary, proposal);
     std::vector<std::string> head_lines{
         fmt::format("{}, {}:", form_name, method),
         fmt::format("{} on every {} of {}.", choose::requirement_text(summary.request.requirement),
                     summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
         "Made by " + command};
-    if (summary.request.row.form->is_placed)
+    if (summary.request.tested_form.form->is_placed)
         head_lines.emplace_back(are_matrices_inverse(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");
@@ -302,9 +303,10 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
 measure::repair::RepairedSource make_repaired_source(const RepairSummary& summary, const Proposal& proposal,
                                                      const std::string& name, const std::string& command) {
     const FormTexts texts = texts_of(summary, proposal, "mended." + name, command);
-    return {&proposal.tape, form_header(proposal.tape, *summary.request.row.form, texts),
-            fmt::format("lostbits::intersect::{}::{}", row_of(summary.request.row.form->shape).name, type_name(name)),
-            summary.request.row};
+    return {&proposal.tape, form_header(proposal.tape, *summary.request.tested_form.form, texts),
+            fmt::format("lostbits::intersect::{}::{}", row_of(summary.request.tested_form.form->shape).name,
+                        type_name(name)),
+            summary.request.tested_form};
 }
 
 std::string emitted_file_text(const RepairSummary& summary, const std::filesystem::path& file,
@@ -314,13 +316,13 @@ std::string emitted_file_text(const RepairSummary& summary, const std::filesyste
     if (!best)
         throw InputError(fmt::format(
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
-            file.string(), summary.request.row.form->info->name,
+            file.string(), summary.request.tested_form.form->info->name,
             summary.repair.wider_set ? "it meets the requirement as it is"
                                      : "it also fails with all operations wider"));
     if (file.extension() == ".patch") {
         if (summary.patches.empty())
             throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
-                                         file.string(), summary.request.row.form->info->name));
+                                         file.string(), summary.request.tested_form.form->info->name));
         const auto& patch = summary.patches[static_cast<std::size_t>(best - proposals.data())];
         if (patch.diff.empty())
             throw InputError(fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(),
@@ -329,8 +331,8 @@ std::string emitted_file_text(const RepairSummary& summary, const std::filesyste
     }
     const bool is_shader = file.extension() == ".glsl";
     const FormTexts texts = texts_of(summary, *best, (is_shader ? "" : "mended.") + file.stem().string(), command);
-    return is_shader ? shader_code(best->tape, *summary.request.row.form, texts)
-                     : form_header(best->tape, *summary.request.row.form, texts);
+    return is_shader ? shader_code(best->tape, *summary.request.tested_form.form, texts)
+                     : form_header(best->tape, *summary.request.tested_form.form, texts);
 }
 
 }  // namespace lostbits::output::repair

@@ -21,7 +21,7 @@ using measure::attribution::TapeText;
 namespace {
 
 TapeText text_of(const RepairSummary& summary) {
-    return {summary.repair.tape, input_names_of(*summary.request.row.form), TapeText::Style::plain};
+    return {summary.repair.tape, input_names_of(*summary.request.tested_form.form), TapeText::Style::plain};
 }
 
 /// `22.1 bits, no wrong decision`
@@ -196,12 +196,13 @@ std::string wider_set_text(const RepairSummary& summary) {
 std::string obstruction_text(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const auto& [exact, with_unit_directions, largest_length_error] = *summary.repair.obstruction;
-    const auto& form = *summary.request.row.form->info;
+    const auto& form = *summary.request.tested_form.form->info;
     if (summary.repair.own_quality.hits == 0)
         return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
-    if (requirement.bits > summary.request.row.format.parameters.precision)
-        return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", summary.request.row.format.name,
-                           summary.request.row.format.parameters.precision);
+    if (requirement.bits > summary.request.tested_form.format.parameters.precision)
+        return fmt::format("  In the way: {} has {} bits. Try a wider format.\n",
+                           summary.request.tested_form.format.name,
+                           summary.request.tested_form.format.parameters.precision);
     std::string exact_text = "without any rounding, its operations " + quality_clause(exact, requirement);
     if (exact.wrong > 0)
         exact_text +=
@@ -213,7 +214,7 @@ std::string obstruction_text(const RepairSummary& summary) {
             "  In the way: {} assumes directions of length one, but after rounding to {} their lengths differ from one "
             "by up to {:.2g}. "
             "On a sample, {}; with directions of length one to 53 bits, they {}.\n",
-            form.name, summary.request.row.format.name, largest_length_error, exact_text,
+            form.name, summary.request.tested_form.format.name, largest_length_error, exact_text,
             quality_clause(*with_unit_directions, requirement));
     if (!exact.meets(requirement))
         return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", exact_text);
@@ -282,7 +283,7 @@ std::string operation_text(const RepairSummary& summary, NodeId operation) {
 }
 
 std::vector<std::string> changed_lines(const RepairSummary& summary, const Tape& changed) {
-    const auto& form = *summary.request.row.form;
+    const auto& form = *summary.request.tested_form.form;
     return changed_lines(statements(summary.repair.tape, form), statements(changed, form, &summary.repair.tape));
 }
 
@@ -381,9 +382,10 @@ std::string method_text(const RepairSummary& summary, const Proposal& proposal) 
 std::string repair_text(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const auto& repair = summary.repair;
-    std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(),
-                                   choose::requirement_text(requirement), summary.request.row.form->info->name,
-                                   summary.request.row.format.name, quality_text(repair.own_quality, requirement));
+    std::string text =
+        fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(), choose::requirement_text(requirement),
+                    summary.request.tested_form.form->info->name, summary.request.tested_form.format.name,
+                    quality_text(repair.own_quality, requirement));
     if (!repair.wider_set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
                             repair.operations, wider_format_name(repair.wider),
@@ -396,7 +398,7 @@ std::string repair_text(const RepairSummary& summary) {
             summary.catalogue_quality, [&](const FormQuality& quality) { return quality.meets(requirement); });
         text += fmt::format(
             "The most accurate form of the catalogue in {} is {}: {}. Of its {} forms {} meet the requirement.\n",
-            summary.request.row.format.name, summary.catalogue.front().form->info->name,
+            summary.request.tested_form.format.name, summary.catalogue.front().form->info->name,
             quality_text(summary.catalogue_quality.front(), requirement), summary.catalogue.size(), meeting_count);
     }
     text += prices_text(summary);

@@ -78,7 +78,7 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
         [&](Json& row, std::size_t r) {
             Json& row_onsets = row["onsets"] = Json::array();
             for (const Onset& o : onsets) {
-                if (o.row != r || !o.found) continue;
+                if (o.form_index != r || !o.found) continue;
                 const auto spread = o.spread();
                 row_onsets.push_back(Json::array(
                     {o.event, o.statistic, number_json(o.threshold), o.from_start ? Json() : number_json(o.last_good),
@@ -181,7 +181,7 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
                                      : column.share == 4 ? 4
                                                          : column.share * tested_form.format.parameters.precision;
             const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
-                return o.row == r && o.event == column.event && o.statistic == column.statistic &&
+                return o.form_index == r && o.event == column.event && o.statistic == column.statistic &&
                        o.threshold == threshold;
             });
             const bool is_found = onset != onsets.end() && onset->found;

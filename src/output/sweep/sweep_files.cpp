@@ -70,7 +70,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
     };
     Table<R> table;
     table.add(
-        table::subject_columns(), [&request](const R& r) -> const auto& { return request.tested_forms[r.row]; });
+        table::subject_columns(), [&request](const R& r) -> const auto& { return request.tested_forms[r.form_index]; });
     return table.add(
         {{"event",
           "the event: lost_bits, or the loss in a step of a transform, reach the threshold, or an outcome occurs",

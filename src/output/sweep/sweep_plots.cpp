@@ -126,7 +126,7 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& tested_form = sweep.request.tested_forms[o.row];
+            const TestedForm& tested_form = sweep.request.tested_forms[o.form_index];
             return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
                    tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
                    o.threshold == mark.threshold;
@@ -136,9 +136,10 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
                 {onset->first_bad,
                  mark.event == "lost_bits"
                      ? fmt::format("{}: its {} reaches {} bits",
-                                   map::short_name(*request.tested_forms[onset->row].form->info),
+                                   map::short_name(*request.tested_forms[onset->form_index].form->info),
                                    mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
-                     : fmt::format("{}: measured", map::short_name(*request.tested_forms[onset->row].form->info))});
+                     : fmt::format("{}: measured",
+                                   map::short_name(*request.tested_forms[onset->form_index].form->info))});
     }
     return plot::line_plot(spec);
 }
@@ -227,7 +228,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
             return drawn_quantile(s, metric_index, 0.5);
         }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.row == form_index && o.event == metric)
+            if (o.found && !o.from_start && o.form_index == form_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep.marks) {

@@ -72,7 +72,7 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& grou
 namespace {
 
 struct WorstRow {
-    measure::evaluate::TestedForm row;
+    measure::evaluate::TestedForm tested_form;
     const std::optional<WorstResult>& worst;
 };
 
@@ -89,7 +89,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
         *request.metrics[measure::metric::index_of(request.metrics, request.search.metric)];
     const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::row);
+    table.add(table::subject_columns(), &R::tested_form);
     table.add(
         {"found", "true if the form hit anything within the ranges", [](const R& r) { return r.worst.has_value(); }});
     table::Table<W> columns{
@@ -113,7 +113,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
              if (!r.worst) return std::string();
              const scene::rays::RayGroup group = group_of_worst(*r.worst);
-             return attribution::explain_command(attribution::explain_ray_arguments(&group), r.row);
+             return attribution::explain_command(attribution::explain_ray_arguments(&group), r.tested_form);
          }});
 }
 
@@ -159,7 +159,7 @@ std::string searched_name(std::size_t outcome) {
 }
 
 struct NearestRow {
-    measure::evaluate::TestedForm row;
+    measure::evaluate::TestedForm tested_form;
     std::string outcome;
     std::uint64_t rays;
     const std::optional<NearestRay>& nearest;
@@ -171,7 +171,7 @@ table::Table<NearestRow> nearest_table() {
     using N = NearestRay;
     const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::row);
+    table.add(table::subject_columns(), &R::tested_form);
     table.add(
         {{"outcome", "the outcome that was searched for: crack or double_hit", &R::outcome},
          {"found", "true if a ray with that outcome was found", [](const R& r) { return r.nearest.has_value(); }}});
@@ -193,7 +193,7 @@ table::Table<NearestRow> nearest_table() {
 }
 
 struct CensusRow {
-    measure::evaluate::TestedForm row;
+    measure::evaluate::TestedForm tested_form;
     std::size_t target;
     const measure::edges::EdgeCount& count;
 };
@@ -201,7 +201,7 @@ struct CensusRow {
 table::Table<CensusRow> census_table() {
     using R = CensusRow;
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::row);
+    table.add(table::subject_columns(), &R::tested_form);
     table.add({{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
                 [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
                {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},

@@ -33,13 +33,13 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
                         "scene, or use --set camera.rays={}",
                         name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
                         generator.info->name, generator.info->name));
-    return composed_forms().row_of({&generator, &form}, [&](FormTable::ComposedForm& made) {
+    return composed_forms().find_or_add({&generator, &form}, [&](FormTable::ComposedForm& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
         made.copy_contract(*form.info);
-        made.row = form;
-        made.row.info = &made.info;
+        made.intersector = form;
+        made.intersector.info = &made.info;
     });
 }
 
@@ -103,30 +103,30 @@ std::optional<ComposedName> split_composed_name(const std::string& name) {
 }
 
 std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedParts& parts) {
-    std::vector<const Intersector*> rows;
+    std::vector<const Intersector*> forms;
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
-            case ComposedName::Kind::contracted: rows.push_back(&parts.contracted(require_no_generator(*form))); break;
+            case ComposedName::Kind::contracted: forms.push_back(&parts.contracted(require_no_generator(*form))); break;
             case ComposedName::Kind::generator:
                 for (const RayGenerator* const generator : parts.ray_generators(name.last))
-                    rows.push_back(&with_generator(*generator, *form));
+                    forms.push_back(&with_generator(*generator, *form));
                 break;
             case ComposedName::Kind::transform:
                 for (const auto* const method : parts.transform_methods(name.last))
-                    rows.push_back(&intersect::transform::transformed_form(*method, require_no_generator(*form)));
+                    forms.push_back(&intersect::transform::transformed_form(*method, require_no_generator(*form)));
                 break;
             case ComposedName::Kind::box: {
                 const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
                                                          : std::vector{&intersect::bounding_box::default_box_method()};
                 for (const Intersector* const box : parts.forms(name.last))
                     for (const auto* const box_method : box_methods)
-                        rows.push_back(&intersect::bounding_box::boxed_form(*box_method, require_no_generator(*box),
-                                                                            require_no_generator(*form)));
+                        forms.push_back(&intersect::bounding_box::boxed_form(*box_method, require_no_generator(*box),
+                                                                             require_no_generator(*form)));
                 break;
             }
         }
     }
-    return rows;
+    return forms;
 }
 
 }  // namespace lostbits::scene::rays

@@ -30,7 +30,7 @@ ChoiceRequest request_of(const Scene& scene, double bits) {
 }
 
 Candidate candidate(double time, std::uint64_t wrong, double bits) {
-    Candidate c{.row = row("sphere.schoolbook", "f32")};
+    Candidate c{.tested_form = row("sphere.schoolbook", "f32")};
     c.time.median = time;
     c.quality = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
     return c;
@@ -80,7 +80,7 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
     const ChoiceRequest request = request_of(scene, 16);
     const auto said = [&](double first, double second, double spread, std::string_view isa) {
         std::vector<Candidate> all{candidate(first * 1e-9, 0, 20), candidate(second * 1e-9, 0, 20)};
-        all[1].row = row("sphere.double_inside", "f32");
+        all[1].tested_form = row("sphere.double_inside", "f32");
         for (Candidate& c : all) {
             c.isa = "512";
             c.time.low_quartile = c.time.median * (1 - spread);

@@ -133,7 +133,7 @@ TEST_CASE("a wrong identity is detected on a sample of rays", "[mend]") {
     const auto scene = test::scene_named("near-benign", std::pair{16, 16});
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
-    const RaySample sample({.scene = &scene, .row = test::row("sphere.schoolbook", "f32")});
+    const RaySample sample({.scene = &scene, .tested_form = test::row("sphere.schoolbook", "f32")});
     CHECK(sample.have_same_answers(before, before));
     for (NodeId i = 0; i < before.size(); ++i) {
         Tape wrong = before;

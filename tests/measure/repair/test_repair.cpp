@@ -29,7 +29,7 @@ namespace {
 Scene scene_named(const char* name, int size) { return test::scene_named(name, std::pair{size, size}); }
 
 RepairRequest request_of(const Scene& scene, const char* form, double bits) {
-    RepairRequest request{.scene = &scene, .row = test::row(form, "f32")};
+    RepairRequest request{.scene = &scene, .tested_form = test::row(form, "f32")};
     request.requirement = {.bits = bits, .wrong = 0, .quantile = 1};
     return request;
 }
@@ -106,7 +106,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         INFO(name);
         const Scene scene = scene_named(name, size);
         const RepairRequest request = request_of(scene, "triangle.undivided", 10);
-        const Tape before = tape::tape_of(*request.row.form, request.row.format);
+        const Tape before = tape::tape_of(*request.tested_form.form, request.tested_form.format);
         identity::Terms terms(before);
         std::vector<Tape> tapes{before};
         for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
@@ -214,7 +214,7 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
         Scene scene = scene_named("box-slabs", 24);
         scene.inputs = inputs;
         RepairRequest request = request_of(scene, "box.baseline", bits);
-        request.row = test::row("box.baseline", format);
+        request.tested_form = test::row("box.baseline", format);
         const RepairResult m = repair_form(request, 1);
         REQUIRE(m.wider_set);
         CHECK(m.wider_set->quality.meets(request.requirement));
@@ -282,22 +282,23 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
             placed.is_inverse = true;
         }
         RepairRequest request = request_of(scene, "sphere.unified", 18);
-        const auto& form = *request.row.form;
-        request.row.form = &intersect::transform::transformed_form(test::transform_method_named("plain"), form);
+        const auto& form = *request.tested_form.form;
+        request.tested_form.form = &intersect::transform::transformed_form(test::transform_method_named("plain"), form);
         Search search(request);
         const FormQuality own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).quality.meets(request.requirement));
-        CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
-        request.row.form = &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
+        CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.tested_form.format)).size());
+        request.tested_form.form =
+            &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
         const FormQuality relative = Judge(request, scene).quality_of({record_tape(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());
     scene.listed.back().placed.reset();
     RepairRequest mixed = request_of(scene, "sphere.unified", 18);
-    mixed.row.form =
-        &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *mixed.row.form);
+    mixed.tested_form.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
+                                                                     *mixed.tested_form.form);
     CHECK_THROWS_AS(repair_form(mixed, 0), InputError);
 }
 
@@ -310,8 +311,9 @@ TEST_CASE("a form that decides by itself how many steps it computes is refused",
 TEST_CASE("a form that cannot be compiled has no cost, and the message says why", "[mend]") {
     const Scene scene = scene_named("near-benign", 8);
     const RepairRequest request = request_of(scene, "sphere.half_b", 5);
-    const Tape tape = tape::tape_of(*request.row.form, request.row.format);
-    const std::vector<RepairedSource> forms{{.tape = &tape, .header = "", .type = "None", .original = request.row}};
+    const Tape tape = tape::tape_of(*request.tested_form.form, request.tested_form.format);
+    const std::vector<RepairedSource> forms{
+        {.tape = &tape, .header = "", .type = "None", .original = request.tested_form}};
     const test::Scratch folder;
     CHECK_THROWS_WITH(compile_and_load(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
     folder.write("form.flags", "");

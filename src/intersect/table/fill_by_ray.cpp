@@ -1,8 +1,8 @@
 #include <deque>
 
 #include "intersect/table/arithmetics.hpp"
+#include "intersect/table/fill_forms.hpp"
 #include "intersect/table/recording.hpp"
-#include "intersect/table/rows.hpp"
 #include "intersect/table/written_formula.hpp"
 #include "shapes/number_names.hpp"
 
@@ -28,11 +28,11 @@ std::optional<BoundedAnswer> bounded_with(void* context, const Format& format, c
 
 }  // namespace
 
-void fill_by_ray(std::span<Intersector> rows) {
-    static std::deque<WrittenForm> written_forms;  // rows point to its elements
+void fill_by_ray(std::span<Intersector> forms) {
+    static std::deque<WrittenForm> written_forms;  // forms point to its elements
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
-        Intersector& form = rows[i++];
+        Intersector& form = forms[i++];
         const EvaluateRecorded* const evaluator = &evaluate_recorded<Form>;
         form.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
         form.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};

@@ -1,11 +1,11 @@
-#include "intersect/table/rows.hpp"
+#include "intersect/table/fill_forms.hpp"
 
 namespace lostbits::intersect::table {
 
-void fill_batches(std::span<Intersector> rows) {
+void fill_batches(std::span<Intersector> forms) {
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
-        Intersector& form = rows[i++];
+        Intersector& form = forms[i++];
         form.info = &Form::info;
         form.shape = shape_of<Form>;
         form.native32 = native_batch<Form, float>;

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::table {
 
-void fill_batches(std::span<Intersector> rows);
-void fill_by_ray(std::span<Intersector> rows);
+void fill_batches(std::span<Intersector> forms);
+void fill_by_ray(std::span<Intersector> forms);
 
 }  // namespace lostbits::intersect::table
