@@ -227,7 +227,7 @@ std::string mended_text(const ChoiceResult& result) {
     for (const RepairedCandidate& repair : *result.repaired) {
         const auto candidate = std::ranges::find(result.candidates, repair.name,
                                                  [](const Candidate& c) { return c.tested_form.form->info->name; });
-        const int precision = candidate->row.format.parameters.precision;
+        const int precision = candidate->tested_form.format.parameters.precision;
         text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.method,
                             kept_bits_phrase(candidate->quality, precision, requirement),
                             decisions_phrase(candidate->quality), nanoseconds(*candidate));
