@@ -23,11 +23,13 @@ public:
         /// Copies the contract, but keeps this row's own name, title and source.
         void copy_contract(const Info& contract) {
             info = contract;
-            info.name = name, info.title = title, info.source = source;
+            info.name = name;
+            info.title = title;
+            info.source = source;
         }
     };
 
-    /// Returns the row with these parts. If it is new, calls `fill(Made&)` after `parts` is set.
+    /// Returns the row with these parts. If it is new, calls `fill(ComposedRow&)` after `parts` is set.
     template <class Fill>
     const Intersector& row_of(const Parts& parts, const Fill& fill) {
         const std::lock_guard lock(mutex_);

@@ -45,24 +45,17 @@ public:
         std::mt19937_64 random(1);
         const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };  // -1 to 1
         for (std::size_t i = 0; i < count; ++i) {
-            Primitive<S> primitive(shape);
             const double scale = std::ldexp(1.0, static_cast<int>(random() % 12));
-            std::size_t index = 0;
-            for (const Key& key : row_of(shape).keys)
-                for (std::size_t k = 0; k < key.count(); ++k, ++index) {
-                    double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
-                    if (key.limit == Key::Limit::at_least_previous)
-                        x = static_cast<double>(primitive.numbers[index - 3]) + std::fabs(x);
-                    if (key.limit == Key::Limit::non_negative_below_previous)
-                        x = static_cast<double>(primitive.numbers[index - 1]) * 0.5 * x;
-                    primitive.numbers[index] = static_cast<S>(x);
-                }
+            const Primitive<S> primitive = draw_primitive(shape, uniform);
+
+            // Draws the origin and the direction. An aimed ray starts from the origin as it is stored.
             std::array<double, 3> d{};
             for (std::size_t k = 0; k < 3; ++k) {
                 columns_[k].push_back(static_cast<S>(scale * uniform()));
                 const auto o = static_cast<double>(columns_[k].back());
                 d[k] = i % 2 == 0 ? uniform() : static_cast<double>(primitive.numbers[k]) + 0.3 * uniform() - o;
             }
+
             const double length = have_unit_directions ? std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
                                   : i % 2 == 0         ? 1
                                                        : 1 + scale;
@@ -90,6 +83,23 @@ public:
     }
 
 private:
+    /// Draws a primitive within the limits of its keys.
+    template <class Uniform>
+    static Primitive<S> draw_primitive(Shape shape, const Uniform& uniform) {
+        Primitive<S> primitive(shape);
+        std::size_t index = 0;
+        for (const Key& key : row_of(shape).keys)
+            for (std::size_t k = 0; k < key.count(); ++k, ++index) {
+                double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
+                if (key.limit == Key::Limit::at_least_previous)
+                    x = static_cast<double>(primitive.numbers[index - 3]) + std::fabs(x);
+                if (key.limit == Key::Limit::non_negative_below_previous)
+                    x = static_cast<double>(primitive.numbers[index - 1]) * 0.5 * x;
+                primitive.numbers[index] = static_cast<S>(x);
+            }
+        return primitive;
+    }
+
     std::array<std::vector<S>, 6> columns_;
     std::vector<Primitive<S>> primitives_;
 };

@@ -37,6 +37,8 @@ void fill_by_ray(std::span<Intersector> rows) {
         catalogue_row.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
         catalogue_row.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
         catalogue_row.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
+
+        // Replaces a form by its recording if that does the same operations; compiles others for each arithmetic.
         if constexpr (is_one_program<Form>) {
             written_forms.emplace_back(catalogue_row).fill_arithmetics(catalogue_row);
             if (Form::info.formats != Formats::all) catalogue_row.rounded = nullptr;
@@ -45,8 +47,9 @@ void fill_by_ray(std::span<Intersector> rows) {
             catalogue_row.ball = enclosed<Form, Ball>;
             catalogue_row.interval = enclosed<Form, Interval>;
         }
-        catalogue_row.count =
-            count_of<Form>;  // counted in the form itself: `a || b` on one ray does not evaluate b if a is true
+
+        // Counts in the form itself: `a || b` on one ray does not evaluate b if a is true.
+        catalogue_row.count = count_of<Form>;
         if constexpr (filters<Form>) catalogue_row.filter_arithmetic = filter_arithmetic_of<Form>;
         if constexpr (marches<Form>) catalogue_row.log = log_of<Form>;
     });
