@@ -80,8 +80,9 @@ std::string probe_program(int bits, int version) {
            (is_double ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
 }
 
-std::string loop_program(int version, bool nested) {
-    return version_line(version) + "#define OUTER_LOOP " + (nested ? "for (uint r = 0u; r < inputs[2]; ++r)" : "") + R"(
+std::string loop_program(int version, LoopKind kind) {
+    return version_line(version) + "#define OUTER_LOOP " +
+           (kind == LoopKind::nested ? "for (uint r = 0u; r < inputs[2]; ++r)" : "") + R"(
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) readonly buffer Inputs { uint inputs[]; };
 layout(std430, binding = 1) writeonly buffer Answers { uint answers[]; };

@@ -34,8 +34,10 @@ inline constexpr std::size_t probed_count = static_cast<std::size_t>(Probed::cou
 /// element at binding 1.
 std::string probe_program(int bits, int version);
 
-/// Returns GLSL that counts to the first number at binding 0 and writes the count at binding 1. With `nested`, an outer
-/// loop repeats this as many times as the third number at binding 0 says.
-std::string loop_program(int version, bool nested);
+enum class LoopKind { single, nested };
+
+/// Returns GLSL that counts to the first number at binding 0 and writes the count at binding 1. If the loop is nested,
+/// an outer loop repeats this as many times as the third number at binding 0 says.
+std::string loop_program(int version, LoopKind kind);
 
 }  // namespace lostbits::intersect::device
