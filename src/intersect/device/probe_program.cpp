@@ -45,8 +45,11 @@ void main() {
     for (uint k = 0u; k < 6u; ++k) n[k] = inputs[6u * i + k];
     R x = n[0], y = n[1], z = n[2];
     V a = V(n[0], n[1], n[2]), b = V(n[3], n[4], n[5]);
+
     precise R fused = fma(x, y, z);
     precise R unfused = x * y + z;
+
+    // The answers, in the order of the enumeration.
     uint o = COUNTu * i;
     answers[o++] = x + y;
     answers[o++] = x - y;
