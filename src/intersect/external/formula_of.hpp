@@ -167,6 +167,8 @@ Formula formula_of() {
                   "Box<T>&, const T& tmax), or (const Ray<T>&, const Field&, const intersect::MarchConstants<T>&, "
                   "Watch&)");
     table::Intersector catalogue_row{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
+
+    // Every call reports the form, so that a crash names it.
     catalogue_row.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
     catalogue_row.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
     catalogue_row.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
@@ -175,15 +177,19 @@ Formula formula_of() {
     catalogue_row.count = ReportingCall<Form, table::count_of<Form>>::run;
     catalogue_row.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
     if constexpr (marches<Form>) catalogue_row.log = ReportingCall<Form, table::log_of<Form>>::run;
+
     if constexpr (Form::info.formats == Formats::all) {
         catalogue_row.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
         catalogue_row.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
     }
+
     if (false) check_rules_last<Form>();
-    std::array<const lb_form*, 2> first_root_forms{};
+
+    // Forms that yield near and far also come with t as their root, for which the C interface has no field.
+    FirstRootForms first_root_forms;
     if constexpr (!marches<Form> && Form::info.roots == Roots::both) {
-        first_root_forms[0] = &first_form<Form, float>;
-        if constexpr (Form::info.formats == Formats::all) first_root_forms[1] = &first_form<Form, double>;
+        first_root_forms.f32 = &first_form<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) first_root_forms.f64 = &first_form<Form, double>;
     }
     return {catalogue_row,
             {reporting_pack<Form, 0>(), reporting_pack<Form, 1>(), reporting_pack<Form, 2>()},

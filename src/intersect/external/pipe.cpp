@@ -96,6 +96,8 @@ private:
             free_.pop_back();
             return answerer;
         }
+
+        // Starts a process without the lock, since others may return theirs in the meantime.
         ++running_;
         lock.unlock();
         auto answerer = std::make_unique<AnsweringProcess>(command_, terms_);
@@ -127,9 +129,11 @@ bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_
             ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
             "go to standard error");
     }
+
     const bool state_changed = is_lostbits && (answer.error_bytes & state_changed_bit) != 0;
     if (state_changed) answer.error_bytes &= ~state_changed_bit;
     if (answer.error_bytes == 0) return state_changed;
+
     std::string text(std::min<std::size_t>(answer.error_bytes, 1000), ' ');
     child.read(std::as_writable_bytes(std::span(text)));
     child.fail("refuses: " + quote_text(text, 400));

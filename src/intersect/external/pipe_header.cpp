@@ -146,6 +146,8 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         const std::size_t equals = lines[i].find('=');
         if (equals == std::string::npos) throw InputError(where + ": " + quote_text(lines[i]) + " is not key=value");
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
+
+        // Each name= begins the next form.
         if (key == "name") contracts.emplace_back();
         if (contracts.empty())
             throw InputError(where + ": a form begins with name=; write it before " + quote_text(key));
@@ -155,6 +157,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
                 "; known keys are name, title, source, shape, format, direction, roots, touching, at_origin, "
                 "inside, facing, state, flags");
     }
+
     if (contracts.empty())
         throw InputError(
             subject +

@@ -33,6 +33,8 @@ std::vector<fs::path> search_path() {
             rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
         }
     }
+
+    // The folders beside the program: of a build, then of an installation.
     std::error_code ignored;
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
     if (!program.empty()) {
@@ -88,9 +90,11 @@ fs::path find_plugin(const std::string& option) {
     if (library_name.empty() && !option.empty())
         throw InputError("--plugin " + option + ": names no library; write its path after the =, as in " + option +
                          "mine.so");
+
     const fs::path library_path(library_name);
     if (fs::is_regular_file(library_path, ignored)) return library_path;
     if (library_name.find('/') != std::string::npos) throw InputError(library_name + ": no such file");
+
     std::string searched = "in the current folder";
     for (const fs::path& folder : search_path()) {
         for (const fs::path& path : {folder / library_name, folder / (library_name + ".so")}) {
@@ -161,6 +165,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          ": exports no lostbits_forms; write LOSTBITS_FORMS(...) of lostbits_plugin.hpp or "
                          "LOSTBITS_FORMULAS(...) of lostbits_form.hpp outside of every namespace, or in C define "
                          "lostbits_forms as lostbits_plugin.h declares it");
+
     std::size_t count = 0;
     // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
     // library's users compute.
@@ -169,6 +174,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
         const lb_form* const list = list_forms(LOSTBITS_PLUGIN_ABI, &count);
         return std::pair(list, loading.current_state());
     });
+
     // A library may have only forms that march, which the C interface does not know.
     if (count == 0 && dlsym(loaded.handle, "lostbits_formulas") != nullptr) return {};
     if (forms == nullptr)
@@ -176,6 +182,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          " of lostbits_plugin.h; compile it again with the header of this program");
     if (count == 0 || count > 4096)
         throw InputError(path + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
+
     std::vector<ForeignForm> result;
     for (std::size_t i = 0; i < count; ++i) result.push_back(foreign_form_of(forms[i], path, fp_state));
     return result;
