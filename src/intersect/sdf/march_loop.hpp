@@ -53,10 +53,12 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
         const Vec<T> p = along(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
+
         m.d_before = select(active, m.d, m.d_before);
         m.d = select(active, d, m.d);
         m.hit = m.hit || (active && is_close(d, m.t));
         active = active && !m.hit;
+
         m.t_before = select(active, m.t, m.t_before);
         m.t = select(active, m.t + d, m.t);
         watch.stepped(active, m.t);
