@@ -130,10 +130,13 @@ void count_edges(Mesh& mesh, StopToken stop) {
             direction_balance += face[(corner + 1) % 3] == edge.low ? 1 : -1;
             if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << corner);
         }
+
         MeshEdges& counts = mesh.edges;
         ++counts.edges;
-        counts.border += edge_faces.size() == 1, counts.non_manifold += edge_faces.size() > 2;
-        counts.unbalanced += direction_balance != 0, counts.odd += edge_faces.size() % 2;
+        counts.border += edge_faces.size() == 1;
+        counts.non_manifold += edge_faces.size() > 2;
+        counts.unbalanced += direction_balance != 0;
+        counts.odd += edge_faces.size() % 2;
         if (edge_faces.size() > 1) counts.duplicates += count_duplicates_at(mesh, edge_faces, third_vertices);
     };
     for_each_edge(mesh, count_edge, stop);

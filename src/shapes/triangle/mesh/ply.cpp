@@ -97,10 +97,15 @@ private:
         PlyElement& element = header_.elements.back();
         PlyProperty property;
         std::string_view type = lines_.word();
-        if (type == "list") property.count = type_named(lines_.word()), type = lines_.word();
+        if (type == "list") {
+            property.count = type_named(lines_.word());
+            type = lines_.word();
+        }
         property.type = type_named(type);
         property.name = lines_.word();
         if (property.name.empty()) lines_.fail("ends before the name of the property");
+
+        // The numbers that a mesh needs have one type each, and are one number or a list as they must be.
         if (element.has(property.name))
             lines_.fail("a second property " + toml::quoted_excerpt(property.name) + " of one element");
         if (element.is_face() && property.is_corner_list() &&
@@ -233,10 +238,13 @@ private:
         const std::string_view read_bytes = bytes_.take(byte_count);
         if (read_bytes.size() < byte_count)
             throw InputError(position_text() + ": ends before all elements are there; was it cut short?");
+
+        // Puts the bytes into the order of this machine.
         std::array<char, 8> bytes{};
         std::ranges::copy(read_bytes, bytes.begin());
         if ((encoding_ == PlyEncoding::little) != (std::endian::native == std::endian::little))
             std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(byte_count));
+
         switch (type) {
             case PlyType::i8: return copy_number<std::int8_t>(bytes);
             case PlyType::u8: return copy_number<std::uint8_t>(bytes);
