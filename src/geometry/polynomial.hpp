@@ -124,9 +124,12 @@ std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
         const int next_sign = *known_sign(g.leading()),
                   next_at_minus_infinity = g.degree % 2 == 0 ? next_sign : -next_sign;
         changes += (next_at_minus_infinity != sign_at_minus_infinity ? 1 : 0) - (next_sign != sign ? 1 : 0);
-        sign = next_sign, sign_at_minus_infinity = next_at_minus_infinity;
+        sign = next_sign;
+        sign_at_minus_infinity = next_at_minus_infinity;
     };
-    sign = *known_sign(previous.leading()), sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
+
+    sign = *known_sign(previous.leading());
+    sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
     count_changes(current);
     while (current.degree > 0) {
         Polynomial<T> remainder{{}, 2};
@@ -134,7 +137,8 @@ std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
         else remainder = divide(previous, current).remainder;
         if (!trim(remainder)) return std::nullopt;
         if (remainder.degree < 0) break;
-        previous = current, current = -remainder;
+        previous = current;
+        current = -remainder;
         count_changes(current);
     }
     return RootCount<T>{changes, current};
