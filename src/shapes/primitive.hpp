@@ -172,6 +172,7 @@ template <class S>
 std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
     std::size_t k = 0;
     for (const Key& key : row_of(primitive.shape).keys) {
+        // Limits of points.
         if (key.limit == Key::Limit::not_collinear_with_previous &&
             on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
@@ -179,6 +180,8 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::not_zero && !are_apart(Vec<S>(S(0), S(0), S(0)), primitive.point(k)))
             return BrokenLimit{&key, k};
+
+        // Limits of numbers.
         for (const std::size_t end = k + key.count(); k < end; ++k) {
             const S& x = primitive.numbers[k];
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||
