@@ -92,6 +92,7 @@ public:
         r.negative_ = a.negative_ != b.negative_;
         r.first_ = a.first_ + b.first_;
         r.size_ = a.size_ + b.size_;
+
         for (int i = 0; i < r.size_; ++i) r.limbs_[i] = 0;
         for (int i = 0; i < a.size_; ++i) {
             std::uint64_t carry = 0;
