@@ -44,7 +44,8 @@ void ForeignRow::store(ForeignForm form) {
     if (other_format) {
         Contract expected = other_format->form().contract;
         expected.bits = form.contract.bits;
-        expected.title = form.contract.title, expected.source = form.contract.source,
+        expected.title = form.contract.title;
+        expected.source = form.contract.source;
         expected.flags = form.contract.flags;
         if (expected != form.contract)
             throw InputError(form.provider + ": " + form.contract.name +

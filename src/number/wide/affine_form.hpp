@@ -49,7 +49,11 @@ public:
     AffineForm() = default;
     AffineForm(const AffineForm& x) { *this = x; }
     AffineForm& operator=(const AffineForm& x) {
-        centre_ = x.centre_, term_count_ = x.term_count_, sum_ = x.sum_, rest_ = x.rest_, vectors_ = x.vectors_;
+        centre_ = x.centre_;
+        term_count_ = x.term_count_;
+        sum_ = x.sum_;
+        rest_ = x.rest_;
+        vectors_ = x.vectors_;
         std::copy_n(x.terms_.begin(), term_count_, terms_.begin());
         return *this;
     }

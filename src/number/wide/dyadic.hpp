@@ -45,7 +45,9 @@ public:
     Dyadic() = default;
     Dyadic(const Dyadic& x) : first_(x.first_), size_(x.size_), negative_(x.negative_) { copy_limbs(x); }
     Dyadic& operator=(const Dyadic& x) {
-        first_ = x.first_, size_ = x.size_, negative_ = x.negative_;
+        first_ = x.first_;
+        size_ = x.size_;
+        negative_ = x.negative_;
         copy_limbs(x);
         return *this;
     }

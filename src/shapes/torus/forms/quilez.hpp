@@ -49,7 +49,8 @@ struct QuilezTorus {
                 first_hit.add_root(is_real && t_in_ray > zero, t_in_ray);
             }
         };
-        add_pair(square(e1) - z + e2, -e1), add_pair(square(e1) - z - e2, e1);
+        add_pair(square(e1) - z + e2, -e1);
+        add_pair(square(e1) - z - e2, e1);
         return first_hit.answer();
     }
 };

@@ -36,7 +36,8 @@ struct Woop {
         const T det = named("det", u + v + w);
         const T tn = named("T", u * (sz * a.z) + v * (sz * b.z) + w * (sz * c.z));
         const T inverse = named("1/det", T(1) / det), t = named("t", tn * inverse);
-        named("u", u * inverse), named("v", v * inverse);
+        named("u", u * inverse);
+        named("v", v * inverse);
         const mask_t<T> is_inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
         return single_hit<T>(is_inside && is_not_zero(det) && zero < t, t);
     }
