@@ -58,7 +58,7 @@ template <class Method>
 BoundingBox<double> compute_box_in_format(const Format& format, const Primitive<double>& stored) {
     return with_number(format, [&]<class T>() {
         const auto primitive = lift_primitive<T>(stored);
-        if constexpr (Method::info.outward) {
+        if constexpr (Method::info.rounds_outward) {
             return compute_outward_box<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
         } else {
             auto bounding_box = world_box<Method>(primitive);

@@ -112,46 +112,47 @@ private:
         const auto add = [&](const char* key, std::string value) { add_fact(arithmetic, key, std::move(value)); };
 
         // IEEE 754 asks that these be correctly rounded.
-        add("add", describe_rounding(Probed::add, [](const SixNumbers<S>& n) { return Real(n[0]) + Real(n[1]); }));
+        add("add",
+            describe_rounding(ProbedOperation::add, [](const SixNumbers<S>& n) { return Real(n[0]) + Real(n[1]); }));
         add("multiply", describe_rounding(
-                            Probed::multiply, [](const SixNumbers<S>& n) { return Real(n[0]) * Real(n[1]); },
+                            ProbedOperation::multiply, [](const SixNumbers<S>& n) { return Real(n[0]) * Real(n[1]); },
                             [](const SixNumbers<S>& n) { return n[0] * n[1]; }));
         add("divide", describe_rounding(
-                          Probed::divide, [](const SixNumbers<S>& n) { return Real(n[0]) / Real(n[1]); },
+                          ProbedOperation::divide, [](const SixNumbers<S>& n) { return Real(n[0]) / Real(n[1]); },
                           [](const SixNumbers<S>& n) { return n[0] / n[1]; }));
         add("sqrt", describe_rounding(
-                        Probed::square_root, [](const SixNumbers<S>& n) { return std::sqrt(Real(abs(n[0]))); },
+                        ProbedOperation::square_root, [](const SixNumbers<S>& n) { return std::sqrt(Real(abs(n[0]))); },
                         [](const SixNumbers<S>& n) { return std::sqrt(abs(n[0])); }));
 
         // Functions of GLSL with an error of their own.
-        add("inversesqrt", describe_rounding(Probed::inverse_root,
+        add("inversesqrt", describe_rounding(ProbedOperation::inverse_root,
                                              [](const SixNumbers<S>& n) { return 1 / std::sqrt(Real(abs(n[0]))); }));
-        add("length", describe_rounding(Probed::length, [](const SixNumbers<S>& n) { return length_of(n); }));
-        add("normalize",
-            describe_rounding(Probed::normalize, [](const SixNumbers<S>& n) { return Real(n[0]) / length_of(n); }));
+        add("length", describe_rounding(ProbedOperation::length, [](const SixNumbers<S>& n) { return length_of(n); }));
+        add("normalize", describe_rounding(ProbedOperation::normalize,
+                                           [](const SixNumbers<S>& n) { return Real(n[0]) / length_of(n); }));
         add("dot", find_dot_order());
     }
 
     /// Adds whether a product and a sum are rounded once or twice.
     void add_contractions(Arithmetic& arithmetic) const {
-        add_fact(arithmetic, "fma", describe_contraction(Probed::fma));
-        add_fact(arithmetic, "fma, precise", describe_contraction(Probed::fma_precise));
-        add_fact(arithmetic, "a*b+c", describe_contraction(Probed::contraction));
-        add_fact(arithmetic, "a*b+c, precise", describe_contraction(Probed::contraction_precise));
+        add_fact(arithmetic, "fma", describe_contraction(ProbedOperation::fma));
+        add_fact(arithmetic, "fma, precise", describe_contraction(ProbedOperation::fma_precise));
+        add_fact(arithmetic, "a*b+c", describe_contraction(ProbedOperation::contraction));
+        add_fact(arithmetic, "a*b+c, precise", describe_contraction(ProbedOperation::contraction_precise));
     }
 
     /// Adds whether the compiler of the device rewrites expressions by rules that rounding breaks.
     void add_rewritings(Arithmetic& arithmetic) const {
-        const auto add = [&](const char* key, Probed operation, const auto& as_written) {
+        const auto add = [&](const char* key, ProbedOperation operation, const auto& as_written) {
             add_fact(arithmetic, key, describe_rewriting(operation, as_written));
         };
         const auto two_sum = [](const SixNumbers<S>& n) { return two_sum_error(n[0], n[1]); };
-        add("two_sum", Probed::two_sum, two_sum);
-        add("two_sum, precise", Probed::two_sum_precise, two_sum);
-        add("Kahan", Probed::kahan, kahan_sum<S>);
-        add("Kahan, precise", Probed::kahan_precise, kahan_sum<S>);
-        add("a*b+a*c", Probed::factored, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[0] * n[2]; });
-        add("sqrt(x)*sqrt(x)", Probed::root_squared, [](const SixNumbers<S>& n) {
+        add("two_sum", ProbedOperation::two_sum, two_sum);
+        add("two_sum, precise", ProbedOperation::two_sum_precise, two_sum);
+        add("Kahan", ProbedOperation::kahan, kahan_sum<S>);
+        add("Kahan, precise", ProbedOperation::kahan_precise, kahan_sum<S>);
+        add("a*b+a*c", ProbedOperation::factored, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[0] * n[2]; });
+        add("sqrt(x)*sqrt(x)", ProbedOperation::root_squared, [](const SixNumbers<S>& n) {
             const S root = std::sqrt(std::abs(n[0]));
             return root * root;
         });
@@ -161,22 +162,25 @@ private:
     void add_special_values(Arithmetic& arithmetic) const {
         const auto add = [&](const char* key, const char* value) { add_fact(arithmetic, key, value); };
         const auto value_of = [this](FixedInput input) { return inputs_[static_cast<std::size_t>(input)][0]; };
-        const bool keeps_subnormal_inputs =
-            answer_to(FixedInput::subnormal_plus_zero, Probed::add) == value_of(FixedInput::subnormal_plus_zero) &&
-            answer_to(FixedInput::subnormal_times_one, Probed::multiply) == value_of(FixedInput::subnormal_times_one);
-        const bool keeps_subnormal_results = answer_to(FixedInput::subnormal_product, Probed::multiply) ==
+        const bool keeps_subnormal_inputs = answer_to(FixedInput::subnormal_plus_zero, ProbedOperation::add) ==
+                                                value_of(FixedInput::subnormal_plus_zero) &&
+                                            answer_to(FixedInput::subnormal_times_one, ProbedOperation::multiply) ==
+                                                value_of(FixedInput::subnormal_times_one);
+        const bool keeps_subnormal_results = answer_to(FixedInput::subnormal_product, ProbedOperation::multiply) ==
                                              value_of(FixedInput::subnormal_product) * S(0.25);
         add("subnormal given", keeps_subnormal_inputs ? "kept" : "flushed");
         add("subnormal result", keeps_subnormal_results ? "kept" : "flushed");
-        add("1/0", std::isinf(answer_to(FixedInput::one_over_zero, Probed::divide)) ? "infinity" : "not infinity");
-        add("inf-inf",
-            std::isnan(answer_to(FixedInput::infinity_minus_infinity, Probed::contraction)) ? "NaN" : "not NaN");
+        add("1/0",
+            std::isinf(answer_to(FixedInput::one_over_zero, ProbedOperation::divide)) ? "infinity" : "not infinity");
+        add("inf-inf", std::isnan(answer_to(FixedInput::infinity_minus_infinity, ProbedOperation::contraction))
+                           ? "NaN"
+                           : "not NaN");
     }
 
-    [[nodiscard]] S answer_to(std::size_t i, Probed operation) const {
+    [[nodiscard]] S answer_to(std::size_t i, ProbedOperation operation) const {
         return answers_[i][static_cast<std::size_t>(operation)];
     }
-    [[nodiscard]] S answer_to(FixedInput input, Probed operation) const {
+    [[nodiscard]] S answer_to(FixedInput input, ProbedOperation operation) const {
         return answer_to(static_cast<std::size_t>(input), operation);
     }
 
@@ -189,15 +193,15 @@ private:
     /// `correctly_rounded` gives the correctly rounded value. Without it the true value, computed in long double, is
     /// rounded, which may round twice; only a sum is computed in S directly.
     [[nodiscard]] std::string describe_rounding(
-        Probed operation, const std::function<long double(const SixNumbers<S>&)>& exact,
+        ProbedOperation operation, const std::function<long double(const SixNumbers<S>&)>& exact,
         const std::function<S(const SixNumbers<S>&)>& correctly_rounded = {}) const {
         std::size_t wrong_count = 0;
         long double worst_error = 0;
         for (std::size_t i = fixed_count; i < input_count; ++i) {
             const long double true_value = exact(inputs_[i]);
-            const S rounded = correctly_rounded          ? correctly_rounded(inputs_[i])
-                              : operation == Probed::add ? inputs_[i][0] + inputs_[i][1]
-                                                         : static_cast<S>(true_value);
+            const S rounded = correctly_rounded                   ? correctly_rounded(inputs_[i])
+                              : operation == ProbedOperation::add ? inputs_[i][0] + inputs_[i][1]
+                                                                  : static_cast<S>(true_value);
 
             const S answer = answer_to(i, operation);
             wrong_count += answer != rounded;
@@ -213,7 +217,7 @@ private:
 
     /// Measures the fraction of the random inputs for which the device returns the result of the operations as written,
     /// each rounded by itself.
-    [[nodiscard]] double measure_fraction_as_written(Probed operation,
+    [[nodiscard]] double measure_fraction_as_written(ProbedOperation operation,
                                                      const std::function<S(const SixNumbers<S>&)>& as_written) const {
         std::size_t same_count = 0;
         for (std::size_t i = fixed_count; i < input_count; ++i)
@@ -221,7 +225,7 @@ private:
         return static_cast<double>(same_count) / static_cast<double>(input_count - fixed_count);
     }
 
-    [[nodiscard]] std::string describe_rewriting(Probed operation,
+    [[nodiscard]] std::string describe_rewriting(ProbedOperation operation,
                                                  const std::function<S(const SixNumbers<S>&)>& as_written) const {
         const double fraction = measure_fraction_as_written(operation, as_written);
         if (fraction == 1) return "as written";
@@ -230,7 +234,7 @@ private:
         return text.data();
     }
 
-    [[nodiscard]] std::string describe_contraction(Probed operation) const {
+    [[nodiscard]] std::string describe_contraction(ProbedOperation operation) const {
         if (measure_fraction_as_written(operation, [](const SixNumbers<S>& n) { return std::fma(n[0], n[1], n[2]); }) ==
             1)
             return "rounds once";
@@ -251,7 +255,7 @@ private:
               [](const SixNumbers<S>& n) { return std::fma(n[0], n[3], std::fma(n[1], n[4], n[2] * n[5])); }},
              {"fma(z, x+y)", [](const SixNumbers<S>& n) { return std::fma(n[2], n[5], n[0] * n[3] + n[1] * n[4]); }}}};
         for (const auto& [order_name, order] : orders) {
-            if (measure_fraction_as_written(Probed::dot, order) == 1) return order_name;
+            if (measure_fraction_as_written(ProbedOperation::dot, order) == 1) return order_name;
         }
         return "another order";
     }

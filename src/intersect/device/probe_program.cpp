@@ -3,7 +3,7 @@
 namespace lostbits::intersect::device {
 namespace {
 
-/// The operations, in the order of `Probed`. R and V stand for the types of numbers and vectors.
+/// The operations, in the order of `ProbedOperation`. R and V stand for the types of numbers and vectors.
 constexpr const char* operations = R"(
 R two_sum_plain(R a, R b) {
     R s = a + b;

@@ -21,7 +21,7 @@ std::string shipped_prefixes() {
 
 /// Converts a field of `lb_form` to its enumeration. Throws InputError unless 0 <= number < count.
 template <class Value>
-Value enum_of(int number, int count, const char* field, const std::string& subject) {
+Value read_enum(int number, int count, const char* field, const std::string& subject) {
     if (number >= 0 && number < count) return static_cast<Value>(number);
     throw InputError(subject + ": " + field + " is " + std::to_string(number) + "; it must be from 0 to " +
                      std::to_string(count - 1) + ", see lostbits_plugin.h");
@@ -101,16 +101,16 @@ Contract contract_of(const lb_form& form, const std::string& library) {
     const std::string subject = library + ": form \"" + form.name + "\"";
 
     Contract c{.name = form.name, .title = text_of(form.title), .source = text_of(form.source)};
-    c.shape = enum_of<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", subject);
+    c.shape = read_enum<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", subject);
     c.bits = form.format;
-    c.direction = enum_of<Direction>(form.direction, 2, "direction", subject);
-    c.roots = enum_of<Roots>(form.roots, 4, "roots", subject);
-    c.touching = enum_of<Touching>(form.touching, 2, "touching", subject);
-    c.at_origin = enum_of<AtOrigin>(form.at_origin, 3, "at_origin", subject);
-    c.inside =
-        enum_of<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags", subject);
-    c.facing =
-        enum_of<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", subject);
+    c.direction = read_enum<Direction>(form.direction, 2, "direction", subject);
+    c.roots = read_enum<Roots>(form.roots, 4, "roots", subject);
+    c.touching = read_enum<Touching>(form.touching, 2, "touching", subject);
+    c.at_origin = read_enum<AtOrigin>(form.at_origin, 3, "at_origin", subject);
+    c.inside = read_enum<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags",
+                                 subject);
+    c.facing = read_enum<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags",
+                                 subject);
     c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE | LB_FACING);
 
     if (form.run == nullptr) throw InputError(subject + ": run is NULL; set it to the function that answers a batch");

@@ -24,7 +24,7 @@ constexpr std::uint8_t unwritten_hit = 0xEE;
 
 /// The columns of a batch interleaved ray by ray, and buffers for the answers. Each thread has its own.
 template <class S>
-struct Interleaved {
+struct InterleavedBatch {
     std::vector<S> rays, near_far, primitives, starts, ends;
     std::vector<std::uint8_t> hit;
 
@@ -140,7 +140,7 @@ void ForeignBatch::evaluate(const lb_batch& batch) {
 template <class S>
 void ForeignBatch::answer_in_format(const table::RayBatch<S>& rays, const Target<S>& target,
                                     const table::HitBatch<S>& hits) {
-    thread_local Interleaved<S> buffers;
+    thread_local InterleavedBatch<S> buffers;
     const std::size_t n = rays.size();
     if (n == 0) return;
 

@@ -54,7 +54,7 @@ struct AnyField {
 
 template <class Form>
 concept TakesAPrimitive =
-    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::Unwatched& w) {
+    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::NoMarchWatch& w) {
     Form::intersect(ray, AnyField(), c, w);
 };
 
@@ -74,7 +74,7 @@ template <class Form>
 void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype>* primitive,
                             const MarchConstants<Archetype>* c) {
     if constexpr (marches<Form>) {
-        sdf::Unwatched unwatched;
+        sdf::NoMarchWatch unwatched;
         static_cast<void>(Form::intersect(*ray, AnyField(), *c, unwatched));
     } else {
         Primitives::of_shape<shape_of<Form>>([&]<template <class> class S>() {
@@ -119,7 +119,7 @@ void check_rules_last() {
 
 /// Answers a batch in S through the C interface. `stated_roots` selects what the form returns: only t, or near and far.
 template <class Form, class S, Roots stated_roots = Form::info.roots>
-const char* answer_batch_of(const lb_batch* batch) {
+const char* answer_c_batch(const lb_batch* batch) {
     const auto* const rays = static_cast<const S*>(batch->rays);
     const auto* const ends = static_cast<const S*>(batch->ends);
     auto* const near_far = static_cast<S*>(batch->near_far);
@@ -153,7 +153,7 @@ constexpr lb_form plain_form() {
                      static_cast<unsigned>(Form::info.inside) * LB_INSIDE_EXIT |
                      static_cast<unsigned>(Form::info.facing) * LB_FACING_FRONT,
             .own = nullptr,
-            .run = answer_batch_of<Form, S, stated_roots>};
+            .run = answer_c_batch<Form, S, stated_roots>};
 }
 
 /// A form of the C interface that yields the t of the form's hits as its first root.

@@ -14,7 +14,7 @@ namespace lostbits::intersect::external {
 namespace {
 
 /// One entry for each running formula of this thread, since a formula may call another.
-thread_local std::deque<InForeignCode> running_formulas;
+thread_local std::deque<ForeignCodeScope> running_formulas;
 
 constexpr FormulaWatch running_formula_watch{[](const char* who) { running_formulas.emplace_back(who); },
                                              [] { running_formulas.pop_back(); }};
@@ -47,7 +47,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
                                       ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
 
     const FormulaList* const list = call_foreign(lasting_path, [&] {
-        const LoadsForeignCode loading(lasting_path);
+        const ForeignLoadScope loading(lasting_path);
         return list_formulas(&running_formula_watch);
     });
 
@@ -74,12 +74,12 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     return formulas;
 }
 
-std::optional<ForeignForm> first_root_form_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
+std::optional<ForeignForm> find_first_root_form(const std::vector<Formula>& formulas, const ForeignForm& form) {
     for (const Formula& formula : formulas) {
         const lb_form* const c_form =
             form.contract.bits == 64 ? formula.first_root_forms.f64 : formula.first_root_forms.f32;
         if (formula.row.info->name != form.contract.name || c_form == nullptr) continue;
-        ForeignForm first_root_form = foreign_form_of(*c_form, form.provider, process::FloatingPoint::standard());
+        ForeignForm first_root_form = build_foreign_form(*c_form, form.provider, process::FloatingPoint::standard());
         first_root_form.contract = form.contract;
         first_root_form.contract.roots = Roots::first_only;
         first_root_form.contract.inside = formula.row.info->inside;

@@ -172,7 +172,7 @@ void end_if_overdue(const char* who, std::chrono::duration<double> duration) {
 
 }  // namespace
 
-InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_state)
+ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint& fp_state)
     : who_(who),
       outer_code_(running_code.load()),
       state_before_(process::FloatingPoint::current()),
@@ -194,7 +194,7 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_s
     }
 }
 
-InForeignCode::~InForeignCode() {
+ForeignCodeScope::~ForeignCodeScope() {
     if (!process::restore_own_state(who_))
         end_with_message(who_, "closed descriptors that are the program's own",
                          "close only what it opened, each descriptor by its number");
@@ -219,7 +219,7 @@ ProbeScope::~ProbeScope() {
     restore_limits_or_end(nullptr);  // every time, as probes are not timed: the report may go to a file
 }
 
-LoadsForeignCode::~LoadsForeignCode() {
+ForeignLoadScope::~ForeignLoadScope() {
     fp_state_.set();
     process::restore_after_loading();
     restore_limits_or_end(running_foreign_code());

@@ -139,7 +139,7 @@ bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_
     child.fail("refuses: " + quote_text(text, 400));
 }
 
-PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
+PipeRequest make_pipe_request(std::uint32_t form, const lb_batch& batch) {
     PipeRequest request;
     request.form = form;
     request.rays = static_cast<std::uint32_t>(batch.size);
@@ -187,7 +187,7 @@ void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& co
 
 void evaluate(AnsweringProcess& answerer, std::uint32_t form, const std::string& code_name, const Contract& contract,
               const lb_batch& batch) {
-    const PipeRequest request = request_of(form, batch);
+    const PipeRequest request = make_pipe_request(form, batch);
     answerer.child.set_subject("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
     if (answerer.memory) evaluate_in_shared_memory(answerer, code_name, request, bytes, batch);

@@ -54,7 +54,7 @@ std::string loader_error(const fs::path& library) {
 
 }  // namespace
 
-ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
+ForeignForm build_foreign_form(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
     ForeignForm result{contract_of(form, from), from, {}};
     result.contract.state = fp_state.differences();
     const char* const lasting_name = lasting_text(name_in_messages(result));
@@ -62,7 +62,7 @@ ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const 
         lb_batch batch = request;
         batch.own = form.own;
         const char* const refusal = call_foreign(lasting_name, [&] {
-            const InForeignCode guard(lasting_name, fp_state);
+            const ForeignCodeScope guard(lasting_name, fp_state);
             return form.run(&batch);
         });
         if (refusal != nullptr) throw EnvironmentError(std::string(lasting_name) + ": " + quote_text(refusal, 400));
@@ -145,7 +145,7 @@ Library load_library(const fs::path& library) {
                                                "mine.so), or a program with --pipe"));
     // The path is absolute: for a name without a slash the loader would search its own folders.
     const auto [library_handle, state_after_load] = call_foreign(lasting_path, [&] {
-        const LoadsForeignCode loading(lasting_path);
+        const ForeignLoadScope loading(lasting_path);
         void* const handle = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
         return std::pair(handle, loading.current_state());
     });
@@ -170,7 +170,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
     // library's users compute.
     const auto [forms, fp_state] = call_foreign(lasting_path, [&] {
-        const LoadsForeignCode loading(lasting_path, loaded.fp_state);
+        const ForeignLoadScope loading(lasting_path, loaded.fp_state);
         const lb_form* const list = list_forms(LOSTBITS_PLUGIN_ABI, &count);
         return std::pair(list, loading.current_state());
     });
@@ -184,7 +184,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
         throw InputError(path + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
 
     std::vector<ForeignForm> result;
-    for (std::size_t i = 0; i < count; ++i) result.push_back(foreign_form_of(forms[i], path, fp_state));
+    for (std::size_t i = 0; i < count; ++i) result.push_back(build_foreign_form(forms[i], path, fp_state));
     return result;
 }
 

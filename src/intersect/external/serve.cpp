@@ -170,7 +170,7 @@ std::string refusal_of(const Error& error) {
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     std::vector<Contract> contracts;
     for (const ForeignForm& form : forms) contracts.push_back(form.contract);
-    const std::string header = pipe_header_of(contracts);
+    const std::string header = make_pipe_header(contracts);
     signal(SIGPIPE, SIG_IGN);  // a failed write returns an error instead of ending the process
     if (!write_all(output, header.data(), header.size())) {
         throw_unless_client_ended(input);

@@ -132,7 +132,7 @@ inline constexpr std::string_view source_by_span =
 /// 53), the ray is computed again in wider arithmetic: float, double, double-double, intervals. No decision about the
 /// closed primitive is wrong (tests/exact). The form yields the first intersection: near = far = t.
 template <class F, template <class> class S>
-struct FiltersBySpan {
+struct SpanFilter {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const S<T>& primitive) {
         NoWatch watch;

@@ -13,7 +13,7 @@ namespace lostbits::intersect::filter {
 /// the inputs: 62 (1024 + 1074) + 70 < 131072. Balls distinguish some double roots that two words with a running bound
 /// do not, and take seven times as long.
 template <class E>
-struct Deciding<QuarticSpan<E>> {
+struct FallbackLimits<QuarticSpan<E>> {
     static constexpr long enough_bits = 131072;
     static constexpr bool tries_running_words = true;
 };

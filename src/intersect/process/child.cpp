@@ -227,8 +227,9 @@ void Child::wait_for(short events_of_input, Clock::time_point deadline, bool& ca
                                static_cast<int>(std::min<decltype(milliseconds_left)>(milliseconds_left, 200)));
         if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
         if (ready <= 0) continue;
-        can_read = polled_ends[0].revents != 0;
-        can_write = polled_ends[1].revents != 0;
+        const auto& [polled_output, polled_input] = polled_ends;
+        can_read = polled_output.revents != 0;
+        can_write = polled_input.revents != 0;
         return;
     }
 }

@@ -11,7 +11,7 @@ namespace lostbits::intersect::sdf {
 /// march still runs), and the step after it: the new t and, if the form moves the point itself, the new point.
 /// `changed` is true if the form changed more than the position, so that the next step from the same position may
 /// differ.
-struct Unwatched {
+struct NoMarchWatch {
     template <class M, class T>
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
     template <class M, class T>

@@ -34,7 +34,7 @@ template <class P, class F>
 
 template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
-    sdf::Unwatched unwatched;
+    sdf::NoMarchWatch unwatched;
     return Form::intersect(
         ray, [&target](const Vec<P>& p) { return least_distance<P>(target, p); },
         transformed(target.march, [](const F& x) { return P(x); }), unwatched);

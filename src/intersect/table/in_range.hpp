@@ -40,8 +40,8 @@ template <class T, class S>
 Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
                       const Hit<T>& answer) {
     if (!range.holds_any()) {
-        const bool both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
-        const auto in_order = both_closed ? tmin <= tmax : tmin < tmax;
+        const bool are_both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
+        const auto in_order = are_both_closed ? tmin <= tmax : tmin < tmax;
         return {answer.hit && tmin >= T(0) && in_order, answer.t, answer.near, answer.far};
     }
 
@@ -66,10 +66,10 @@ Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, cons
     is_hit = is_hit && !(range.open.tmax ? t >= tmax : t > tmax);
 
     // An entry at the end of the ray only touches the primitive.
-    const bool open_inside = info.touching == Touching::miss && has_inside(shape);
-    if (open_inside && has_both_roots)
+    const bool has_open_inside = info.touching == Touching::miss && has_inside(shape);
+    if (has_open_inside && has_both_roots)
         is_hit = is_hit && !(answer.near <= tmax && answer.near >= tmax && answer.near < answer.far);
-    else if (open_inside && info.roots == Roots::near_only)
+    else if (has_open_inside && info.roots == Roots::near_only)
         is_hit = is_hit && !(answer.near <= tmax && answer.near >= tmax);
     return {is_hit, t, answer.near, answer.far};
 }

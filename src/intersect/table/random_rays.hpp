@@ -17,7 +17,7 @@ namespace lostbits::intersect::table {
 /// The answers of a row for all rays.
 template <class S>
 struct RowAnswers {
-    std::array<std::vector<S>, 3> numbers;  ///< t, near, far
+    std::vector<S> t, near, far;
     std::vector<std::uint8_t> hit;
 
     /// True if both answers have the same bits. All misses count as the same, and so do all NaNs.
@@ -26,8 +26,7 @@ struct RowAnswers {
         return !a_hits || (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
     }
     [[nodiscard]] bool are_same(const RowAnswers& other, std::size_t ray, bool with_t = true) const {
-        return are_same(hit[ray] != 0, with_t ? numbers[0][ray] : 0, other.hit[ray] != 0,
-                        with_t ? other.numbers[0][ray] : 0);
+        return are_same(hit[ray] != 0, with_t ? t[ray] : 0, other.hit[ray] != 0, with_t ? other.t[ray] : 0);
     }
 };
 
@@ -74,11 +73,10 @@ public:
 
     [[nodiscard]] RowAnswers<S> answers(const Kernel<S>& row) const {
         RowAnswers<S> result;
-        for (auto& column : result.numbers) column.resize(size());
+        for (auto* const column : {&result.t, &result.near, &result.far}) column->resize(size());
         result.hit.resize(size());
         row({columns_[0], columns_[1], columns_[2], columns_[3], columns_[4], columns_[5]},
-            Target<S>(std::span<const Primitive<S>>(primitives_)),
-            {result.numbers[0], result.numbers[1], result.numbers[2], result.hit});
+            Target<S>(std::span<const Primitive<S>>(primitives_)), {result.t, result.near, result.far, result.hit});
         return result;
     }
 

@@ -204,7 +204,7 @@ auto input_reader(const WrittenFormula& formula, const Ray<T>& ray, const Primit
 }
 
 template <class T>
-Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
+Hit<T> evaluate_formula(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
     using intersect::table::input_reader;
     return Evaluation<T>(formula).run(input_reader(formula, ray, primitive, end));
 }
@@ -251,14 +251,14 @@ void answer_64(void* context, const RayBatch<double>& rays, const Target<double>
 
 template <class E>
 Hit<E> enclose(void* context, const Ray<E>& ray, const Target<E>& target) {
-    return answer_of(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(),
-                     endless_tmax<E>());
+    return evaluate_formula(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(),
+                            endless_tmax<E>());
 }
 
 Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
                            double end) {
     const LiftedInputs<Recorded> lifted(ray, target, end);
-    return answer_of(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax);
+    return evaluate_formula(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax);
 }
 
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
@@ -275,7 +275,7 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
 OperationCounts count(void* context, const Ray<float>& ray, const Target<float>& target, float end) {
     const WrittenFormula& formula = form_of(context).formula_in(*find_format("f32"));
     const auto evaluate = [&formula](const auto& ray_in, const auto& aim, const auto& tmax) {
-        return answer_of(formula, ray_in, aim.primitives.front(), tmax);
+        return evaluate_formula(formula, ray_in, aim.primitives.front(), tmax);
     };
     return count_operations(evaluate, ray, target, end);
 }

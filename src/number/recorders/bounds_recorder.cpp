@@ -2,8 +2,8 @@
 
 namespace lostbits::number::recorders {
 
-NodeId BoundsRecorder::input(double x, bool in_double) {
-    return in_double || has_double_format_ ? add(Bounded<double>(x)) : add(Bounded<float>(x));
+NodeId BoundsRecorder::input(double x, bool is_double) {
+    return is_double || has_double_format_ ? add(Bounded<double>(x)) : add(Bounded<float>(x));
 }
 
 template <class F>
@@ -42,23 +42,23 @@ NodeId BoundsRecorder::compute(TapeOp op, const TapeOperands& operands) {
 }
 
 NodeId BoundsRecorder::apply(TapeOp op, const TapeOperands& operands) {
-    const bool in_double = entry_of(op == TapeOp::select ? operands.b : operands.a).in_double;
-    return in_double ? compute<double>(op, operands) : compute<float>(op, operands);
+    const bool is_double = entry_of(op == TapeOp::select ? operands.b : operands.a).is_double;
+    return is_double ? compute<double>(op, operands) : compute<float>(op, operands);
 }
 
 NodeId BoundsRecorder::convert(NodeId x, bool to_double) {
-    if (entry_of(x).in_double == (to_double || has_double_format_)) return x;
+    if (entry_of(x).is_double == (to_double || has_double_format_)) return x;
     return to_double ? add(bounded_number<float>(x).template converted<double>())
                      : add(bounded_number<double>(x).template converted<float>());
 }
 
-NodeId BoundsRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) {
+NodeId BoundsRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool is_double) {
     const auto add_result = [&]<class F>() {
         std::vector<Bounded<F>> numbers;
         for (const NodeId a : arguments) numbers.push_back(bounded_number<F>(a));
         return add(call_result(callee, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
     };
-    return in_double || has_double_format_ ? add_result.template operator()<double>()
+    return is_double || has_double_format_ ? add_result.template operator()<double>()
                                            : add_result.template operator()<float>();
 }
 

@@ -50,14 +50,14 @@ double compute_in(const FloatFormat& format, TapeOp op, double x, double y, doub
 
 }  // namespace
 
-NodeId TapeRecorder::constant(int x, bool in_double) {
-    const FloatFormat& format = format_of(in_double);
-    const double value = in_double ? x : RoundedAny(x).value();
+NodeId TapeRecorder::constant(int x, bool is_double) {
+    const FloatFormat& format = format_of(is_double);
+    const double value = is_double ? x : RoundedAny(x).value();
     return tape_.add(TapeOp::constant, format, value, {x});
 }
 
-NodeId TapeRecorder::input(double x, bool in_double) {
-    return tape_.add_input(format_of(in_double), in_double ? x : RoundedAny(x).value());
+NodeId TapeRecorder::input(double x, bool is_double) {
+    return tape_.add_input(format_of(is_double), is_double ? x : RoundedAny(x).value());
 }
 
 NodeId TapeRecorder::apply(TapeOp op, const TapeOperands& operands) {
@@ -75,8 +75,8 @@ NodeId TapeRecorder::convert(NodeId x, bool to_double) {
                      {x});
 }
 
-NodeId TapeRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) {
-    return tape_.add_call(callee, format_of(in_double), value, {arguments.begin(), arguments.end()});
+NodeId TapeRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool is_double) {
+    return tape_.add_call(callee, format_of(is_double), value, {arguments.begin(), arguments.end()});
 }
 
 }  // namespace lostbits::number::recorders
