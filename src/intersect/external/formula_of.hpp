@@ -31,6 +31,7 @@ struct ReportingCall<Form, function, R (*)(A...)> {
                 if (formula_watch != nullptr) formula_watch->leave();
             }
         } report;
+
         try {
             return function(arguments...);
         } catch (const std::exception& exception) {

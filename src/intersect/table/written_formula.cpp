@@ -95,6 +95,8 @@ private:
                     w.op == TapeOp::convert ? Wider<T>::narrow(x(wide_, w, 0)) : number(numbers_, w, input));
             }
         }
+
+        // A form without near and far has t for both.
         const auto number_at = [&](NodeId root) {
             return numbers_[index_in_kind_[static_cast<std::size_t>(root == no_node ? formula_.t : root)]];
         };
@@ -218,6 +220,7 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
     const std::size_t number_count = row_of(formula.shape).numbers;
     Evaluation<T> evaluation(formula);
     evaluation.make_constants();
+
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
         const Primitive<S>& primitive = target.primitives[i * stride];
@@ -227,6 +230,7 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
             if (k < 6) return T(ray.direction[static_cast<int>(k - 3)]);
             return T(k - 6 < number_count ? primitive.numbers[k - 6] : tmax);
         });
+
         hits.hit[i] = hit.hit;
         hits.t[i] = static_cast<S>(as_double(hit.t));
         hits.near[i] = static_cast<S>(as_double(hit.near));

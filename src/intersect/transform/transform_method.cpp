@@ -125,6 +125,8 @@ void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns
         steps.scale = &columns.scale;
         functions.to_object(steps);
     });
+
+    // Computes the rays that fill no pack one by one.
     for (std::size_t i = packed_count; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
         const ObjectRay<T> object_ray = Method::finish(
@@ -152,6 +154,8 @@ void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumn
         steps.line_parameters[2] = hits.far.data();
         functions.back(steps);
     });
+
+    // Computes the rays that fill no pack one by one.
     for (std::size_t i = packed_count; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
         const auto component = [&](std::size_t k) { return columns.ray[k][i]; };
