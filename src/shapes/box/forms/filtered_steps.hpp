@@ -101,6 +101,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         return number::wide::constant_mask<T>(fits<decltype(value_of(limit))>(
             {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
     }
+
     mask_t<T> all_fit = T(0) <= T(0);
     if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
@@ -109,6 +110,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             const B size = abs(number::wide::widen<B>(x));
             all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
         };
+
         for (int axis = 0; axis < 3; ++axis) {
             check_size(ray.origin[axis]);
             check_size(ray.direction[axis]);

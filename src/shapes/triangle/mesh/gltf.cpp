@@ -222,6 +222,7 @@ private:
         std::vector<Vec<double>>& vertices = parsed_mesh_.mesh.vertices;
         require_within_limit(accessor, vertices.size(), elements.count, "vertices");
         entry->second = {vertices.size(), elements.count};
+
         for (std::size_t i = 0; i < elements.count; ++i) {
             settings_.stop.check();
             const auto p = elements.at<float, 3>(i);

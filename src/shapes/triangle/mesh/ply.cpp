@@ -296,6 +296,7 @@ ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
     const PlyHeader header = PlyHeaderLines(lines).read();
     PlyNumbers numbers(lines, bytes, header.encoding, settings.vertex_format);
     std::vector<std::uint32_t> corners;
+
     for (const PlyElement& element : header.elements) {
         numbers.begin(element);
         if (element.is_vertex()) parsed_mesh.mesh.vertices.reserve(element.count);
@@ -303,6 +304,7 @@ ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
             numbers.begin_element();
             if (element.is_vertex()) read_vertex(numbers, element, parsed_mesh.mesh);
             else read_corners(numbers, element, parsed_mesh.mesh.vertices.size(), corners);
+
             if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
             if (element.is_face()) parsed_mesh.add(corners, i);
             if (parsed_mesh.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
