@@ -89,6 +89,8 @@ PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
         d.remainder.degree = g.degree - 1;
         return d;
     }
+
+    // Without division of coefficients: multiplies by the leading coefficient of g in each step.
     for (int k = d.quotient.degree; k >= 0; --k) {
         const T quotient_term = d.remainder.coefficient(g.degree + k);
         for (int i = k + 1; i <= d.quotient.degree; ++i)
@@ -99,6 +101,8 @@ PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
             d.remainder.coefficient(i) = i < k ? scaled : scaled - quotient_term * g.coefficient(i - k);
         }
     }
+
+    // The factor must not change the sign of the remainder.
     d.remainder.degree = g.degree - 1;
     const bool is_odd_power = d.quotient.degree % 2 == 0;  // the power is the difference of the degrees plus one
     if (is_odd_power && known_sign(g.leading()) == -1) d.remainder = -d.remainder;
