@@ -17,6 +17,7 @@ NodeId BoundsRecorder::compute(TapeOp op, const TapeOperands& operands) {
         case TapeOp::div: return add(x(a) / x(b));
         case TapeOp::sqrt: return add(sqrt(x(a)));
         case TapeOp::fma: return add(fma(x(a), x(b), x(c)));
+
         case TapeOp::neg: return add(-x(a));
         case TapeOp::abs: return add(abs(x(a)));
         case TapeOp::copysign: return add(copysign(x(a), x(b)));
@@ -25,14 +26,17 @@ NodeId BoundsRecorder::compute(TapeOp op, const TapeOperands& operands) {
         case TapeOp::select: return add(select(decision_mask(a), x(b), x(c)));
         case TapeOp::next_up: return add(next_up(x(a)));
         case TapeOp::next_down: return add(next_down(x(a)));
+
         case TapeOp::less: return add(x(a) < x(b));
         case TapeOp::less_equal: return add(x(a) <= x(b));
         case TapeOp::greater: return add(x(a) > x(b));
         case TapeOp::greater_equal: return add(x(a) >= x(b));
+
         case TapeOp::logical_and: return add(decision_mask(a) && decision_mask(b));
         case TapeOp::logical_or: return add(decision_mask(a) || decision_mask(b));
         case TapeOp::logical_not: return add(!decision_mask(a));
         case TapeOp::any: return a;
+
         case TapeOp::input:
         case TapeOp::constant:
         case TapeOp::call:

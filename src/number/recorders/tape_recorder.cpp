@@ -16,6 +16,7 @@ double compute(TapeOp op, double x, double y, double z, const ToNumber& to_numbe
         case TapeOp::div: return to_value(a / b);
         case TapeOp::sqrt: return to_value(sqrt(a));
         case TapeOp::fma: return to_value(fma(a, b, c));
+
         case TapeOp::neg: return -x;
         case TapeOp::abs: return abs(x);
         case TapeOp::copysign: return copysign(x, y);
@@ -24,14 +25,17 @@ double compute(TapeOp op, double x, double y, double z, const ToNumber& to_numbe
         case TapeOp::select: return x != 0 ? y : z;
         case TapeOp::next_up: return to_value(next_up(a));
         case TapeOp::next_down: return to_value(next_down(a));
+
         case TapeOp::less: return x < y;
         case TapeOp::less_equal: return x <= y;
         case TapeOp::greater: return x > y;
         case TapeOp::greater_equal: return x >= y;
+
         case TapeOp::logical_and: return x != 0 && y != 0;
         case TapeOp::logical_or: return x != 0 || y != 0;
         case TapeOp::logical_not: return x == 0;
         case TapeOp::any: return x;
+
         case TapeOp::input:
         case TapeOp::constant:
         case TapeOp::call:
