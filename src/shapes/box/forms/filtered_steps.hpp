@@ -143,6 +143,7 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
             sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
     }
     const W v = unit_roundoff<W>(), end = min(widen_number(limit), beyond_every_t<W>());
+
     // 1 if the comparison is proved to hold, −1 if it is proved to fail, else 0. The least over all comparisons
     // decides.
     const auto proved_sign = [&](const W& lesser, const W& greater) {
@@ -162,6 +163,7 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
             return proved_sign(n[from] * m[to], f[to] * m[from]);
         },
         [](const W& a, const W& b) { return min(a, b); }, least_sign);
+
     const T narrowed_sign = narrow<T>(least_sign);
     return {narrowed_sign > T(0) || narrowed_sign < T(0), narrowed_sign >= T(0)};
 }
