@@ -88,7 +88,8 @@ Exit try_forms(const std::string& library, const CommonOptions& common) {
             "plugin check: nothing to check; name a library, a command by --pipe, or a function by --function");
     bool all_kept = true;
     for (const ForeignForm& form : forms)
-        all_kept = print_trial(form, intersect::external::first_root_form_of(formulas, form), common.quiet) && all_kept;
+        all_kept =
+            print_trial(form, intersect::external::find_first_root_form(formulas, form), common.quiet) && all_kept;
     for (const std::string& function_name : options.functions) {
         const auto function = selection::load_shown_function(function_name, options);
         const auto& answers = function->answers->batch32 ? function->answers->batch32 : function->answers->batch64;

@@ -27,7 +27,10 @@ struct Affine {
     constexpr void each(const Visit& visit) const {
         for (int i = 0; i < 3; ++i) {
             const Vec<T>& row = rows[static_cast<std::size_t>(i)];
-            visit(row.x), visit(row.y), visit(row.z), visit(shift[i]);
+            visit(row.x);
+            visit(row.y);
+            visit(row.z);
+            visit(shift[i]);
         }
     }
     static constexpr std::size_t numbers = 12;

@@ -28,16 +28,22 @@ FirstRoot<number::wide::Running<W>> first_root(const Polynomial<number::wide::Ru
     const QuarticChain<E> chain(f);
     const auto begin_changes = prove_sign_changes(chain.at(begin));
     const auto roots_ahead = prove_roots_between(begin_changes, prove_sign_changes(chain.at_infinity()), chain.last);
+
     const E zero(0);
     if (is_unset(roots_ahead.is_present)) return {roots_ahead.is_present, roots_ahead.is_absent, zero, zero, zero};
+
+    // Approximates the root in one word, and refines it by Newton steps in all words.
     const QuarticChain<P> leading_words_chain(f.c[4].first(), f.c[2].first(), f.c[1].first(), f.c[0].first());
     E x(W(approximate_first_root(leading_words_chain, begin.first(), bound.first(), newton_steps)));
     for (int i = 0; i < 2; ++i) x = E((x - chain.value(x) / E(chain.slope(x).words())).words());
+
+    // Encloses the root within twice the distance that one more step would move it.
     const E newton_step = chain.value(x) / E(chain.slope(x).words());
     const E distance(W(P(2) * (abs(newton_step.first()) + newton_step.radius()) + P(0x1p-110) * bound.first()));
     const E low((x - distance).words()), high((x + distance).words());
     const E to_low = x - low, to_high = high - x;
     const P radius = max(abs(to_low.first()) + to_low.radius(), abs(to_high.first()) + to_high.radius());
+
     const auto is_found =
         roots_ahead.is_present && (low > begin).yes() && is_first_between(chain, begin_changes, low, high);
     return {is_found, roots_ahead.is_absent, low, high, E(x.words(), radius * P(1 + 0x1p-40))};

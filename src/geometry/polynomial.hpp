@@ -89,6 +89,8 @@ PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
         d.remainder.degree = g.degree - 1;
         return d;
     }
+
+    // Without division of coefficients: multiplies by the leading coefficient of g in each step.
     for (int k = d.quotient.degree; k >= 0; --k) {
         const T quotient_term = d.remainder.coefficient(g.degree + k);
         for (int i = k + 1; i <= d.quotient.degree; ++i)
@@ -99,6 +101,8 @@ PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
             d.remainder.coefficient(i) = i < k ? scaled : scaled - quotient_term * g.coefficient(i - k);
         }
     }
+
+    // The factor must not change the sign of the remainder.
     d.remainder.degree = g.degree - 1;
     const bool is_odd_power = d.quotient.degree % 2 == 0;  // the power is the difference of the degrees plus one
     if (is_odd_power && known_sign(g.leading()) == -1) d.remainder = -d.remainder;
@@ -124,9 +128,12 @@ std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
         const int next_sign = *known_sign(g.leading()),
                   next_at_minus_infinity = g.degree % 2 == 0 ? next_sign : -next_sign;
         changes += (next_at_minus_infinity != sign_at_minus_infinity ? 1 : 0) - (next_sign != sign ? 1 : 0);
-        sign = next_sign, sign_at_minus_infinity = next_at_minus_infinity;
+        sign = next_sign;
+        sign_at_minus_infinity = next_at_minus_infinity;
     };
-    sign = *known_sign(previous.leading()), sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
+
+    sign = *known_sign(previous.leading());
+    sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
     count_changes(current);
     while (current.degree > 0) {
         Polynomial<T> remainder{{}, 2};
@@ -134,7 +141,8 @@ std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
         else remainder = divide(previous, current).remainder;
         if (!trim(remainder)) return std::nullopt;
         if (remainder.degree < 0) break;
-        previous = current, current = -remainder;
+        previous = current;
+        current = -remainder;
         count_changes(current);
     }
     return RootCount<T>{changes, current};

@@ -119,7 +119,8 @@ T approximate_first_root(const QuarticChain<T>& chain, const T& begin, const T& 
     for (int i = 0; i < 24; ++i) {
         const T middle = half * (low + high);
         const auto has_no_root = sign_changes(chain.at(middle)) >= begin_changes;
-        low = select(has_no_root, middle, low), high = select(has_no_root, high, middle);
+        low = select(has_no_root, middle, low);
+        high = select(has_no_root, high, middle);
     }
     // A step that leads further out than this width goes to another root, or consists of rounding errors.
     const T width = high - low, lowest = low - width, highest = high + width;

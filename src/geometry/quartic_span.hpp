@@ -27,26 +27,30 @@ struct QuarticSpan {
 /// interval is known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const QuarticSpan<T>& span) {
+    // Finds where the line crosses the surface. The second interval counts if the first ends before t = 0, where x = b.
     std::array<T, 4> crossings;
     int count = 0, first = 0;
     if constexpr (std::same_as<mask_t<T>, bool>) {
         const ApproximateRoots<T> approximations = approximate_roots(span.f, span.bound);
-        crossings = approximations.x, count = approximations.count;
+        crossings = approximations.x;
+        count = approximations.count;
         if (count > 2 && crossings[1] < span.b) first = 2;
     } else {
         const auto roots = enclosed_roots(span.f, span.bound);
         if (!roots) return std::nullopt;
         std::array<int, 4> crossing_indices;
-        for (int i = 0; i < roots->count; ++i)
-            if ((*roots)[i].changes_sign)
-                crossing_indices[static_cast<std::size_t>(count)] = i,
-                crossings[static_cast<std::size_t>(count++)] = (*roots)[i].root;
+        for (int i = 0; i < roots->count; ++i) {
+            if (!(*roots)[i].changes_sign) continue;
+            crossing_indices[static_cast<std::size_t>(count)] = i;
+            crossings[static_cast<std::size_t>(count++)] = (*roots)[i].root;
+        }
         if (count > 2) {
             const auto order = roots->order(crossing_indices[1], span.b);
             if (!order) return std::nullopt;
             if (*order < 0) first = 2;
         }
     }
+
     if (count < first + 2) return std::nullopt;
     const auto index = static_cast<std::size_t>(first);
     return Ends<T>{span.t_at(crossings[index]), span.t_at(crossings[index + 1])};

@@ -32,10 +32,13 @@ A approximate_root(const Polynomial<A>& f, A low, A high) {
         const auto sign = known_sign(value);
         if (!sign || *sign == 0) break;
         (is_rising == (*sign < 0) ? low : high) = x;
+
+        // Tries a step of Newton, and bisects if it leaves the interval.
         const A slope_at_x = middle(slope.at(x));
         A next = known_sign(slope_at_x) == 0 ? x : middle(x - value / slope_at_x);
         const bool is_between = known_sign(A(next - low)) == 1 && known_sign(A(high - next)) == 1;
         if (!is_between) next = middle(half * (low + high));
+
         if (known_sign(A(next - x)) == 0 || known_sign(A(next - low)) == 0 || known_sign(A(high - next)) == 0)
             return next;
         x = next;
@@ -56,7 +59,10 @@ ApproximateRoots<A> approximate_roots(const Polynomial<A>& f, const A& bound) {
         const A high = i < extrema.count ? extrema.x[static_cast<std::size_t>(i)] : bound;
         const auto sign_after = known_sign(middle(f.at(high)));
         if (sign_before && sign_after && *sign_before * *sign_after < 0) roots.add(approximate_root(f, low, high));
-        if (sign_after != 0) low = high, sign_before = sign_after;
+        if (sign_after != 0) {
+            low = high;
+            sign_before = sign_after;
+        }
     }
     return roots;
 }
@@ -189,6 +195,7 @@ std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& ap
         if (!sign_before || !sign_after || *sign_before * *sign_after >= 0) return std::nullopt;
         if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
     }
+
     // The sign beyond the last root is that of the leading coefficient. Half way between two roots the sign is known,
     // even if the sign of f close to a double root, where f is the square of a small number, is not.
     for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
@@ -222,6 +229,8 @@ std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& 
         roots.simple = divide(f, counted->common_divisor).quotient;
         if (!trim(roots.simple)) return std::nullopt;
     }
+
+    // Tries approximations from the cheapest to the most precise.
     const E search_bound = middle(bound);
     const auto enclose_near = [&](const ApproximateRoots<E>& approximations) {
         return detail::enclose_roots_near(approximations, roots, are_simple, bound);

@@ -181,7 +181,8 @@ Fraction<T> largest_entry(const SlabSpan<T>& s) {
     const auto take_larger = [&](const Fraction<T>& entry) {
         largest = select(is_positive(entry) && order_of(largest, entry).less, entry, largest);
     };
-    take_larger(s.entry[1]), take_larger(s.entry[2]);
+    take_larger(s.entry[1]);
+    take_larger(s.entry[2]);
     return largest;
 }
 

@@ -56,7 +56,9 @@ Vec<T> unit_of(const Vec<T>& v) {
 /// Names each component `label`.
 template <Number T>
 const Vec<T>& named(std::string_view label, const Vec<T>& v) {
-    named(label, v.x), named(label, v.y), named(label, v.z);
+    named(label, v.x);
+    named(label, v.y);
+    named(label, v.z);
     return v;
 }
 

@@ -33,15 +33,15 @@ public:
     }
 
     /// Adds an integer of the formula's text, or an input, rounded to the recorder's format or to binary64.
-    virtual NodeId constant(int x, bool in_double) = 0;
-    virtual NodeId input(double x, bool in_double) = 0;
+    virtual NodeId constant(int x, bool is_double) = 0;
+    virtual NodeId input(double x, bool is_double) = 0;
     /// Adds an operation, which may be a comparison or a logical one, and returns its index. The operands are in the
     /// order of `TapeNode::operands`.
     virtual NodeId apply(TapeOp op, const TapeOperands& operands) = 0;
     /// Converts a number to binary64, or to the recorder's format.
     virtual NodeId convert(NodeId x, bool to_double) = 0;
     /// Adds the value of a step that was computed as a whole (`Call`).
-    virtual NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) = 0;
+    virtual NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool is_double) = 0;
     /// The value of a number; for a decision, 1 or 0.
     [[nodiscard]] virtual double value(NodeId x) const = 0;
     /// True if a loop of the formula with this condition goes on.
@@ -103,17 +103,17 @@ auto decide(const RecordedMask& mask, const F& f) {
     return f(mask);
 }
 
-/// A number in the recorder's format, or (`in_double`) in binary64. Its values are those of the format, to the bit. The
+/// A number in the recorder's format, or (`is_double`) in binary64. Its values are those of the format, to the bit. The
 /// exact values are found afterwards, by running the tape again over an exact number
 /// (measure/attribution/attribution.hpp). The pixels of a map and a single ray under study are recorded in the same
 /// way; only the precision of the exact values differs.
-template <bool in_double>
+template <bool is_double>
 class BasicRecorded {
 public:
-    explicit BasicRecorded(int x) : node_(Recorder::current().constant(x, in_double)) {}
+    explicit BasicRecorded(int x) : node_(Recorder::current().constant(x, is_double)) {}
     /// An input.
     template <std::floating_point X>
-    explicit BasicRecorded(X x) : node_(Recorder::current().input(x, in_double)) {}
+    explicit BasicRecorded(X x) : node_(Recorder::current().input(x, is_double)) {}
 
     /// The number with this index in the recorder.
     static BasicRecorded at(NodeId node) { return BasicRecorded(node, FromNode()); }
@@ -121,10 +121,10 @@ public:
     [[nodiscard]] NodeId node() const { return node_; }
     [[nodiscard]] auto value() const {
         const double x = Recorder::current().value(node_);
-        if constexpr (in_double) return x;
+        if constexpr (is_double) return x;
         else return RoundedAny::from_value(x);
     }
-    static FloatFormat format() { return in_double ? binary64 : Recorder::current().format(); }
+    static FloatFormat format() { return is_double ? binary64 : Recorder::current().format(); }
 
     friend BasicRecorded operator+(const BasicRecorded& a, const BasicRecorded& b) {
         return record_number(TapeOp::add, a, b);
@@ -184,7 +184,7 @@ public:
         double x;
         if constexpr (std::is_floating_point_v<Value>) x = value;
         else x = value.value();
-        return at(Recorder::current().call(callee, nodes, x, in_double));
+        return at(Recorder::current().call(callee, nodes, x, is_double));
     }
 
 private:
@@ -205,14 +205,14 @@ using Recorded = BasicRecorded<false>;
 using RecordedInDouble = BasicRecorded<true>;
 
 /// Labels the operation that computed `value` with its name in the form's source.
-template <bool in_double>
-const BasicRecorded<in_double>& named(std::string_view label, const BasicRecorded<in_double>& value) {
+template <bool is_double>
+const BasicRecorded<is_double>& named(std::string_view label, const BasicRecorded<is_double>& value) {
     Recorder::current().name(value.node(), label);
     return value;
 }
 
-template <bool in_double>
-struct Part<BasicRecorded<in_double>> {
+template <bool is_double>
+struct Part<BasicRecorded<is_double>> {
     explicit Part(std::string_view name) { Recorder::current().name_following(name); }
     ~Part() { Recorder::current().name_following({}); }
     Part(const Part&) = delete;
@@ -226,8 +226,8 @@ struct Wider<Recorded> {
     static Recorded narrow(const type& x) { return Recorded::at(Recorder::current().convert(x.node(), false)); }
 };
 
-template <bool in_double>
-inline constexpr bool traces_operations<BasicRecorded<in_double>> = true;
+template <bool is_double>
+inline constexpr bool traces_operations<BasicRecorded<is_double>> = true;
 
 static_assert(Number<Recorded> && Number<RecordedInDouble>);
 

@@ -93,20 +93,25 @@ double to_format(double r, int residual, const FloatFormat& f) {
     std::uint64_t significand = bits & ((std::uint64_t{1} << 52) - 1);
     if (biased_exponent != 0) significand |= std::uint64_t{1} << 52;
     const int last_exponent = std::max(biased_exponent, 1) - 1075;  // r = ± significand · 2^last_exponent
+
     const int exponent = last_exponent + 63 - std::countl_zero(significand);
     const int dropped_count = static_cast<int>(ulp_exponent(f, exponent)) - last_exponent;
     double magnitude = std::fabs(r);
     if (dropped_count > 0) {
         if (dropped_count > 54) return std::copysign(0.0, r);  // below a quarter of the smallest subnormal
+
         const std::uint64_t half = std::uint64_t{1} << (dropped_count - 1);
         const std::uint64_t dropped_bits = significand & (half * 2 - 1);
         std::uint64_t rounded_significand = significand >> dropped_count;
+
+        // Rounds to nearest, ties to even; the tail decides what only looks like a tie.
         const int tail_sign = r > 0 ? residual : -residual;  // sign of the tail; positive away from zero
         if (dropped_bits > half ||
             (dropped_bits == half && (tail_sign > 0 || (tail_sign == 0 && (rounded_significand & 1)))))
             ++rounded_significand;
         magnitude = scaled(rounded_significand, last_exponent + dropped_count);
     }
+
     if (magnitude >= power_of_two(f.emax) * 2) magnitude = infinity;
     return std::copysign(magnitude, r);
 }

@@ -55,7 +55,10 @@ public:
             current_ = &format_;
             engine_ = f == binary32 ? Engine::machine_float : f == binary64 ? Engine::machine_double : Engine::rounding;
         }
-        ~Scope() { current_ = previous_, engine_ = previous_engine_; }
+        ~Scope() {
+            current_ = previous_;
+            engine_ = previous_engine_;
+        }
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
 

@@ -30,15 +30,22 @@ constexpr S<T> primitive_from(const Numbers& number_at) {
 }
 
 /// Calls `visit(number)` for each number of a primitive.
-template <template <class> class S, class T, class Take>
-constexpr void each_number(const S<T>& primitive, const Take& visit) {
+template <template <class> class S, class T, class Visit>
+constexpr void each_number(const S<T>& primitive, const Visit& visit) {
     const auto visit_keys = [&visit](const auto&... values) {
         const auto visit_key = [&visit](const auto& x) {
-            if constexpr (std::same_as<decltype(x), const Vec<T>&>) visit(x.x), visit(x.y), visit(x.z);
-            else visit(x);
+            if constexpr (std::same_as<decltype(x), const Vec<T>&>) {
+                visit(x.x);
+                visit(x.y);
+                visit(x.z);
+            } else {
+                visit(x);
+            }
         };
         (visit_key(values), ...);
     };
+
+    // A primitive is taken apart into its keys, each a number or a point.
     constexpr std::size_t keys = S<T>::keys.size();
     static_assert(keys >= 2 && keys <= 4);
     if constexpr (keys == 2) {

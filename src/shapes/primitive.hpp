@@ -49,7 +49,11 @@ struct Primitive {
     }
     /// Returns the point whose first coordinate is the number at index `k`.
     [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }
-    void set_point(std::size_t k, const Vec<S>& p) { numbers[k] = p.x, numbers[k + 1] = p.y, numbers[k + 2] = p.z; }
+    void set_point(std::size_t k, const Vec<S>& p) {
+        numbers[k] = p.x;
+        numbers[k + 1] = p.y;
+        numbers[k + 2] = p.z;
+    }
 #define LOSTBITS_LINE(folder, S_) \
     [[nodiscard]] S_<S> folder() const { return as<S_>(); }
     LOSTBITS_SHAPES(LOSTBITS_LINE)
@@ -94,8 +98,10 @@ void set_direction_square(Span& span, const S& d2) {
     span.d2 = d2;
     if constexpr (requires { span.side.d2; }) set_direction_square(span.side, d2);
     if constexpr (requires { span.primitive.d2; }) set_direction_square(span.primitive, d2);
-    if constexpr (requires { span.enter.d2; })
-        set_direction_square(span.enter, d2), set_direction_square(span.leave, d2);
+    if constexpr (requires { span.enter.d2; }) {
+        set_direction_square(span.enter, d2);
+        set_direction_square(span.leave, d2);
+    }
 }
 
 /// Calls `act(shape, ray)` with a primitive of shape `Of` and the ray, both in the space of the primitive.
@@ -172,6 +178,7 @@ template <class S>
 std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
     std::size_t k = 0;
     for (const Key& key : row_of(primitive.shape).keys) {
+        // Limits of points.
         if (key.limit == Key::Limit::not_collinear_with_previous &&
             on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
@@ -179,6 +186,8 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::not_zero && !are_apart(Vec<S>(S(0), S(0), S(0)), primitive.point(k)))
             return BrokenLimit{&key, k};
+
+        // Limits of numbers.
         for (const std::size_t end = k + key.count(); k < end; ++k) {
             const S& x = primitive.numbers[k];
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||

@@ -85,7 +85,7 @@ void fuzz_headers(std::string_view bytes) {
     static_cast<void>(intersect::external::quote_text(bytes));
     answer_or_error([&] {
         const auto contracts = read_greeting(speaker_of(bytes), terms);
-        const std::string written = intersect::external::pipe_header_of(contracts);
+        const std::string written = intersect::external::make_pipe_header(contracts);
         if (read_greeting(speaker_of(written), terms) != contracts)
             throw std::logic_error("a header is read back as another one");
     });
@@ -113,7 +113,7 @@ void fuzz_plugin(std::string_view bytes) {
     form.run = bytes.size() > numbers.size() ? nullptr : +[](const lb_batch*) -> const char* { return nullptr; };
     answer_or_error([&] {
         const std::vector<intersect::external::Contract> told{intersect::external::contract_of(form, "a library")};
-        const std::string header = intersect::external::pipe_header_of(told);
+        const std::string header = intersect::external::make_pipe_header(told);
         std::vector<std::string> lines;
         for (std::string_view rest = header; rest.size() > 1;) lines.push_back(take_line(rest));
         if (intersect::external::read_pipe_header(lines, "a pipe") != told)

@@ -30,10 +30,10 @@ using ArchetypeField = Archetype (*)(const Vec<Archetype>&);
 
 template <class... Form>
 std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const ArchetypeField&, const intersect::MarchConstants<Archetype>&,
-                              intersect::sdf::Unwatched&),
+                              intersect::sdf::NoMarchWatch&),
            sizeof...(Form)>
 instantiate_marches(FormList<Form...>) {
-    return {&Form::template intersect<Archetype, ArchetypeField, intersect::sdf::Unwatched>...};
+    return {&Form::template intersect<Archetype, ArchetypeField, intersect::sdf::NoMarchWatch>...};
 }
 
 extern const auto marches_over_archetype = instantiate_marches(intersect::SdfForms{});

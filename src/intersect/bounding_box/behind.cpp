@@ -50,7 +50,8 @@ struct Decisions {
     std::vector<std::uint8_t> hit;
 
     HitBatch<S> batch(std::size_t n) {
-        t.resize(3 * n), hit.resize(n);
+        t.resize(3 * n);
+        hit.resize(n);
         const std::span values(t);
         return {values.first(n), values.subspan(n, n), values.last(n), hit};
     }
@@ -62,12 +63,15 @@ template <class S, class BoxKernel, class FormKernel>
 void evaluate(const BoxedFormParts& form_parts, const Format& format, const BoxKernel& box, const FormKernel& form,
               const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     form(rays, target, hits);
+
+    // Asks the box form about the box of each primitive.
     std::vector<Primitive<S>> boxes;
     boxes.reserve(target.primitives.size());
     for (const Primitive<S>& primitive : target.primitives) boxes.push_back(box_around(form_parts, format, primitive));
     Decisions<S> decisions;
     const HitBatch<S> box_hits = decisions.batch(rays.size());
     box(rays, boxes.size() == 1 ? Target<S>(boxes.front()) : Target<S>(std::span<const Primitive<S>>(boxes)), box_hits);
+
     for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && decisions.hit[i] != 0;
 }
 
@@ -100,33 +104,51 @@ Hit<Interval> interval(void* context, const Ray<Interval>& ray, const Target<Int
     return parts_of_context(context).form->interval(ray, target);
 }
 
-/// Records the box form, then the form. `record_form(form, target, tape)` records one of them.
-template <class RecordForm>
+/// The inputs of a row with a box, and those of its two forms among them: the form takes the primitive, the box form
+/// the box, and both take the ray and its end.
+struct BoxedInputs {
+    std::vector<NodeId> form, box;
+};
+
+BoxedInputs record_boxed_inputs(const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
+                                const Primitive<double>& box, double tmax, Tape& tape) {
+    const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
+    BoxedInputs inputs;
+    for (const Vec<double>& v : {ray.origin, ray.direction})
+        for (int k = 0; k < 3; ++k) inputs.form.push_back(input(v[k]));
+    inputs.box = inputs.form;
+
+    for (const double x : primitive.shape_numbers()) inputs.form.push_back(input(x));
+    if (primitive.placed)
+        for (const double x : primitive.placed->matrix) inputs.form.push_back(input(x));
+    inputs.form.push_back(input(tmax));
+
+    for (const double x : box.shape_numbers()) inputs.box.push_back(input(x));
+    inputs.box.push_back(inputs.form.back());
+    return inputs;
+}
+
+/// Records the box form, then the form. `record_form(row, target, tape)` records one of them.
+template <class RecordRow>
 void record_with(const BoxedFormParts& form_parts, const Format& format, const Ray<double>& ray,
-                 const Target<double>& target, double tmax, Tape& tape, const RecordForm& record_form) {
+                 const Target<double>& target, double tmax, Tape& tape, const RecordRow& record_form) {
     tape.clear();
     const bool runs_every_loop = tape.runs_every_loop;
-    const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
-    std::vector<NodeId> form_inputs, box_inputs;
-    for (const Vec<double>& v : {ray.origin, ray.direction})
-        for (int k = 0; k < 3; ++k) form_inputs.push_back(input(v[k]));
-    box_inputs = form_inputs;
     const Primitive<double> primitive = target.primitives.front(), box = box_around(form_parts, format, primitive);
-    for (const double x : primitive.shape_numbers()) form_inputs.push_back(input(x));
-    if (primitive.placed)
-        for (const double x : primitive.placed->matrix) form_inputs.push_back(input(x));
-    form_inputs.push_back(input(tmax));
-    for (const double x : box.shape_numbers()) box_inputs.push_back(input(x));
-    box_inputs.push_back(form_inputs.back());
+    const BoxedInputs inputs = record_boxed_inputs(format, ray, primitive, box, tmax, tape);
+
+    // Records each form on a tape of its own, which then continues the tape of the row.
     const auto append_form = [&](const Intersector& form, const Target<double>& part_target,
-                                 const std::vector<NodeId>& inputs) {
+                                 const std::vector<NodeId>& part_inputs) {
         Tape form_tape;
         form_tape.runs_every_loop = runs_every_loop;
         record_form(form, part_target, form_tape);
-        return table::append_tape(form_tape, inputs, tape);
+        return table::append_tape(form_tape, part_inputs, tape);
     };
-    const TapeOutputs box_outcome = append_form(*form_parts.box, Target<double>(box), box_inputs);
-    TapeOutputs answer = append_form(*form_parts.form, target, form_inputs);
+    const TapeOutputs box_outcome = append_form(*form_parts.box, Target<double>(box), inputs.box);
+    TapeOutputs answer = append_form(*form_parts.form, target, inputs.form);
+
+    // A ray hits if both forms report a hit.
     const bool hit = tape[box_outcome.hit].value != 0 && tape[answer.hit].value != 0;
     answer.hit = tape.add(TapeOp::logical_and, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
     tape.outputs = answer;
@@ -155,12 +177,15 @@ void fill_form(BoxedForms::ComposedForm& composed) {
     const BoxedFormParts parts = parts_of_context(&composed);
     const Info &form = *parts.form->info, &box = *parts.box->info;
     const BoxMethodInfo& box_method = *parts.method->info;
+
     composed.name = join_text(form.name, "^", box.name);
     if (parts.method != &default_box_method()) composed.name += join_text("~", box_method.name);
     composed.title = join_text(form.title, "; behind a box: ", box.title, "; ", box_method.title);
     composed.source = join_text(form.source, "; ", box.source);
     if (box_method.source != "-") composed.source += join_text("; ", box_method.source);
     composed.copy_contract(form);
+
+    // The row has each arithmetic that both forms have. Enclosures omit the box.
     composed.intersector = {
         .info = &composed.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
     if (parts.form->native32 && parts.box->native32)

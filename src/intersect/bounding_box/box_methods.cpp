@@ -43,20 +43,28 @@ BoundingBox<double> compute_outward_box(const Format& format, const Primitive<do
     return box;
 }
 
+/// Moves each plane of a box outward by the method's number of neighbouring numbers.
+template <class Method, class T>
+void move_outward(BoundingBox<T>& box) {
+    for (int i = 0; i < 3; ++i) {
+        for (int move = 0; move < Method::info.outward_steps; ++move) {
+            box.lo[i] = next_down(box.lo[i]);
+            box.hi[i] = next_up(box.hi[i]);
+        }
+    }
+}
+
 template <class Method>
 BoundingBox<double> compute_box_in_format(const Format& format, const Primitive<double>& stored) {
     return with_number(format, [&]<class T>() {
         const auto primitive = lift_primitive<T>(stored);
-        if constexpr (Method::info.outward) {
+        if constexpr (Method::info.rounds_outward) {
             return compute_outward_box<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
         } else {
             auto bounding_box = world_box<Method>(primitive);
+            move_outward<Method>(bounding_box);
             BoundingBox<double> box;
             for (int i = 0; i < 3; ++i) {
-                for (int move = 0; move < Method::info.outward_steps; ++move) {
-                    bounding_box.lo[i] = next_down(bounding_box.lo[i]);
-                    bounding_box.hi[i] = next_up(bounding_box.hi[i]);
-                }
                 box.lo[i] = as_double(bounding_box.lo[i]);
                 box.hi[i] = as_double(bounding_box.hi[i]);
             }

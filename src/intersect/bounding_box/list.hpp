@@ -11,8 +11,8 @@ struct BoxMethodInfo {
     std::string_view name;  ///< such as `nearest` in `sphere.unified^box.signs~nearest`, unique
     std::string_view title;
     std::string_view source;
-    bool outward = false;   ///< true for the exact box with its numbers rounded outward; otherwise the box is computed
-                            ///< in the format
+    /// True for the exact box with its numbers rounded outward; otherwise the box is computed in the format.
+    bool rounds_outward = false;
     int outward_steps = 0;  ///< number of neighbours in the format by which each number is then moved outward
 };
 
@@ -29,7 +29,7 @@ struct OutwardBox : PointByRows {
         .name = "outward",
         .title = "the exact box, its numbers rounded outward",
         .source = "-",
-        .outward = true,
+        .rounds_outward = true,
     };
 };
 

@@ -16,7 +16,7 @@ namespace {
 /// Returns the path of the module of a kind, from the first folder that has it: $LOSTBITS_DEVICE_MODULES, the program's
 /// own folder (a build folder), the installed `lib/lostbits`. Throws EnvironmentError if none of these folders has the
 /// module.
-fs::path module_of(std::string_view kind) {
+fs::path find_device_module(std::string_view kind) {
     const std::string name = "lostbits_" + std::string(kind) + ".so";
     std::error_code error;
     const fs::path program_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
@@ -32,7 +32,7 @@ fs::path module_of(std::string_view kind) {
 }  // namespace
 
 std::unique_ptr<Device> open_device(std::string_view kind) {
-    const fs::path path = module_of(kind);
+    const fs::path path = find_device_module(kind);
     const auto fail = [&](const char* reason) -> EnvironmentError {
         if (reason != nullptr && lacks_memory(reason))
             return EnvironmentError(std::string(kind) + ": cannot load " + path.string() + ": " + reason +

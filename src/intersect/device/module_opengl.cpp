@@ -19,16 +19,19 @@ namespace {
 
 [[noreturn]] void fail(const std::string& problem) { throw EnvironmentError("opengl: " + problem); }
 
-/// Returns the displays that need no window, in the order in which they are tried: one for each device, Mesa's
+/// Finds the displays that need no window, in the order in which they are tried: one for each device, Mesa's
 /// surfaceless platform, the default display.
-std::vector<std::function<EGLDisplay()>> displays() {
+std::vector<std::function<EGLDisplay()>> find_displays() {
     std::vector<std::function<EGLDisplay()>> result;
     const char* const extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     const auto has = [extensions](const char* name) {
         return extensions != nullptr && std::strstr(extensions, name) != nullptr;
     };
+
     const auto display_of =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
+
+    // Adds a display for each device that the driver lists.
     if (has("EGL_EXT_platform_device") && has("EGL_EXT_device_enumeration") && display_of != nullptr) {
         const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
         std::array<EGLDeviceEXT, 16> devices{};
@@ -40,6 +43,7 @@ std::vector<std::function<EGLDisplay()>> displays() {
                 });
         }
     }
+
     if (has("EGL_MESA_platform_surfaceless") && display_of != nullptr)
         result.emplace_back(
             [display_of] { return display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr); });
@@ -52,28 +56,34 @@ std::vector<std::function<EGLDisplay()>> displays() {
 constexpr std::array<std::pair<EGLint, bool>, 8> context_versions{
     {{6, true}, {6, false}, {5, true}, {5, false}, {4, true}, {4, false}, {3, true}, {3, false}}};
 
+/// Creates a context of OpenGL 4 with this minor version. Returns EGL_NO_CONTEXT if the display has none.
+EGLContext create_context(EGLDisplay display, EGLint minor, bool with_notification) {
+    const std::array<EGLint, 9> context_attributes{
+        EGL_CONTEXT_MAJOR_VERSION,
+        4,
+        EGL_CONTEXT_MINOR_VERSION,
+        minor,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        with_notification ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR : EGL_NONE,
+        EGL_LOSE_CONTEXT_ON_RESET_KHR,
+        EGL_NONE};
+
+    // Without a suitable configuration, tries a context without any, which some drivers allow.
+    EGLConfig config = nullptr;
+    EGLint config_count = 0;
+    const std::array<EGLint, 3> config_attributes{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+    if (eglChooseConfig(display, config_attributes.data(), &config, 1, &config_count) != EGL_TRUE || config_count == 0)
+        config = nullptr;
+    return eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes.data());
+}
+
 /// Makes a context that can run compute programs current. Returns false if the display has no such context.
 bool make_current(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
     for (const auto& [minor, with_notification] : context_versions) {
-        const std::array<EGLint, 9> context_attributes{
-            EGL_CONTEXT_MAJOR_VERSION,
-            4,
-            EGL_CONTEXT_MINOR_VERSION,
-            minor,
-            EGL_CONTEXT_OPENGL_PROFILE_MASK,
-            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-            with_notification ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR : EGL_NONE,
-            EGL_LOSE_CONTEXT_ON_RESET_KHR,
-            EGL_NONE};
-        EGLConfig config = nullptr;
-        EGLint config_count = 0;
-        const std::array<EGLint, 3> config_attributes{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
-        if (eglChooseConfig(display, config_attributes.data(), &config, 1, &config_count) != EGL_TRUE ||
-            config_count == 0)
-            config = nullptr;
-        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes.data());
+        const EGLContext context = create_context(display, minor, with_notification);
         if (context == EGL_NO_CONTEXT) continue;
         if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return true;
         eglDestroyContext(display, context);
@@ -99,13 +109,14 @@ private:
 class GlDevice : public Device {
 public:
     GlDevice() {
-        const auto candidates = displays();
+        const auto candidates = find_displays();
         const auto can_be_current = [](const auto& display) { return make_current(display()); };
         if (std::ranges::none_of(candidates, can_be_current))
             fail(
                 "no driver with OpenGL 4.3 works without a window; install one (Debian: libegl-mesa0 "
                 "libgl1-mesa-dri, which compute on the processor)");
         description_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
+
         GLint bytes = 0, groups = 0;
         glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
         glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
@@ -121,6 +132,7 @@ public:
     [[nodiscard]] std::unique_ptr<Program> compile_program(const std::string& glsl, Language language) override {
         if (language != Language::glsl)
             throw EnvironmentError("opengl: takes only GLSL; --device vulkan takes HLSL too");
+
         const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
         const char* const text = glsl.c_str();
         glShaderSource(shader, 1, &text, nullptr);
@@ -132,6 +144,7 @@ public:
             glDeleteShader(shader);
             throw CompileError(log);
         }
+
         auto program = std::make_unique<GlProgram>(glCreateProgram());
         glAttachShader(program->name(), shader);
         glLinkProgram(program->name());
@@ -149,15 +162,19 @@ public:
             glBufferData(GL_SHADER_STORAGE_BUFFER, bytes, buffers[k].bytes.data(), GL_STREAM_READ);
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(k), buffer_names_[k]);
         }
+
+        // Runs the program. The barrier makes its results visible to the reads below.
         glUseProgram(static_cast<GlProgram&>(program).name());
         glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             if (!buffers[k].is_written) continue;
             glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer_names_[k]);
             glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(buffers[k].bytes.size()),
                                buffers[k].bytes.data());
         }
+
         if (const GLenum error = glGetError(); error != GL_NO_ERROR)
             fail(error == GL_OUT_OF_MEMORY
                      ? std::string("the device has no memory left")

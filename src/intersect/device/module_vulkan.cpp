@@ -24,7 +24,7 @@ void require_success(VkResult result, const char* action) {
 
 /// Reads a list that Vulkan returns in two calls: the count, then the entries.
 template <class T, class Enumerate>
-std::vector<T> list_of(const Enumerate& enumerate) {
+std::vector<T> read_list(const Enumerate& enumerate) {
     std::uint32_t count = 0;
     enumerate(&count, static_cast<T*>(nullptr));
     std::vector<T> list(count);
@@ -56,34 +56,47 @@ struct SelectedDevice {
     std::uint32_t queue_family = 0;
 };
 
+bool is_processor(VkPhysicalDevice device) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(device, &properties);
+    return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
+std::optional<std::uint32_t> find_compute_family(VkPhysicalDevice device) {
+    const auto families = read_list<VkQueueFamilyProperties>(
+        [&](auto* count, auto* entries) { vkGetPhysicalDeviceQueueFamilyProperties(device, count, entries); });
+    for (std::uint32_t k = 0; k < families.size(); ++k)
+        if ((families[k].queueFlags & VK_QUEUE_COMPUTE_BIT) != 0) return k;
+    return std::nullopt;
+}
+
 /// Finds the first device with such a queue family that is not a processor; if there is none, the first processor.
 SelectedDevice find_device(VkInstance instance) {
-    const auto devices = list_of<VkPhysicalDevice>(
+    const auto devices = read_list<VkPhysicalDevice>(
         [&](auto* count, auto* entries) { vkEnumeratePhysicalDevices(instance, count, entries); });
     std::optional<SelectedDevice> best;
     for (const VkPhysicalDevice device : devices) {
-        const auto families = list_of<VkQueueFamilyProperties>(
-            [&](auto* count, auto* entries) { vkGetPhysicalDeviceQueueFamilyProperties(device, count, entries); });
-        VkPhysicalDeviceProperties properties;
-        vkGetPhysicalDeviceProperties(device, &properties);
-        for (std::uint32_t k = 0; k < families.size(); ++k) {
-            if ((families[k].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) continue;
-            if (!best || properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) {
-                const bool replaces_best = !best || [&] {
-                    VkPhysicalDeviceProperties best_properties;
-                    vkGetPhysicalDeviceProperties(best->device, &best_properties);
-                    return best_properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-                }();
-                if (replaces_best) best = SelectedDevice{device, k};
-            }
-            break;
-        }
+        const std::optional<std::uint32_t> family = find_compute_family(device);
+        if (!family) continue;
+        if (!best || (is_processor(best->device) && !is_processor(device))) best = SelectedDevice{device, *family};
     }
     if (!best)
         fail(
             "no device can run compute programs; install a driver (Debian: mesa-vulkan-drivers, which also computes "
             "on the processor)");
     return *best;
+}
+
+/// Finds the first of the allowed kinds of memory that the processor can access without flushing it. Bit k of
+/// `allowed_kinds` allows kind k.
+std::uint32_t find_host_memory(const VkPhysicalDeviceMemoryProperties& memory_kinds, std::uint32_t allowed_kinds) {
+    constexpr VkMemoryPropertyFlags required_flags =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    for (std::uint32_t k = 0; k < memory_kinds.memoryTypeCount; ++k) {
+        const bool is_allowed = (allowed_kinds >> k & 1U) != 0;
+        if (is_allowed && (memory_kinds.memoryTypes[k].propertyFlags & required_flags) == required_flags) return k;
+    }
+    fail("the device has no memory that the processor can access");
 }
 
 /// A buffer that the device and the processor share. It grows to the largest size needed so far.
@@ -100,26 +113,23 @@ public:
             vkFreeMemory(device, memory_, nullptr);
         }
         size_ = 0;
+
         VkBufferCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
         info.size = bytes;
         info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
         require_success(vkCreateBuffer(device, &info, nullptr, &buffer_), "create a buffer");
+
+        // The memory may have to be larger than the buffer.
         VkMemoryRequirements requirements;
         vkGetBufferMemoryRequirements(device, buffer_, &requirements);
         VkMemoryAllocateInfo allocation{};
         allocation.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
         allocation.allocationSize = requirements.size;
-        constexpr VkMemoryPropertyFlags required_flags =
-            VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-        while (
-            allocation.memoryTypeIndex < memory_kinds.memoryTypeCount &&
-            ((requirements.memoryTypeBits >> allocation.memoryTypeIndex & 1U) == 0 ||
-             (memory_kinds.memoryTypes[allocation.memoryTypeIndex].propertyFlags & required_flags) != required_flags))
-            ++allocation.memoryTypeIndex;
-        if (allocation.memoryTypeIndex == memory_kinds.memoryTypeCount)
-            fail("the device has no memory that the processor can access");
+        allocation.memoryTypeIndex = find_host_memory(memory_kinds, requirements.memoryTypeBits);
         require_success(vkAllocateMemory(device, &allocation, nullptr, &memory_), "allocate memory");
+
+        // The memory stays mapped until it is freed.
         require_success(vkBindBufferMemory(device, buffer_, memory_, 0), "bind memory");
         require_success(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
         size_ = bytes;
@@ -154,12 +164,15 @@ public:
         vkGetPhysicalDeviceMemoryProperties(selected_.device, &memory_kinds_);
         VkPhysicalDeviceFeatures available_features;
         vkGetPhysicalDeviceFeatures(selected_.device, &available_features);
+
+        // The name and version of the driver are in an extension of the properties.
         VkPhysicalDeviceDriverProperties driver{};
         driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
         VkPhysicalDeviceProperties2 extended_properties{};
         extended_properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
         extended_properties.pNext = &driver;
         vkGetPhysicalDeviceProperties2(selected_.device, &extended_properties);
+
         description_ = {"vulkan", properties.deviceName, "vendor " + std::to_string(properties.vendorID),
                         "Vulkan " + std::to_string(VK_API_VERSION_MAJOR(properties.apiVersion)) + "." +
                             std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + " (" + driver.driverInfo +
@@ -169,6 +182,7 @@ public:
                    .groups = properties.limits.maxComputeWorkGroupCount[0],
                    .has_doubles = available_features.shaderFloat64 == VK_TRUE,
                    .glsl = 450};
+
         make_device(available_features);
         make_layout();
         make_commands();
@@ -178,13 +192,14 @@ public:
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
     [[nodiscard]] std::unique_ptr<Program> compile_program(const std::string& text, Language language) override {
-        const std::vector<std::uint32_t> code = spirv_of(text, language);
+        const std::vector<std::uint32_t> code = compile_to_spirv(text, language);
         VkShaderModuleCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
         info.codeSize = code.size() * sizeof(std::uint32_t);
         info.pCode = code.data();
         VkShaderModule module = VK_NULL_HANDLE;
         require_success(vkCreateShaderModule(device_, &info, nullptr, &module), "load a program");
+
         VkComputePipelineCreateInfo pipeline{};
         pipeline.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
         pipeline.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -192,6 +207,8 @@ public:
         pipeline.stage.module = module;
         pipeline.stage.pName = entry_of(language);
         pipeline.layout = layout_;
+
+        // The pipeline keeps what it needs of the module.
         VkPipeline pipeline_handle = VK_NULL_HANDLE;
         const VkResult result =
             vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &pipeline, nullptr, &pipeline_handle);
@@ -201,21 +218,9 @@ public:
     }
 
     void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
-        std::array<VkDescriptorBufferInfo, max_buffers> buffer_infos{};
-        std::array<VkWriteDescriptorSet, max_buffers> writes{};
-        for (std::size_t k = 0; k < buffers.size(); ++k) {
-            buffers_[k].grow_to(device_, memory_kinds_, buffers[k].bytes.size());
-            std::memcpy(buffers_[k].mapped(), buffers[k].bytes.data(), buffers[k].bytes.size());
-            buffer_infos[k] = {buffers_[k].name(), 0, VK_WHOLE_SIZE};
-            writes[k].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-            writes[k].dstSet = set_;
-            writes[k].dstBinding = static_cast<std::uint32_t>(k);
-            writes[k].descriptorCount = 1;
-            writes[k].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-            writes[k].pBufferInfo = &buffer_infos[k];
-        }
-        vkUpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);
-        submit(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(groups));
+        copy_to_device(buffers);
+        record_commands(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(groups));
+        submit();
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             if (buffers[k].is_written)
                 std::memcpy(buffers[k].bytes.data(), buffers_[k].mapped(), buffers[k].bytes.size());
@@ -225,6 +230,25 @@ public:
 private:
     static constexpr std::size_t max_buffers = 7;
 
+    /// Copies the buffers to memory that the device can access, and binds them to the bindings of the program.
+    void copy_to_device(std::span<const Buffer> buffers) {
+        std::array<VkDescriptorBufferInfo, max_buffers> buffer_infos{};
+        std::array<VkWriteDescriptorSet, max_buffers> writes{};
+        for (std::size_t k = 0; k < buffers.size(); ++k) {
+            buffers_[k].grow_to(device_, memory_kinds_, buffers[k].bytes.size());
+            std::memcpy(buffers_[k].mapped(), buffers[k].bytes.data(), buffers[k].bytes.size());
+
+            buffer_infos[k] = {buffers_[k].name(), 0, VK_WHOLE_SIZE};
+            writes[k].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+            writes[k].dstSet = set_;
+            writes[k].dstBinding = static_cast<std::uint32_t>(k);
+            writes[k].descriptorCount = 1;
+            writes[k].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+            writes[k].pBufferInfo = &buffer_infos[k];
+        }
+        vkUpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);
+    }
+
     void make_device(const VkPhysicalDeviceFeatures& available_features) {
         const float priority = 1;
         VkDeviceQueueCreateInfo queue{};
@@ -232,8 +256,10 @@ private:
         queue.queueFamilyIndex = selected_.queue_family;
         queue.queueCount = 1;
         queue.pQueuePriorities = &priority;
+
         VkPhysicalDeviceFeatures enabled_features{};
         enabled_features.shaderFloat64 = available_features.shaderFloat64;
+
         VkDeviceCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
         info.queueCreateInfoCount = 1;
@@ -244,6 +270,17 @@ private:
     }
 
     void make_layout() {
+        const VkDescriptorSetLayout set_layout = make_set_layout();
+        VkPipelineLayoutCreateInfo pipeline_layout{};
+        pipeline_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+        pipeline_layout.setLayoutCount = 1;
+        pipeline_layout.pSetLayouts = &set_layout;
+        require_success(vkCreatePipelineLayout(device_, &pipeline_layout, nullptr, &layout_), "lay out buffers");
+        allocate_set(set_layout);
+    }
+
+    /// Makes a layout with `max_buffers` buffers at the bindings 0, 1, …
+    VkDescriptorSetLayout make_set_layout() {
         std::array<VkDescriptorSetLayoutBinding, max_buffers> bindings{};
         for (std::size_t k = 0; k < max_buffers; ++k)
             bindings[k] = {static_cast<std::uint32_t>(k), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
@@ -254,11 +291,10 @@ private:
         info.pBindings = bindings.data();
         VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
         require_success(vkCreateDescriptorSetLayout(device_, &info, nullptr, &set_layout), "lay out buffers");
-        VkPipelineLayoutCreateInfo pipeline_layout{};
-        pipeline_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-        pipeline_layout.setLayoutCount = 1;
-        pipeline_layout.pSetLayouts = &set_layout;
-        require_success(vkCreatePipelineLayout(device_, &pipeline_layout, nullptr, &layout_), "lay out buffers");
+        return set_layout;
+    }
+
+    void allocate_set(VkDescriptorSetLayout set_layout) {
         const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, max_buffers};
         VkDescriptorPoolCreateInfo pool{};
         pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
@@ -267,6 +303,7 @@ private:
         pool.pPoolSizes = &size;
         VkDescriptorPool descriptor_pool = VK_NULL_HANDLE;
         require_success(vkCreateDescriptorPool(device_, &pool, nullptr, &descriptor_pool), "lay out buffers");
+
         VkDescriptorSetAllocateInfo allocation{};
         allocation.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
         allocation.descriptorPool = descriptor_pool;
@@ -282,26 +319,28 @@ private:
         pool.queueFamilyIndex = selected_.queue_family;
         VkCommandPool command_pool = VK_NULL_HANDLE;
         require_success(vkCreateCommandPool(device_, &pool, nullptr, &command_pool), "create commands");
+
         VkCommandBufferAllocateInfo allocation{};
         allocation.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
         allocation.commandPool = command_pool;
         allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
         allocation.commandBufferCount = 1;
         require_success(vkAllocateCommandBuffers(device_, &allocation, &commands_), "create commands");
+
         VkFenceCreateInfo fence{};
         fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
         require_success(vkCreateFence(device_, &fence, nullptr, &fence_), "create commands");
     }
 
-    /// Runs the program and waits for its end without a limit, since the process that started this process has a time
-    /// limit.
-    void submit(VkPipeline pipeline, std::uint32_t groups) {
+    /// Records a run of the program. The barrier makes its results visible to the processor.
+    void record_commands(VkPipeline pipeline, std::uint32_t groups) {
         VkCommandBufferBeginInfo begin{};
         begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
         require_success(vkBeginCommandBuffer(commands_, &begin), "create commands");
         vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
         vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);
         vkCmdDispatch(commands_, groups, 1, 1);
+
         VkMemoryBarrier barrier{};
         barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
         barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
@@ -309,6 +348,11 @@ private:
         vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
                              &barrier, 0, nullptr, 0, nullptr);
         require_success(vkEndCommandBuffer(commands_), "create commands");
+    }
+
+    /// Runs the commands and waits for their end without a limit, since the process that started this process has a
+    /// time limit.
+    void submit() {
         VkSubmitInfo submission{};
         submission.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
         submission.commandBufferCount = 1;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -53,31 +54,41 @@ public:
     int descriptor = -1;
 };
 
-/// Runs glslang and returns its status as waitpid gives it; -1 if glslang is not installed under either of its names.
-int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const MemoryFile& log, Language language) {
+/// Starts glslang under one of its names. Returns no process if it is not installed under this name.
+std::optional<pid_t> start_glslang(const char* name, const MemoryFile& program, const MemoryFile& spirv,
+                                   const MemoryFile& log, Language language) {
     constexpr int input_descriptor = 3, output_descriptor = 4;
     const std::string input_path = "/proc/self/fd/" + std::to_string(input_descriptor),
                       output_path = "/proc/self/fd/" + std::to_string(output_descriptor);
+    std::vector<std::string> arguments{name,   "-V", "-e",        entry_of(language), "-S",
+                                       "comp", "-o", output_path, input_path};
+    if (language == Language::hlsl) arguments.insert(arguments.begin() + 1, "-D");
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+
+    // The compiler reads and writes files in memory, which it inherits.
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    for (const auto& [source, target] : {std::pair(program.descriptor, input_descriptor),
+                                         {spirv.descriptor, output_descriptor},
+                                         {log.descriptor, STDOUT_FILENO},
+                                         {log.descriptor, STDERR_FILENO}})
+        posix_spawn_file_actions_adddup2(&files, source, target);
+
+    pid_t process = 0;
+    const int error = posix_spawnp(&process, name, &files, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    return error == 0 ? std::optional(process) : std::nullopt;
+}
+
+/// Runs glslang and returns its status as waitpid gives it; -1 if glslang is not installed under either of its names.
+int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const MemoryFile& log, Language language) {
     for (const char* name : {"glslangValidator", "glslang"}) {
-        std::vector<std::string> arguments{name,   "-V", "-e",        entry_of(language), "-S",
-                                           "comp", "-o", output_path, input_path};
-        if (language == Language::hlsl) arguments.insert(arguments.begin() + 1, "-D");
-        std::vector<char*> argv;
-        for (std::string& argument : arguments) argv.push_back(argument.data());
-        argv.push_back(nullptr);
-        posix_spawn_file_actions_t files;
-        posix_spawn_file_actions_init(&files);
-        for (const auto& [source, target] : {std::pair(program.descriptor, input_descriptor),
-                                             {spirv.descriptor, output_descriptor},
-                                             {log.descriptor, STDOUT_FILENO},
-                                             {log.descriptor, STDERR_FILENO}})
-            posix_spawn_file_actions_adddup2(&files, source, target);
-        pid_t process = 0;
-        const int error = posix_spawnp(&process, name, &files, nullptr, argv.data(), environ);
-        posix_spawn_file_actions_destroy(&files);
-        if (error != 0) continue;
+        const std::optional<pid_t> process = start_glslang(name, program, spirv, log, language);
+        if (!process) continue;
         int status = 0;
-        while (waitpid(process, &status, 0) < 0 && errno == EINTR) {}
+        while (waitpid(*process, &status, 0) < 0 && errno == EINTR) {}
         return status;
     }
     return -1;
@@ -88,14 +99,16 @@ int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const Memory
 void require_no_foreign_resources(const std::vector<std::uint32_t>& code) {
     constexpr std::uint32_t op_name = 5, op_variable = 59, uniform_constant = 0, uniform = 2;
     std::map<std::uint32_t, std::string> names;
-    for (std::size_t position = 5; position < code.size() && code[position] >> 16U != 0;
-         position += code[position] >> 16U) {  // header: 5 words
+    constexpr std::size_t header_words = 5;
+    for (std::size_t position = header_words; position < code.size() && code[position] >> 16U != 0;
+         position += code[position] >> 16U) {
         const std::uint32_t op = code[position] & 0xffffU, word_count = code[position] >> 16U;
         if (position + word_count > code.size()) return;
         if (op == op_name && word_count > 2)
             names[code[position + 1]] =
                 std::string(reinterpret_cast<const char*>(&code[position + 2]),
                             strnlen(reinterpret_cast<const char*>(&code[position + 2]), 4 * (word_count - 2)));
+
         if (op != op_variable || word_count < 4 ||
             (code[position + 3] != uniform_constant && code[position + 3] != uniform))
             continue;
@@ -108,7 +121,7 @@ void require_no_foreign_resources(const std::vector<std::uint32_t>& code) {
 
 }  // namespace
 
-std::vector<std::uint32_t> spirv_of(const std::string& text, Language language) {
+std::vector<std::uint32_t> compile_to_spirv(const std::string& text, Language language) {
     const MemoryFile program(text), spirv, log;
     const int status = run_glslang(program, spirv, log, language);
     if (status == -1)

@@ -19,10 +19,22 @@ constexpr std::size_t input_count = 1 << 14;
 template <class S>
 using SixNumbers = std::array<S, 6>;
 
-/// Returns the inputs. The first `fixed_count` inputs are fixed; the others have random significands, exponents from
-/// -16 to 16 and both signs.
+/// The inputs for subnormals, infinities and NaN, by what the device computes from their first numbers. They come
+/// first.
+enum class FixedInput : unsigned {
+    subnormal_plus_zero,
+    subnormal_times_one,
+    subnormal_product,  ///< of a normal number and 1/4
+    one_over_zero,
+    infinity_minus_infinity,
+    count
+};
+constexpr auto fixed_count = static_cast<std::size_t>(FixedInput::count);
+
+/// Returns the inputs: the fixed ones in the order of `FixedInput`, then others with random significands, exponents
+/// from -16 to 16 and both signs.
 template <class S>
-std::vector<SixNumbers<S>> probe_inputs() {
+std::vector<SixNumbers<S>> make_probe_inputs() {
     constexpr S least = std::numeric_limits<S>::min(), tiny = std::numeric_limits<S>::denorm_min();
     constexpr S infinity = std::numeric_limits<S>::infinity();
     std::vector<SixNumbers<S>> inputs{{3 * tiny, 0, 0, 1, 1, 1},
@@ -30,6 +42,7 @@ std::vector<SixNumbers<S>> probe_inputs() {
                                       {3 * least, S(0.25), 0, 1, 1, 1},
                                       {1, 0, 0, 1, 1, 1},
                                       {infinity, 1, -infinity, 1, 1, 1}};
+
     std::uint64_t state = 1;
     const auto random = [&state] { return (state = state * 6364136223846793005U + 1442695040888963407U) >> 11; };
     while (inputs.size() < input_count) {
@@ -44,7 +57,6 @@ std::vector<SixNumbers<S>> probe_inputs() {
     }
     return inputs;
 }
-constexpr std::size_t fixed_count = 5;
 
 template <class S>
 S two_sum_error(S a, S b) {
@@ -66,56 +78,19 @@ S kahan_sum(const SixNumbers<S>& numbers) {
 template <class S>
 class FormatProbe {
 public:
-    explicit FormatProbe(Device& device) : inputs_(probe_inputs<S>()), answers_(input_count) {
+    explicit FormatProbe(Device& device) : inputs_(make_probe_inputs<S>()), answers_(input_count) {
         const auto program = device.compile(probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
         const std::array<Buffer, 2> buffers{
-            {{std::as_writable_bytes(std::span(inputs_))}, {std::as_writable_bytes(std::span(answers_)), true}}};
+            {{.bytes = std::as_writable_bytes(std::span(inputs_))},
+             {.bytes = std::as_writable_bytes(std::span(answers_)), .is_written = true}}};
         device.run(*program, buffers, input_count / group_size);
     }
 
     void add_to(Arithmetic& arithmetic) const {
-        const auto add = [&](const char* key, std::string value) {
-            arithmetic.facts.push_back({(sizeof(S) == 4 ? "f32." : "f64.") + std::string(key), std::move(value)});
-        };
-        using Real = long double;
-        using std::abs;
-        add("add", rounding_text(Probed::add, [](const SixNumbers<S>& n) { return Real(n[0]) + Real(n[1]); }));
-        add("multiply", rounding_text(
-                            Probed::multiply, [](const SixNumbers<S>& n) { return Real(n[0]) * Real(n[1]); },
-                            [](const SixNumbers<S>& n) { return n[0] * n[1]; }));
-        add("divide", rounding_text(
-                          Probed::divide, [](const SixNumbers<S>& n) { return Real(n[0]) / Real(n[1]); },
-                          [](const SixNumbers<S>& n) { return n[0] / n[1]; }));
-        add("sqrt", rounding_text(
-                        Probed::square_root, [](const SixNumbers<S>& n) { return std::sqrt(Real(abs(n[0]))); },
-                        [](const SixNumbers<S>& n) { return std::sqrt(abs(n[0])); }));
-        add("inversesqrt",
-            rounding_text(Probed::inverse_root, [](const SixNumbers<S>& n) { return 1 / std::sqrt(Real(abs(n[0]))); }));
-        add("length", rounding_text(Probed::length, [](const SixNumbers<S>& n) { return length_of(n); }));
-        add("normalize",
-            rounding_text(Probed::normalize, [](const SixNumbers<S>& n) { return Real(n[0]) / length_of(n); }));
-        add("dot", dot_order());
-        add("fma", contraction_text(Probed::fma));
-        add("fma, precise", contraction_text(Probed::fma_precise));
-        add("a*b+c", contraction_text(Probed::contraction));
-        add("a*b+c, precise", contraction_text(Probed::contraction_precise));
-        const auto two_sum = [](const SixNumbers<S>& n) { return two_sum_error(n[0], n[1]); };
-        add("two_sum", rewriting_text(Probed::two_sum, two_sum));
-        add("two_sum, precise", rewriting_text(Probed::two_sum_precise, two_sum));
-        add("Kahan", rewriting_text(Probed::kahan, kahan_sum<S>));
-        add("Kahan, precise", rewriting_text(Probed::kahan_precise, kahan_sum<S>));
-        add("a*b+a*c",
-            rewriting_text(Probed::factored, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[0] * n[2]; }));
-        add("sqrt(x)*sqrt(x)", rewriting_text(Probed::root_squared, [](const SixNumbers<S>& n) {
-                const S root = std::sqrt(abs(n[0]));
-                return root * root;
-            }));
-        add("subnormal given",
-            answer_to(0, Probed::add) == inputs_[0][0] && answer_to(1, Probed::multiply) == inputs_[1][0] ? "kept"
-                                                                                                          : "flushed");
-        add("subnormal result", answer_to(2, Probed::multiply) == inputs_[2][0] * S(0.25) ? "kept" : "flushed");
-        add("1/0", std::isinf(answer_to(3, Probed::divide)) ? "infinity" : "not infinity");
-        add("inf-inf", std::isnan(answer_to(4, Probed::contraction)) ? "NaN" : "not NaN");
+        add_roundings(arithmetic);
+        add_contractions(arithmetic);
+        add_rewritings(arithmetic);
+        add_special_values(arithmetic);
     }
 
     void add_digest(std::uint64_t& digest) const {
@@ -126,8 +101,87 @@ public:
     }
 
 private:
-    [[nodiscard]] S answer_to(std::size_t i, Probed operation) const {
+    void add_fact(Arithmetic& arithmetic, const char* key, std::string value) const {
+        arithmetic.facts.push_back({(sizeof(S) == 4 ? "f32." : "f64.") + std::string(key), std::move(value)});
+    }
+
+    /// Adds how each operation rounds, and the order in which `dot` adds.
+    void add_roundings(Arithmetic& arithmetic) const {
+        using Real = long double;
+        using std::abs;
+        const auto add = [&](const char* key, std::string value) { add_fact(arithmetic, key, std::move(value)); };
+
+        // IEEE 754 asks that these be correctly rounded.
+        add("add",
+            describe_rounding(ProbedOperation::add, [](const SixNumbers<S>& n) { return Real(n[0]) + Real(n[1]); }));
+        add("multiply", describe_rounding(
+                            ProbedOperation::multiply, [](const SixNumbers<S>& n) { return Real(n[0]) * Real(n[1]); },
+                            [](const SixNumbers<S>& n) { return n[0] * n[1]; }));
+        add("divide", describe_rounding(
+                          ProbedOperation::divide, [](const SixNumbers<S>& n) { return Real(n[0]) / Real(n[1]); },
+                          [](const SixNumbers<S>& n) { return n[0] / n[1]; }));
+        add("sqrt", describe_rounding(
+                        ProbedOperation::square_root, [](const SixNumbers<S>& n) { return std::sqrt(Real(abs(n[0]))); },
+                        [](const SixNumbers<S>& n) { return std::sqrt(abs(n[0])); }));
+
+        // Functions of GLSL with an error of their own.
+        add("inversesqrt", describe_rounding(ProbedOperation::inverse_root,
+                                             [](const SixNumbers<S>& n) { return 1 / std::sqrt(Real(abs(n[0]))); }));
+        add("length", describe_rounding(ProbedOperation::length, [](const SixNumbers<S>& n) { return length_of(n); }));
+        add("normalize", describe_rounding(ProbedOperation::normalize,
+                                           [](const SixNumbers<S>& n) { return Real(n[0]) / length_of(n); }));
+        add("dot", find_dot_order());
+    }
+
+    /// Adds whether a product and a sum are rounded once or twice.
+    void add_contractions(Arithmetic& arithmetic) const {
+        add_fact(arithmetic, "fma", describe_contraction(ProbedOperation::fma));
+        add_fact(arithmetic, "fma, precise", describe_contraction(ProbedOperation::fma_precise));
+        add_fact(arithmetic, "a*b+c", describe_contraction(ProbedOperation::contraction));
+        add_fact(arithmetic, "a*b+c, precise", describe_contraction(ProbedOperation::contraction_precise));
+    }
+
+    /// Adds whether the compiler of the device rewrites expressions by rules that rounding breaks.
+    void add_rewritings(Arithmetic& arithmetic) const {
+        const auto add = [&](const char* key, ProbedOperation operation, const auto& as_written) {
+            add_fact(arithmetic, key, describe_rewriting(operation, as_written));
+        };
+        const auto two_sum = [](const SixNumbers<S>& n) { return two_sum_error(n[0], n[1]); };
+        add("two_sum", ProbedOperation::two_sum, two_sum);
+        add("two_sum, precise", ProbedOperation::two_sum_precise, two_sum);
+        add("Kahan", ProbedOperation::kahan, kahan_sum<S>);
+        add("Kahan, precise", ProbedOperation::kahan_precise, kahan_sum<S>);
+        add("a*b+a*c", ProbedOperation::factored, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[0] * n[2]; });
+        add("sqrt(x)*sqrt(x)", ProbedOperation::root_squared, [](const SixNumbers<S>& n) {
+            const S root = std::sqrt(std::abs(n[0]));
+            return root * root;
+        });
+    }
+
+    /// Adds the results for the fixed inputs.
+    void add_special_values(Arithmetic& arithmetic) const {
+        const auto add = [&](const char* key, const char* value) { add_fact(arithmetic, key, value); };
+        const auto value_of = [this](FixedInput input) { return inputs_[static_cast<std::size_t>(input)][0]; };
+        const bool keeps_subnormal_inputs = answer_to(FixedInput::subnormal_plus_zero, ProbedOperation::add) ==
+                                                value_of(FixedInput::subnormal_plus_zero) &&
+                                            answer_to(FixedInput::subnormal_times_one, ProbedOperation::multiply) ==
+                                                value_of(FixedInput::subnormal_times_one);
+        const bool keeps_subnormal_results = answer_to(FixedInput::subnormal_product, ProbedOperation::multiply) ==
+                                             value_of(FixedInput::subnormal_product) * S(0.25);
+        add("subnormal given", keeps_subnormal_inputs ? "kept" : "flushed");
+        add("subnormal result", keeps_subnormal_results ? "kept" : "flushed");
+        add("1/0",
+            std::isinf(answer_to(FixedInput::one_over_zero, ProbedOperation::divide)) ? "infinity" : "not infinity");
+        add("inf-inf", std::isnan(answer_to(FixedInput::infinity_minus_infinity, ProbedOperation::contraction))
+                           ? "NaN"
+                           : "not NaN");
+    }
+
+    [[nodiscard]] S answer_to(std::size_t i, ProbedOperation operation) const {
         return answers_[i][static_cast<std::size_t>(operation)];
+    }
+    [[nodiscard]] S answer_to(FixedInput input, ProbedOperation operation) const {
+        return answer_to(static_cast<std::size_t>(input), operation);
     }
 
     static long double length_of(const SixNumbers<S>& n) {
@@ -138,20 +192,21 @@ private:
     /// Returns `correctly rounded`, or the largest error in units of the last place of the true value.
     /// `correctly_rounded` gives the correctly rounded value. Without it the true value, computed in long double, is
     /// rounded, which may round twice; only a sum is computed in S directly.
-    [[nodiscard]] std::string rounding_text(
-        Probed operation, const std::function<long double(const SixNumbers<S>&)>& exact,
+    [[nodiscard]] std::string describe_rounding(
+        ProbedOperation operation, const std::function<long double(const SixNumbers<S>&)>& exact,
         const std::function<S(const SixNumbers<S>&)>& correctly_rounded = {}) const {
         std::size_t wrong_count = 0;
         long double worst_error = 0;
         for (std::size_t i = fixed_count; i < input_count; ++i) {
-            const long double truth = exact(inputs_[i]);
-            const S rounded = correctly_rounded          ? correctly_rounded(inputs_[i])
-                              : operation == Probed::add ? inputs_[i][0] + inputs_[i][1]
-                                                         : static_cast<S>(truth);
+            const long double true_value = exact(inputs_[i]);
+            const S rounded = correctly_rounded                   ? correctly_rounded(inputs_[i])
+                              : operation == ProbedOperation::add ? inputs_[i][0] + inputs_[i][1]
+                                                                  : static_cast<S>(true_value);
+
             const S answer = answer_to(i, operation);
             wrong_count += answer != rounded;
-            const long double ulp = std::ldexp(1.0L, std::ilogb(truth) - std::numeric_limits<S>::digits + 1);
-            worst_error = std::max(worst_error, std::fabs(static_cast<long double>(answer) - truth) / ulp);
+            const long double ulp = std::ldexp(1.0L, std::ilogb(true_value) - std::numeric_limits<S>::digits + 1);
+            worst_error = std::max(worst_error, std::fabs(static_cast<long double>(answer) - true_value) / ulp);
         }
         if (wrong_count == 0) return "correctly rounded";
         std::array<char, 80> text{};
@@ -160,34 +215,35 @@ private:
         return text.data();
     }
 
-    /// Fraction of the random inputs for which the device returns the result of the operations as written, each rounded
-    /// by itself.
-    [[nodiscard]] double share_as_written(Probed operation,
-                                          const std::function<S(const SixNumbers<S>&)>& as_written) const {
+    /// Measures the fraction of the random inputs for which the device returns the result of the operations as written,
+    /// each rounded by itself.
+    [[nodiscard]] double measure_fraction_as_written(ProbedOperation operation,
+                                                     const std::function<S(const SixNumbers<S>&)>& as_written) const {
         std::size_t same_count = 0;
         for (std::size_t i = fixed_count; i < input_count; ++i)
             same_count += answer_to(i, operation) == as_written(inputs_[i]);
         return static_cast<double>(same_count) / static_cast<double>(input_count - fixed_count);
     }
 
-    [[nodiscard]] std::string rewriting_text(Probed operation,
-                                             const std::function<S(const SixNumbers<S>&)>& as_written) const {
-        const double share = share_as_written(operation, as_written);
-        if (share == 1) return "as written";
+    [[nodiscard]] std::string describe_rewriting(ProbedOperation operation,
+                                                 const std::function<S(const SixNumbers<S>&)>& as_written) const {
+        const double fraction = measure_fraction_as_written(operation, as_written);
+        if (fraction == 1) return "as written";
         std::array<char, 60> text{};
-        std::snprintf(text.data(), text.size(), "rewritten: %.1f %% have the bits as written", 100 * share);
+        std::snprintf(text.data(), text.size(), "rewritten: %.1f %% have the bits as written", 100 * fraction);
         return text.data();
     }
 
-    [[nodiscard]] std::string contraction_text(Probed operation) const {
-        if (share_as_written(operation, [](const SixNumbers<S>& n) { return std::fma(n[0], n[1], n[2]); }) == 1)
+    [[nodiscard]] std::string describe_contraction(ProbedOperation operation) const {
+        if (measure_fraction_as_written(operation, [](const SixNumbers<S>& n) { return std::fma(n[0], n[1], n[2]); }) ==
+            1)
             return "rounds once";
-        if (share_as_written(operation, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[2]; }) == 1)
+        if (measure_fraction_as_written(operation, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[2]; }) == 1)
             return "rounds twice";
         return "neither rounds once nor twice throughout";
     }
 
-    [[nodiscard]] std::string dot_order() const {
+    [[nodiscard]] std::string find_dot_order() const {
         using Order = std::pair<const char*, S (*)(const SixNumbers<S>&)>;
         static constexpr std::array<Order, 6> orders{
             {{"(x+y)+z", [](const SixNumbers<S>& n) { return n[0] * n[3] + n[1] * n[4] + n[2] * n[5]; }},
@@ -199,7 +255,7 @@ private:
               [](const SixNumbers<S>& n) { return std::fma(n[0], n[3], std::fma(n[1], n[4], n[2] * n[5])); }},
              {"fma(z, x+y)", [](const SixNumbers<S>& n) { return std::fma(n[2], n[5], n[0] * n[3] + n[1] * n[4]); }}}};
         for (const auto& [order_name, order] : orders) {
-            if (share_as_written(Probed::dot, order) == 1) return order_name;
+            if (measure_fraction_as_written(ProbedOperation::dot, order) == 1) return order_name;
         }
         return "another order";
     }
@@ -208,14 +264,13 @@ private:
     std::vector<std::array<S, probed_count>> answers_;
 };
 
-/// Returns the count that a loop to `count` reaches. With `nested`, the loop runs `repetitions` times inside an outer
-/// loop.
-std::uint32_t reached_count(Device& device, bool nested, std::uint32_t count, std::uint32_t repetitions) {
+/// Measures the count that a loop to `count` reaches. A nested loop runs `repetitions` times inside an outer loop.
+std::uint32_t measure_count(Device& device, LoopKind kind, std::uint32_t count, std::uint32_t repetitions) {
     std::array<std::uint32_t, 3> input{count, 1, repetitions};
     std::array<std::uint32_t, 2> output{0, 0};
-    const auto program = device.compile(loop_program(device.limits().glsl, nested), Language::glsl);
-    const std::array<Buffer, 2> buffers{
-        {{std::as_writable_bytes(std::span(input))}, {std::as_writable_bytes(std::span(output)), true}}};
+    const auto program = device.compile(loop_program(device.limits().glsl, kind), Language::glsl);
+    const std::array<Buffer, 2> buffers{{{.bytes = std::as_writable_bytes(std::span(input))},
+                                         {.bytes = std::as_writable_bytes(std::span(output)), .is_written = true}}};
     device.run(*program, buffers, 1);
     return output[0];
 }
@@ -224,15 +279,17 @@ std::uint32_t reached_count(Device& device, bool nested, std::uint32_t count, st
 /// states of its generator, so a count that is too small by one is complete.
 void probe_loops(Device& device, Arithmetic& arithmetic) {
     constexpr std::uint32_t tried_iterations = 1U << 20, repetitions = 4;
-    const std::uint32_t single_limit = reached_count(device, false, tried_iterations, 1);
+    const std::uint32_t single_limit = measure_count(device, LoopKind::single, tried_iterations, 1);
     if (single_limit + 1 >= tried_iterations) {
         arithmetic.facts.push_back({"loops end after", "no limit up to 1048576 iterations"});
         return;
     }
-    arithmetic.loop_limit = single_limit;
+
     // If all loops share one limit, the second of these loops reaches it.
     const std::uint32_t iterations = single_limit / 8 * 5;
-    arithmetic.loops_share_limit = reached_count(device, true, iterations, repetitions) + 1 < iterations * repetitions;
+    arithmetic.loop_limit = single_limit;
+    arithmetic.loops_share_limit =
+        measure_count(device, LoopKind::nested, iterations, repetitions) + 1 < iterations * repetitions;
     arithmetic.facts.push_back(
         {"loops end after", std::to_string(single_limit) + " iterations, silently" +
                                 (arithmetic.loops_share_limit ? "; all loops of a call count together" : "")});

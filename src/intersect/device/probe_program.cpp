@@ -3,7 +3,7 @@
 namespace lostbits::intersect::device {
 namespace {
 
-/// The operations, in the order of `Probed`. R and V stand for the types of numbers and vectors.
+/// The operations, in the order of `ProbedOperation`. R and V stand for the types of numbers and vectors.
 constexpr const char* operations = R"(
 R two_sum_plain(R a, R b) {
     R s = a + b;
@@ -45,8 +45,11 @@ void main() {
     for (uint k = 0u; k < 6u; ++k) n[k] = inputs[6u * i + k];
     R x = n[0], y = n[1], z = n[2];
     V a = V(n[0], n[1], n[2]), b = V(n[3], n[4], n[5]);
+
     precise R fused = fma(x, y, z);
     precise R unfused = x * y + z;
+
+    // The answers, in the order of the enumeration.
     uint o = COUNTu * i;
     answers[o++] = x + y;
     answers[o++] = x - y;
@@ -80,8 +83,9 @@ std::string probe_program(int bits, int version) {
            (is_double ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
 }
 
-std::string loop_program(int version, bool nested) {
-    return version_line(version) + "#define OUTER_LOOP " + (nested ? "for (uint r = 0u; r < inputs[2]; ++r)" : "") + R"(
+std::string loop_program(int version, LoopKind kind) {
+    return version_line(version) + "#define OUTER_LOOP " +
+           (kind == LoopKind::nested ? "for (uint r = 0u; r < inputs[2]; ++r)" : "") + R"(
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) readonly buffer Inputs { uint inputs[]; };
 layout(std430, binding = 1) writeonly buffer Answers { uint answers[]; };

@@ -6,7 +6,7 @@
 namespace lostbits::intersect::device {
 
 /// Results that the program computes from six numbers x y z u v w, in this order.
-enum class Probed : unsigned {
+enum class ProbedOperation : unsigned {
     add,           ///< x + y
     subtract,      ///< x - y
     multiply,      ///< x * y
@@ -28,14 +28,16 @@ enum class Probed : unsigned {
     root_squared,  ///< sqrt(|x|) * sqrt(|x|)
     count
 };
-inline constexpr std::size_t probed_count = static_cast<std::size_t>(Probed::count);
+inline constexpr std::size_t probed_count = static_cast<std::size_t>(ProbedOperation::count);
 
 /// Returns GLSL that reads six numbers for each element at binding 0, and writes `probed_count` answers for each
 /// element at binding 1.
 std::string probe_program(int bits, int version);
 
-/// Returns GLSL that counts to the first number at binding 0 and writes the count at binding 1. With `nested`, an outer
-/// loop repeats this as many times as the third number at binding 0 says.
-std::string loop_program(int version, bool nested);
+enum class LoopKind { single, nested };
+
+/// Returns GLSL that counts to the first number at binding 0 and writes the count at binding 1. If the loop is nested,
+/// an outer loop repeats this as many times as the third number at binding 0 says.
+std::string loop_program(int version, LoopKind kind);
 
 }  // namespace lostbits::intersect::device

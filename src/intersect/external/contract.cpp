@@ -21,7 +21,7 @@ std::string shipped_prefixes() {
 
 /// Converts a field of `lb_form` to its enumeration. Throws InputError unless 0 <= number < count.
 template <class Value>
-Value enum_of(int number, int count, const char* field, const std::string& subject) {
+Value read_enum(int number, int count, const char* field, const std::string& subject) {
     if (number >= 0 && number < count) return static_cast<Value>(number);
     throw InputError(subject + ": " + field + " is " + std::to_string(number) + "; it must be from 0 to " +
                      std::to_string(count - 1) + ", see lostbits_plugin.h");
@@ -51,6 +51,8 @@ void require_line(const std::string& text, const char* field, const std::string&
 /// Throws InputError if another property of a contract contradicts the roots that the form yields.
 void require_roots(const Contract& c, const std::string& subject) {
     const bool has_both = c.roots == Roots::both, near_only = c.roots == Roots::near_only;
+
+    // LB_LINE and LB_CLIPPED describe the roots.
     if ((c.flags & LB_LINE) != 0 && !has_both && !near_only)
         throw InputError(subject +
                          ": line needs roots = both or near: lostbits takes the first of these roots that lies ahead; "
@@ -62,6 +64,8 @@ void require_roots(const Contract& c, const std::string& subject) {
         throw InputError(subject +
                          ": with near clipped to 0, a surface at the origin looks the same as one behind it; set "
                          "at_origin = exit or miss");
+
+    // LB_RANGE limits the answer to the range in the form itself.
     if ((c.flags & LB_RANGE) != 0 && (has_both || near_only))
         throw InputError(
             subject +
@@ -71,6 +75,8 @@ void require_roots(const Contract& c, const std::string& subject) {
         throw InputError(subject +
                          ": range and no_end contradict each other: with range, the form takes the end of the ray into "
                          "account; leave one of them out");
+
+    // The answer from inside must be a root that the form yields.
     if (c.inside == Inside::near && !near_only) throw InputError(subject + ": inside = near needs roots = near");
     if (c.inside == Inside::exit && near_only)
         throw InputError(
@@ -93,18 +99,20 @@ void require_valid_facing(Facing facing, Shape shape, const std::string& subject
 Contract contract_of(const lb_form& form, const std::string& library) {
     if (form.name == nullptr) throw InputError(library + ": a form has no name");
     const std::string subject = library + ": form \"" + form.name + "\"";
+
     Contract c{.name = form.name, .title = text_of(form.title), .source = text_of(form.source)};
-    c.shape = enum_of<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", subject);
+    c.shape = read_enum<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", subject);
     c.bits = form.format;
-    c.direction = enum_of<Direction>(form.direction, 2, "direction", subject);
-    c.roots = enum_of<Roots>(form.roots, 4, "roots", subject);
-    c.touching = enum_of<Touching>(form.touching, 2, "touching", subject);
-    c.at_origin = enum_of<AtOrigin>(form.at_origin, 3, "at_origin", subject);
-    c.inside =
-        enum_of<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags", subject);
-    c.facing =
-        enum_of<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", subject);
+    c.direction = read_enum<Direction>(form.direction, 2, "direction", subject);
+    c.roots = read_enum<Roots>(form.roots, 4, "roots", subject);
+    c.touching = read_enum<Touching>(form.touching, 2, "touching", subject);
+    c.at_origin = read_enum<AtOrigin>(form.at_origin, 3, "at_origin", subject);
+    c.inside = read_enum<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags",
+                                 subject);
+    c.facing = read_enum<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags",
+                                 subject);
     c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE | LB_FACING);
+
     if (form.run == nullptr) throw InputError(subject + ": run is NULL; set it to the function that answers a batch");
     require_valid(c, library);
     return c;
@@ -117,11 +125,13 @@ void require_valid(const Contract& c, const std::string& library) {
             ": a form's name must begin with a letter and consist of at most 64 letters, digits and . _ -, "
             "without two dots in a row or a dot at the end: columns, folders and pictures are named after "
             "it");
+
     const std::string subject = library + ": form \"" + c.name + "\"";
     const std::size_t dot = c.name.find('.');
     if (dot == std::string::npos || std::ranges::find(shape_names, c.name.substr(0, dot)) != shape_names.end())
         throw InputError(subject + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; names that begin with " +
                          shipped_prefixes() + " belong to the forms that ship with lostbits");
+
     require_line(c.title, "title", subject);
     require_line(c.source, "source", subject);
     if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
@@ -134,6 +144,8 @@ void require_valid(const Contract& c, const std::string& library) {
         throw InputError(subject +
                          ": flags has bits that this version does not know; rebuild the library with this version's "
                          "lostbits_plugin.h");
+
+    // The properties must not contradict each other.
     require_roots(c, subject);
     require_valid_facing(c.facing, c.shape, subject);
     require_origin(c.at_origin, inside_of(c), c.shape, subject);

@@ -24,7 +24,7 @@ constexpr std::uint8_t unwritten_hit = 0xEE;
 
 /// The columns of a batch interleaved ray by ray, and buffers for the answers. Each thread has its own.
 template <class S>
-struct Interleaved {
+struct InterleavedBatch {
     std::vector<S> rays, near_far, primitives, starts, ends;
     std::vector<std::uint8_t> hit;
 
@@ -36,11 +36,13 @@ struct Interleaved {
         for (std::size_t i = 0; i < n; ++i) {
             for (std::size_t k = 0; k < 6; ++k) rays[6 * i + k] = columns[k][i];
         }
+
         primitives.clear();
         for (const Primitive<S>& primitive : target.primitives) {
             const auto used = primitive.shape_numbers();
             primitives.insert(primitives.end(), used.begin(), used.end());
         }
+
         near_far.resize(2 * n);
         hit.resize(n);
         starts.clear();
@@ -64,6 +66,19 @@ bool is_unwritten(S x) {
     return std::bit_cast<Bits<S>>(x) == unwritten<S>;
 }
 
+/// Calls `fail` with the problem if the form has not written its answer to a ray, or not as its contract says.
+template <class S, class Fail>
+void require_answer(const Contract& contract, std::uint8_t hit_byte, const S* near_far, const Fail& fail) {
+    if (hit_byte == unwritten_hit) fail("did not write `hit`; it must be 1 or 0 for every ray");
+    if (hit_byte > 1) fail("wrote " + std::to_string(hit_byte) + " to `hit`; it must be 1 or 0");
+    if (hit_byte == 0 || contract.roots == Roots::none) return;
+    const bool yields_both = contract.roots == Roots::both;
+    if (is_unwritten(near_far[0]) || (yields_both && is_unwritten(near_far[1])))
+        fail(yields_both ? "reported a hit but did not write both near and far; if it yields one root, set `roots` "
+                           "accordingly"
+                         : "reported a hit but did not write t");
+}
+
 }  // namespace
 
 template <class S>
@@ -77,11 +92,13 @@ template void mark_unwritten(std::span<double>, std::span<std::uint8_t>);
 template <class S>
 Hit<S> apply_contract(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end) {
     if (hit_byte == 0) return {false, 0, 0, 0};
+
     // A form without t only decides.
     if (contract.roots == Roots::none) {
         constexpr S no_t = std::numeric_limits<S>::quiet_NaN();
         return {true, no_t, no_t, no_t};
     }
+
     const S near = near_far[0], far = contract.roots == Roots::both ? near_far[1] : near_far[0];
     // One root is the answer. It does not count if it lies behind the origin and is the near side, or if it lies beyond
     // the end of a ray that the form does not know.
@@ -89,17 +106,20 @@ Hit<S> apply_contract(const Contract& contract, std::uint8_t hit_byte, const S* 
         const bool near_is_behind = contract.roots == Roots::near_only && near < 0;
         return {!near_is_behind && ((contract.flags & LB_NO_END) == 0 || !(near > end)), near, near, far};
     }
+
     // Both roots: the near side is the answer if it lies ahead. At t = 0 it counts only under `at_origin = hit`. A near
     // side that is NaN stays the answer, so that it is seen as an error.
     const bool hits_at_origin = contract.at_origin == AtOrigin::hit,
                misses_at_origin = contract.at_origin == AtOrigin::miss;
     const bool near_is_ahead = std::isnan(near) || (hits_at_origin ? near >= 0 : near > 0);
+
     // If it is not, the origin lies inside, and `inside` says if the answer is 0, the far side or a miss.
     const Inside inside = inside_of(contract);
     const bool inside_gives_zero =
         inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(contract.shape));
     const S t = near_is_ahead ? near : inside_gives_zero ? S(0) : far;
     bool hit = near_is_ahead || inside != Inside::miss;
+
     // Under `at_origin = miss`, a primitive that ends at the origin is a miss.
     if (misses_at_origin && far <= 0) hit = false;
     // A form for lines also reports primitives that lie behind the origin.
@@ -120,13 +140,16 @@ void ForeignBatch::evaluate(const lb_batch& batch) {
 template <class S>
 void ForeignBatch::answer_in_format(const table::RayBatch<S>& rays, const Target<S>& target,
                                     const table::HitBatch<S>& hits) {
-    thread_local Interleaved<S> buffers;
+    thread_local InterleavedBatch<S> buffers;
     const std::size_t n = rays.size();
     if (n == 0) return;
+
+    // Forms that take a range get both of its ends, the others at most the end.
     buffers.fill_from(rays, target);
     const bool has_ranges = (form_.contract.flags & LB_RANGE) != 0 && rays.have_ranges();
     if (has_ranges) append_ranges(rays, buffers.starts, buffers.ends);
     const bool has_ends = !has_ranges && takes_tmax(form_.contract.shape) && !rays.tmax.empty();
+
     evaluate({.size = n,
               .rays = buffers.rays.data(),
               .ends = has_ranges ? buffers.ends.data()
@@ -138,23 +161,15 @@ void ForeignBatch::answer_in_format(const table::RayBatch<S>& rays, const Target
               .hit = buffers.hit.data(),
               .own = nullptr,
               .starts = has_ranges ? buffers.starts.data() : nullptr});
-    const Contract& contract = form_.contract;
-    const auto fail = [&](std::size_t i, const std::string& problem) {
-        throw EnvironmentError(form_.provider + ": form \"" + contract.name + "\" " + problem + " (ray " +
-                               std::to_string(i) + " of " + std::to_string(n) + " in a batch)");
-    };
+
     for (std::size_t i = 0; i < n; ++i) {
-        const std::uint8_t hit_byte = buffers.hit[i];
-        if (hit_byte == unwritten_hit) fail(i, "did not write `hit`; it must be 1 or 0 for every ray");
-        if (hit_byte > 1) fail(i, "wrote " + std::to_string(hit_byte) + " to `hit`; it must be 1 or 0");
         const S* const near_far = &buffers.near_far[2 * i];
-        if (hit_byte == 1 && contract.roots != Roots::none &&
-            (is_unwritten(near_far[0]) || (contract.roots == Roots::both && is_unwritten(near_far[1]))))
-            fail(i, contract.roots == Roots::both ? "reported a hit but did not write both near and far; if it yields "
-                                                    "one root, set `roots` accordingly"
-                                                  : "reported a hit but did not write t");
+        require_answer(form_.contract, buffers.hit[i], near_far, [&](const std::string& problem) {
+            throw EnvironmentError(form_.provider + ": form \"" + form_.contract.name + "\" " + problem + " (ray " +
+                                   std::to_string(i) + " of " + std::to_string(n) + " in a batch)");
+        });
         const S end = has_ends ? rays.tmax[i] : std::numeric_limits<S>::infinity();
-        const Hit<S> hit = apply_contract(contract, hit_byte, near_far, end);
+        const Hit<S> hit = apply_contract(form_.contract, buffers.hit[i], near_far, end);
         hits.hit[i] = hit.hit;
         hits.t[i] = hit.t;
         hits.near[i] = hit.near;

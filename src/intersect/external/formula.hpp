@@ -17,14 +17,19 @@ struct FormulaWatch {
     void (*leave)();
 };
 
+/// Forms of the C interface that yield the t of the hits as their root, in float and in double; the C interface has no
+/// field for t beside near and far. Null if the form yields only t.
+struct FirstRootForms {
+    const lb_form* f32 = nullptr;
+    const lb_form* f64 = nullptr;
+};
+
 /// A form as the library compiled it.
 struct Formula {
     table::Intersector intersector;
     std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null where not compiled
     const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
-    /// Forms of the C interface that yield the t of the hits as their root, in float and in double; the C interface has
-    /// no field for t beside near and far. Null if the form yields only t.
-    std::array<const lb_form*, 2> first;
+    FirstRootForms first_root_forms;
 };
 
 /// The list that `lostbits_formulas` returns. `build` comes first and is compared before anything else is read, since

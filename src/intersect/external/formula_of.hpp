@@ -31,6 +31,7 @@ struct ReportingCall<Form, function, R (*)(A...)> {
                 if (formula_watch != nullptr) formula_watch->leave();
             }
         } report;
+
         try {
             return function(arguments...);
         } catch (const std::exception& exception) {
@@ -54,7 +55,7 @@ struct AnyField {
 
 template <class Form>
 concept TakesAPrimitive =
-    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::Unwatched& w) {
+    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::NoMarchWatch& w) {
     Form::intersect(ray, AnyField(), c, w);
 };
 
@@ -74,7 +75,7 @@ template <class Form>
 void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype>* primitive,
                             const MarchConstants<Archetype>* c) {
     if constexpr (marches<Form>) {
-        sdf::Unwatched unwatched;
+        sdf::NoMarchWatch unwatched;
         static_cast<void>(Form::intersect(*ray, AnyField(), *c, unwatched));
     } else {
         Primitives::of_shape<shape_of<Form>>([&]<template <class> class S>() {
@@ -119,7 +120,7 @@ void check_rules_last() {
 
 /// Answers a batch in S through the C interface. `stated_roots` selects what the form returns: only t, or near and far.
 template <class Form, class S, Roots stated_roots = Form::info.roots>
-const char* answer_batch_of(const lb_batch* batch) {
+const char* answer_c_batch(const lb_batch* batch) {
     const auto* const rays = static_cast<const S*>(batch->rays);
     const auto* const ends = static_cast<const S*>(batch->ends);
     auto* const near_far = static_cast<S*>(batch->near_far);
@@ -153,7 +154,7 @@ constexpr lb_form plain_form() {
                      static_cast<unsigned>(Form::info.inside) * LB_INSIDE_EXIT |
                      static_cast<unsigned>(Form::info.facing) * LB_FACING_FRONT,
             .own = nullptr,
-            .run = answer_batch_of<Form, S, stated_roots>};
+            .run = answer_c_batch<Form, S, stated_roots>};
 }
 
 /// A form of the C interface that yields the t of the form's hits as its first root.
@@ -167,6 +168,8 @@ Formula formula_of() {
                   "Box<T>&, const T& tmax), or (const Ray<T>&, const Field&, const intersect::MarchConstants<T>&, "
                   "Watch&)");
     table::Intersector form{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
+
+    // Every call reports the form, so that a crash names it.
     form.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
     form.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
     form.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
@@ -175,15 +178,19 @@ Formula formula_of() {
     form.count = ReportingCall<Form, table::count_of<Form>>::run;
     form.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
     if constexpr (marches<Form>) form.log = ReportingCall<Form, table::log_of<Form>>::run;
+
     if constexpr (Form::info.formats == Formats::all) {
         form.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
         form.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
     }
+
     if (false) check_rules_last<Form>();
-    std::array<const lb_form*, 2> first_root_forms{};
+
+    // Forms that yield near and far also come with t as their root, for which the C interface has no field.
+    FirstRootForms first_root_forms;
     if constexpr (!marches<Form> && Form::info.roots == Roots::both) {
-        first_root_forms[0] = &first_form<Form, float>;
-        if constexpr (Form::info.formats == Formats::all) first_root_forms[1] = &first_form<Form, double>;
+        first_root_forms.f32 = &first_form<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) first_root_forms.f64 = &first_form<Form, double>;
     }
     return {form,
             {reporting_pack<Form, 0>(), reporting_pack<Form, 1>(), reporting_pack<Form, 2>()},

@@ -14,7 +14,7 @@ namespace lostbits::intersect::external {
 namespace {
 
 /// One entry for each running formula of this thread, since a formula may call another.
-thread_local std::deque<InForeignCode> running_formulas;
+thread_local std::deque<ForeignCodeScope> running_formulas;
 
 constexpr FormulaWatch running_formula_watch{[](const char* who) { running_formulas.emplace_back(who); },
                                              [] { running_formulas.pop_back(); }};
@@ -45,10 +45,13 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     if (const std::string changes = loaded.fp_state.differences(); !changes.empty())
         note_change(lasting_path, "changes how the processor computes (" + changes +
                                       ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
+
     const FormulaList* const list = call_foreign(lasting_path, [&] {
-        const LoadsForeignCode loading(lasting_path);
+        const ForeignLoadScope loading(lasting_path);
         return list_formulas(&running_formula_watch);
     });
+
+    // Tapes and enclosures hold only for forms of the same headers, rounded operation by operation.
     if (list == nullptr || list->build == nullptr)
         throw InputError(
             path + ": lostbits_formulas returns no list; define it by LOSTBITS_FORMULAS(...) of lostbits_form.hpp");
@@ -62,6 +65,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     if (list->all == nullptr || list->count == 0 || list->count > 4096)
         throw InputError(path + ": states " + std::to_string(list->count) +
                          " forms; the number must be from 1 to 4096");
+
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
         require_valid(contract_of_formula(formula), path);
@@ -70,11 +74,12 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     return formulas;
 }
 
-std::optional<ForeignForm> first_root_form_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
+std::optional<ForeignForm> find_first_root_form(const std::vector<Formula>& formulas, const ForeignForm& form) {
     for (const Formula& formula : formulas) {
-        const lb_form* const c_form = formula.first[form.contract.bits == 64 ? 1 : 0];
+        const lb_form* const c_form =
+            form.contract.bits == 64 ? formula.first_root_forms.f64 : formula.first_root_forms.f32;
         if (formula.intersector.info->name != form.contract.name || c_form == nullptr) continue;
-        ForeignForm first_root_form = foreign_form_of(*c_form, form.provider, process::FloatingPoint::standard());
+        ForeignForm first_root_form = build_foreign_form(*c_form, form.provider, process::FloatingPoint::standard());
         first_root_form.contract = form.contract;
         first_root_form.contract.roots = Roots::first_only;
         first_root_form.contract.inside = formula.intersector.info->inside;

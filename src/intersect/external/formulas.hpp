@@ -18,7 +18,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library);
 
 /// `form` is a formula as it answers through the C interface. Returns a form whose root is the t of that formula. Empty
 /// if the formula yields only t, so that the near of `form` is already t.
-std::optional<ForeignForm> first_root_form_of(const std::vector<Formula>& formulas, const ForeignForm& form);
+std::optional<ForeignForm> find_first_root_form(const std::vector<Formula>& formulas, const ForeignForm& form);
 
 /// Puts a prefix in front of the formula's name; see `prefix_of_plugin`.
 void add_prefix(Formula& formula, const std::string& prefix);

@@ -147,30 +147,32 @@ void restore_limits_sometimes(const char* who) {
     restore_limits_or_end(who);
 }
 
+/// Ends the program if a call runs for too long: beyond the time limit, or beyond a second after an interrupt.
+void end_if_overdue(const char* who, std::chrono::duration<double> duration) {
+    if (terms().stop.is_requested() && duration.count() > 1) {
+        clean_up();
+        print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
+        exit_program(Exit::interrupted);
+    }
+    if (duration.count() > terms().seconds)
+        end_with_message(who, "has not answered a batch within the time limit",
+                         "raise --time-limit SECONDS, or check the code for an endless loop");
+}
+
 [[noreturn]] void watch_over_calls() {
     for (;;) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         restore_limits_or_end(nullptr);
         const auto now = Clock::now().time_since_epoch().count();
-        for (const WatchedCall& call : watched_calls) {
-            const char* const who = call.who.load();
-            if (who == nullptr) continue;
-            const std::chrono::duration<double> duration = Clock::duration(now - call.start_time.load());
-            if (terms().stop.is_requested() && duration.count() > 1) {
-                clean_up();
-                print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
-                exit_program(Exit::interrupted);
-            }
-            if (duration.count() > terms().seconds)
-                end_with_message(who, "has not answered a batch within the time limit",
-                                 "raise --time-limit SECONDS, or check the code for an endless loop");
-        }
+        for (const WatchedCall& call : watched_calls)
+            if (const char* const who = call.who.load())
+                end_if_overdue(who, Clock::duration(now - call.start_time.load()));
     }
 }
 
 }  // namespace
 
-InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_state)
+ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint& fp_state)
     : who_(who),
       outer_code_(running_code.load()),
       state_before_(process::FloatingPoint::current()),
@@ -179,6 +181,8 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_s
     process::give_thread_own_folder();
     running_code = who;
     fp_state.set();
+
+    // Takes a free slot for the watching thread, if there is one.
     const auto now = Clock::now().time_since_epoch().count();
     for (std::size_t i = 0; i < watched_calls.size(); ++i) {
         const char* no_code = nullptr;
@@ -190,11 +194,12 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_s
     }
 }
 
-InForeignCode::~InForeignCode() {
+ForeignCodeScope::~ForeignCodeScope() {
     if (!process::restore_own_state(who_))
         end_with_message(who_, "closed descriptors that are the program's own",
                          "close only what it opened, each descriptor by its number");
     restore_limits_sometimes(who_);
+
     const auto state_after = process::FloatingPoint::current();
     state_before_.set();
     if (state_after != fp_state_)
@@ -203,6 +208,7 @@ InForeignCode::~InForeignCode() {
                         (state_after.differences().empty() ? "back to the standard state" : state_after.differences()) +
                         "); lostbits undoes that after each call; let the code call fegetenv first and fesetenv "
                         "last");
+
     running_code = outer_code_;
     if (slot_ >= 0) watched_calls[static_cast<std::size_t>(slot_)].who.store(nullptr);
 }
@@ -213,7 +219,7 @@ ProbeScope::~ProbeScope() {
     restore_limits_or_end(nullptr);  // every time, as probes are not timed: the report may go to a file
 }
 
-LoadsForeignCode::~LoadsForeignCode() {
+ForeignLoadScope::~ForeignLoadScope() {
     fp_state_.set();
     process::restore_after_loading();
     restore_limits_or_end(running_foreign_code());
@@ -248,6 +254,7 @@ void guard_foreign_code(const GuardTerms& new_terms) {
     if (is_guarding) return;
     is_guarding = true;
     process::keep_own_state();
+
     struct sigaction action {};
     action.sa_handler = on_crash;
     action.sa_flags = SA_ONSTACK;

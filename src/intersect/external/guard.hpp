@@ -13,13 +13,13 @@ namespace lostbits::intersect::external {
 /// While a guard lives, this thread is inside foreign code, and its floating-point state is the one in which the users
 /// of that code compute. Guards may be nested. The destructor restores the earlier state. If the code left another
 /// state, the change is noted (see `noted_changes`). `who`, the name of the code for messages, must outlive the guard.
-class InForeignCode {
+class ForeignCodeScope {
 public:
-    explicit InForeignCode(const char* who,
-                           const process::FloatingPoint& fp_state = process::FloatingPoint::standard());
-    ~InForeignCode();
-    InForeignCode(const InForeignCode&) = delete;
-    InForeignCode& operator=(const InForeignCode&) = delete;
+    explicit ForeignCodeScope(const char* who,
+                              const process::FloatingPoint& fp_state = process::FloatingPoint::standard());
+    ~ForeignCodeScope();
+    ForeignCodeScope(const ForeignCodeScope&) = delete;
+    ForeignCodeScope& operator=(const ForeignCodeScope&) = delete;
 
 private:
     int slot_ = -1;
@@ -31,21 +31,21 @@ private:
 /// what the code sets for the process: the locale (with a decimal comma, strtod() would read 0.5 as 0, and %g would
 /// write it as two cells of a table), and the floating-point state, which `current_state` returns until the
 /// guard ends.
-class LoadsForeignCode {
+class ForeignLoadScope {
 public:
     /// `fp_state` is the state that the loading of the library left, if the library is already loaded.
-    explicit LoadsForeignCode(const char* who,
+    explicit ForeignLoadScope(const char* who,
                               const process::FloatingPoint& fp_state = process::FloatingPoint::standard())
         : inside_(who, fp_state), fp_state_(fp_state) {}
-    ~LoadsForeignCode();
-    LoadsForeignCode(const LoadsForeignCode&) = delete;
-    LoadsForeignCode& operator=(const LoadsForeignCode&) = delete;
+    ~ForeignLoadScope();
+    ForeignLoadScope(const ForeignLoadScope&) = delete;
+    ForeignLoadScope& operator=(const ForeignLoadScope&) = delete;
 
     /// Returns the current floating-point state of this thread.
     [[nodiscard]] static process::FloatingPoint current_state() { return process::FloatingPoint::current(); }
 
 private:
-    InForeignCode inside_;
+    ForeignCodeScope inside_;
     process::FloatingPoint fp_state_;
 };
 
@@ -74,7 +74,7 @@ auto call_foreign(const char* who, Call&& call) {
 }
 
 /// Notes how `who` changes the floating-point state of the processor; only the first change of each library or form is
-/// kept. `InForeignCode` notes a call that does not restore the state.
+/// kept. `ForeignCodeScope` notes a call that does not restore the state.
 void note_change(const std::string& who, const std::string& change);
 /// Returns the noted changes as sentences that begin with the name of the library or form.
 std::vector<std::string> noted_changes();

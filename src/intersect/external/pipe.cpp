@@ -96,6 +96,8 @@ private:
             free_.pop_back();
             return answerer;
         }
+
+        // Starts a process without the lock, since others may return theirs in the meantime.
         ++running_;
         lock.unlock();
         auto answerer = std::make_unique<AnsweringProcess>(command_, terms_);
@@ -127,15 +129,17 @@ bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_
             ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
             "go to standard error");
     }
+
     const bool state_changed = is_lostbits && (answer.error_bytes & state_changed_bit) != 0;
     if (state_changed) answer.error_bytes &= ~state_changed_bit;
     if (answer.error_bytes == 0) return state_changed;
+
     std::string text(std::min<std::size_t>(answer.error_bytes, 1000), ' ');
     child.read(std::as_writable_bytes(std::span(text)));
     child.fail("refuses: " + quote_text(text, 400));
 }
 
-PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
+PipeRequest make_pipe_request(std::uint32_t form, const lb_batch& batch) {
     PipeRequest request;
     request.form = form;
     request.rays = static_cast<std::uint32_t>(batch.size);
@@ -183,7 +187,7 @@ void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& co
 
 void evaluate(AnsweringProcess& answerer, std::uint32_t form, const std::string& code_name, const Contract& contract,
               const lb_batch& batch) {
-    const PipeRequest request = request_of(form, batch);
+    const PipeRequest request = make_pipe_request(form, batch);
     answerer.child.set_subject("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
     if (answerer.memory) evaluate_in_shared_memory(answerer, code_name, request, bytes, batch);

@@ -78,7 +78,7 @@ std::string join_texts(Texts texts) {
 
 /// Returns the index of a text among the texts that its key allows. Throws InputError, which lists these texts, for any
 /// other text.
-std::size_t index_of(Texts texts, const std::string& text, const std::string& where, const std::string& key) {
+std::size_t find_text(Texts texts, const std::string& text, const std::string& where, const std::string& key) {
     const auto allowed_text = std::ranges::find(texts, text);
     if (allowed_text == texts.end())
         throw InputError(where + ": " + key + " is " + quote_text(text) + "; it must be one of " + join_texts(texts));
@@ -88,7 +88,7 @@ std::size_t index_of(Texts texts, const std::string& text, const std::string& wh
 void set_flags(Contract& contract, const std::string& value, const std::string& where) {
     for (std::size_t begin = 0; begin < value.size();) {
         const std::size_t comma = std::min(value.find(',', begin), value.size());
-        contract.flags |= flag_bits[index_of(flags, value.substr(begin, comma - begin), where, "flags")];
+        contract.flags |= flag_bits[find_text(flags, value.substr(begin, comma - begin), where, "flags")];
         begin = comma + 1;
     }
 }
@@ -135,7 +135,7 @@ bool set_property(Contract& contract, const std::string& key, const std::string&
     }
     const auto entry = std::ranges::find(keys(), key, &Key::name);
     if (entry == keys().end()) return false;
-    entry->set(contract, entry->texts.empty() ? 0 : index_of(entry->texts, value, where, key), value);
+    entry->set(contract, entry->texts.empty() ? 0 : find_text(entry->texts, value, where, key), value);
     return true;
 }
 
@@ -146,6 +146,8 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         const std::size_t equals = lines[i].find('=');
         if (equals == std::string::npos) throw InputError(where + ": " + quote_text(lines[i]) + " is not key=value");
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
+
+        // Each name= begins the next form.
         if (key == "name") contracts.emplace_back();
         if (contracts.empty())
             throw InputError(where + ": a form begins with name=; write it before " + quote_text(key));
@@ -155,6 +157,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
                 "; known keys are name, title, source, shape, format, direction, roots, touching, at_origin, "
                 "inside, facing, state, flags");
     }
+
     if (contracts.empty())
         throw InputError(
             subject +
@@ -163,7 +166,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
     return contracts;
 }
 
-std::string pipe_header_of(const std::vector<Contract>& contracts) {
+std::string make_pipe_header(const std::vector<Contract>& contracts) {
     std::string header = std::string(pipe_version) + "\n";
     for (const Contract& contract : contracts) {
         for (const Key& key : keys()) {

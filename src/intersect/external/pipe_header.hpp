@@ -25,7 +25,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
 bool set_property(Contract& contract, const std::string& key, const std::string& value, const std::string& where);
 
 /// Writes contracts as a header.
-std::string pipe_header_of(const std::vector<Contract>& contracts);
+std::string make_pipe_header(const std::vector<Contract>& contracts);
 
 /// Quotes a text that a user or a process wrote, for a message: in quotation marks, cut to `max_bytes` bytes, with
 /// control and non-ASCII characters as \xNN.

@@ -34,6 +34,8 @@ std::vector<fs::path> search_path() {
             rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
         }
     }
+
+    // The folders beside the program: of a build, then of an installation.
     std::error_code ignored;
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
     if (!program.empty()) {
@@ -53,7 +55,7 @@ std::string loader_error(const fs::path& library) {
 
 }  // namespace
 
-ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
+ForeignForm build_foreign_form(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
     ForeignForm result{contract_of(form, from), from, {}};
     result.contract.state = fp_state.differences();
     const char* const lasting_name = lasting_text(name_in_messages(result));
@@ -61,7 +63,7 @@ ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const 
         lb_batch batch = request;
         batch.own = form.own;
         const char* const refusal = call_foreign(lasting_name, [&] {
-            const InForeignCode guard(lasting_name, fp_state);
+            const ForeignCodeScope guard(lasting_name, fp_state);
             return form.run(&batch);
         });
         if (refusal != nullptr) throw EnvironmentError(std::string(lasting_name) + ": " + quote_text(refusal, 400));
@@ -89,9 +91,11 @@ fs::path find_plugin(const std::string& option) {
     if (library_name.empty() && !option.empty())
         throw InputError("--plugin " + option + ": names no library; write its path after the =, as in " + option +
                          "mine.so");
+
     const fs::path library_path(library_name);
     if (fs::is_regular_file(library_path, ignored)) return library_path;
     if (library_name.find('/') != std::string::npos) throw InputError(library_name + ": no such file");
+
     std::string searched = "in the current folder";
     for (const fs::path& folder : search_path()) {
         for (const fs::path& path : {folder / library_name, folder / (library_name + ".so")}) {
@@ -142,7 +146,7 @@ Library load_library(const fs::path& library) {
                                                "mine.so), or a program with --pipe"));
     // The path is absolute: for a name without a slash the loader would search its own folders.
     const auto [library_handle, state_after_load] = call_foreign(lasting_path, [&] {
-        const LoadsForeignCode loading(lasting_path);
+        const ForeignLoadScope loading(lasting_path);
         void* const handle = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
         return std::pair(handle, loading.current_state());
     });
@@ -162,14 +166,16 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          ": exports no lostbits_forms; write LOSTBITS_FORMS(...) of lostbits_plugin.hpp or "
                          "LOSTBITS_FORMULAS(...) of lostbits_form.hpp outside of every namespace, or in C define "
                          "lostbits_forms as lostbits_plugin.h declares it");
+
     std::size_t count = 0;
     // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
     // library's users compute.
     const auto [forms, fp_state] = call_foreign(lasting_path, [&] {
-        const LoadsForeignCode loading(lasting_path, loaded.fp_state);
+        const ForeignLoadScope loading(lasting_path, loaded.fp_state);
         const lb_form* const list = list_forms(LOSTBITS_PLUGIN_ABI, &count);
         return std::pair(list, loading.current_state());
     });
+
     // A library may have only forms that march, which the C interface does not know.
     if (count == 0 && dlsym(loaded.handle, "lostbits_formulas") != nullptr) return {};
     if (forms == nullptr)
@@ -177,8 +183,9 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          " of lostbits_plugin.h; compile it again with the header of this program");
     if (count == 0 || count > 4096)
         throw InputError(path + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
+
     std::vector<ForeignForm> result;
-    for (std::size_t i = 0; i < count; ++i) result.push_back(foreign_form_of(forms[i], path, fp_state));
+    for (std::size_t i = 0; i < count; ++i) result.push_back(build_foreign_form(forms[i], path, fp_state));
     return result;
 }
 

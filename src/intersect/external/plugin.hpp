@@ -48,7 +48,7 @@ const char* lasting_text(const std::string& text);
 
 /// Returns a form as a library states it. `form` must live as long as the library is loaded. `fp_state` is the
 /// floating-point environment of the library. Throws InputError, which begins with `from`, for an invalid contract.
-ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
+ForeignForm build_foreign_form(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
 
 /// Loads a library, which stays loaded, and calls it for its forms. Throws InputError if the file is not a library,
 /// exports no `lostbits_forms`, is of another version, or states invalid contracts.

@@ -41,15 +41,19 @@ void ForeignIntersector::store(ForeignForm form) {
                          std::to_string(form.contract.bits) + ", first in " + same_format->form().provider +
                          "; give each form its own name, or add a prefix to the names of one library: --plugin new=" +
                          form.provider + " calls this form new." + form.contract.name);
+
+    // The two formats of a form share one contract, up to its texts and flags.
     if (other_format) {
         Contract expected = other_format->form().contract;
         expected.bits = form.contract.bits;
-        expected.title = form.contract.title, expected.source = form.contract.source,
+        expected.title = form.contract.title;
+        expected.source = form.contract.source;
         expected.flags = form.contract.flags;
         if (expected != form.contract)
             throw InputError(form.provider + ": " + form.contract.name +
                              " has different contracts in binary32 and binary64; give the two forms different names");
     }
+
     same_format = std::make_unique<ForeignBatch>(std::move(form));
 }
 

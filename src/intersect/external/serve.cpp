@@ -117,6 +117,7 @@ std::optional<BatchColumns> read_batch(int input, const PipeRequest& request, co
     const auto offsets = column_offsets(bytes);
     std::byte* const memory = buffers.shared ? buffers.shared->with_bytes(offsets.back()) : nullptr;
     if (buffers.shared && memory == nullptr) return std::nullopt;
+
     BatchColumns columns{};
     for (std::size_t k = 0; k < columns.size(); ++k) {
         if (!buffers.shared && k < BatchColumn::request_columns && !read_column(input, buffers.columns[k], bytes[k]))
@@ -169,9 +170,13 @@ std::string refusal_of(const Error& error) {
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     std::vector<Contract> contracts;
     for (const ForeignForm& form : forms) contracts.push_back(form.contract);
-    const std::string header = pipe_header_of(contracts);
+    const std::string header = make_pipe_header(contracts);
     signal(SIGPIPE, SIG_IGN);  // a failed write returns an error instead of ending the process
-    if (!write_all(output, header.data(), header.size())) return throw_unless_client_ended(input), true;
+    if (!write_all(output, header.data(), header.size())) {
+        throw_unless_client_ended(input);
+        return true;
+    }
+
     ColumnMemory buffers;
     for (PipeRequest request; read_all(input, &request, sizeof request);) {
         if (std::memcmp(request.magic, shared_memory_magic, sizeof request.magic) == 0) {
@@ -179,12 +184,15 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
             fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // no other process reads from this end
             continue;
         }
+
         if (!is_valid_request(request, forms)) return false;
         const ForeignForm& form = forms[request.form];
         const std::optional<BatchColumns> columns = read_batch(input, request, form.contract, buffers);
         if (!columns) return true;
-        if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers))
-            return throw_unless_client_ended(input), true;
+        if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers)) {
+            throw_unless_client_ended(input);
+            return true;
+        }
     }
     return true;
 }

@@ -28,8 +28,10 @@ template <template <class> class S, class T, class P>
     using E = number::wide::Proving<T>;
     const auto number_at = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number_at(0), number_at(1), number_at(2)}, {number_at(3), number_at(4), number_at(5)}};
+
     const auto first_hit =
         first_span_hit(primitive_from<S, E>([&](std::size_t i) { return number_at(6 + i); }).span(ray));
+
     const P u = number::wide::roundoff<P>(), t = number::wide::value_of(first_hit.t.word());
     const mask_t<P> is_fine_enough = P(1024) * u <= P(1) / P(1024), is_accurate = first_hit.t.radius() <= P(62) * u * t;
     return {is_fine_enough && (first_hit.hit.no() || (first_hit.hit.yes() && is_accurate)), first_hit.hit.yes(),
@@ -62,6 +64,7 @@ requires number::wide::InRegisters<T> Hit<T> decide_in_wider(std::string_view, S
     known.proved.store(proved);
     known.t.store(t);
     select(known.hit, T(1), T(0)).store(hit);
+
     for (std::size_t lane = 0; lane < T::lanes; ++lane) {
         if (proved[lane]) continue;
         double ray_numbers[n];
@@ -82,6 +85,7 @@ Hit<T> decide_in_wider(std::string_view form, Shape shape, const std::array<T, n
     for (std::size_t i = 0; i < n; ++i) ray_numbers[i] = as_double(numbers[i]);
     const FallbackAnswer answer = exact_fallback(shape, ray_numbers, as_double(unit_roundoff<P>()));
     watch(answer.arithmetic);
+
     const P t = static_cast<P>(answer.t);
     if constexpr (traces_operations<T>) {
         using number::wide::record_call;
@@ -101,6 +105,8 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, 
     } else {
         using P = decltype(number::wide::value_of(ray.origin.x));
         const Vec<T>&o = ray.origin, &d = ray.direction;
+
+        // Collects the numbers of the ray, then those of the primitive.
         const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
             std::array<T, 6 + sizeof...(i)> result{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
             std::size_t k = 6;
@@ -108,6 +114,7 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, 
             return result;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());
+
         const FirstStep<T, P> known = prove<S, T, P>(numbers.data());
         if (any_of(number::wide::constant_mask<T>(!known.proved)))
             return decide_in_wider<T>(form, shape_as<S>, numbers, known, watch);
@@ -125,7 +132,7 @@ inline constexpr std::string_view source_by_span =
 /// 53), the ray is computed again in wider arithmetic: float, double, double-double, intervals. No decision about the
 /// closed primitive is wrong (tests/exact). The form yields the first intersection: near = far = t.
 template <class F, template <class> class S>
-struct FiltersBySpan {
+struct SpanFilter {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const S<T>& primitive) {
         NoWatch watch;

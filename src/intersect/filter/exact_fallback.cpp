@@ -72,7 +72,7 @@ template <template <class> class S>
 FallbackAnswer decide_by_escalation(const double* numbers, double u) {
     if (u > 0x1p-53)
         if (const ProvedAnswer proved_in_double = proved_by<S, Proving<double>>(numbers, u)) return *proved_in_double;
-    using Limits = Deciding<SpanOf<S, Ball>>;
+    using Limits = FallbackLimits<SpanOf<S, Ball>>;
     if constexpr (Limits::tries_running_words)
         if (const ProvedAnswer proved_in_two_words = proved_by<S, Running<TwoWords<double>>>(numbers, u))
             return *proved_in_two_words;

@@ -20,7 +20,7 @@ struct FallbackAnswer {
 ///
 /// It computes in double if u is coarser than that of double, then in double-double (`Ball`), then in intervals
 /// (`Interval`) of 192 bits. The number of bits is doubled until the intervals decide. The decisions are signs of
-/// polynomials of the inputs, which enough bits hold exactly (`Deciding` says how many for each span).
+/// polynomials of the inputs, which enough bits hold exactly (`FallbackLimits` says how many for each span).
 FallbackAnswer exact_fallback(Shape shape, const double* numbers, double u);
 
 }  // namespace lostbits::intersect::filter

@@ -21,7 +21,7 @@ struct FirstSpanHit {
 /// Limits of the wider arithmetics that compute the first hit of a span again if the form's own arithmetic does not
 /// prove the decision.
 template <class Span>
-struct Deciding {
+struct FallbackLimits {
     /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.
     static constexpr long enough_bits = 32768;
     /// True if two words with a running bound (an error bound that each operation updates) are tried before balls.

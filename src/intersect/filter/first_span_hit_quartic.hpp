@@ -13,7 +13,7 @@ namespace lostbits::intersect::filter {
 /// the inputs: 62 (1024 + 1074) + 70 < 131072. Balls distinguish some double roots that two words with a running bound
 /// do not, and take seven times as long.
 template <class E>
-struct Deciding<QuarticSpan<E>> {
+struct FallbackLimits<QuarticSpan<E>> {
     static constexpr long enough_bits = 131072;
     static constexpr bool tries_running_words = true;
 };
@@ -69,6 +69,8 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     using lostbits::abs;
     const auto value_of = [](const E& x) { return U(number::wide::value_of(x.word()), x.radius()); };
     const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
+
+    // Counts the roots ahead. A line far from the surface has none.
     const U b = value_of(s.b);
     const auto changes_at_begin = prove_sign_changes(f.at(b));
     const auto roots_ahead = prove_roots_between(changes_at_begin, prove_sign_changes(f.at_infinity()), f.last);
@@ -76,12 +78,16 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     const E miss_t(-1);
     if constexpr (!traces_operations<T>)
         if (!any_of(!is_miss)) return {typename E::Mask(!is_miss, is_miss), miss_t};
+
+    // Approximates the first root, and bounds its distance by a Newton step.
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
     const T x = approximate_first_root<T>(words, s.b.word(), s.bound.word(), 5);
     const P x_value = number::wide::value_of(x);
     const U step = f.value(U(x_value)) / f.slope(U(x_value));
     const P distance =
         P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff<P>() * abs(x_value);
+
+    // Proves that the first root lies within that distance, ahead of the beginning.
     const U low(x_value - distance), high(x_value + distance);
     const auto is_found = !is_miss && (low > b).yes() && is_first_between(f, changes_at_begin, low, high);
     const typename E::Mask hit(is_found, is_miss);

@@ -266,7 +266,7 @@ void require_same_answers(const table::Kernel<S>& native, const table::Kernel<S>
         for (std::size_t k = 0; k < rays.numbers(i).size(); ++k) text << (k == 0 ? "" : ",") << rays.numbers(i)[k];
         const auto append_answer = [&](const table::FormAnswers<S>& answers) {
             if (answers.hit[i] == 0) text << "a miss";
-            else text << "t = " << answers.numbers[0][i];
+            else text << "t = " << answers.t[i];
         };
         text << ": recorded ";
         append_answer(recorded_answers);
@@ -371,7 +371,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
         form.answer = [entry, name, number_count, miss_value = signature.miss_value,
                        fp_state = library.fp_state](const lb_batch& batch) {
             external::call_foreign(name, [&] {
-                const external::InForeignCode foreign_code(name, fp_state);
+                const external::ForeignCodeScope foreign_code(name, fp_state);
                 answer_batch<S>(entry, miss_value, number_count, batch);
                 return 0;
             });

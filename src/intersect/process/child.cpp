@@ -29,6 +29,9 @@ extern char** environ;
 namespace lostbits::intersect::process {
 namespace {
 
+/// Indices of the ends of a pipe.
+enum PipeEnd : std::size_t { read_end, write_end };
+
 /// Makes a pipe whose ends close when another program is started, so that no child holds the pipe of another child
 /// open.
 std::array<int, 2> make_pipe() {
@@ -88,6 +91,29 @@ AdoptedDescendants& adopted_descendants() {
     return *instance;
 }
 
+/// Starts a program in a process group of its own, so that its descendants can be ended with it. A write to a pipe that
+/// nobody reads ends the process, as usual. Returns the error of posix_spawnp.
+int spawn_in_own_group(ProgramArguments& program, const posix_spawn_file_actions_t& files, int& process) {
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t defaults;
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGPIPE);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+
+    std::vector<char*> arguments;
+    for (std::string& argument : program) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    int error = 0;
+    adopted_descendants().remember_own([&] {
+        error = posix_spawnp(&process, arguments[0], &files, &attributes, arguments.data(), environ);
+        return process;
+    });
+    posix_spawnattr_destroy(&attributes);
+    return error;
+}
+
 /// Ends a process and all processes that it started, including copies of itself. Returns the status of the process.
 int end_process_group(int process) {
     int status = 0;
@@ -127,36 +153,23 @@ void Child::start(ProgramArguments program, StandardError errors) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
-    if (errors == StandardError::output) posix_spawn_file_actions_adddup2(&files, from_child[1], STDERR_FILENO);
+    posix_spawn_file_actions_adddup2(&files, to_child[read_end], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, from_child[write_end], STDOUT_FILENO);
+    if (errors == StandardError::output) posix_spawn_file_actions_adddup2(&files, from_child[write_end], STDERR_FILENO);
     if (terms_.shared_descriptor >= 0)
         posix_spawn_file_actions_adddup2(&files, terms_.shared_descriptor, SharedMemory::inherited);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t defaults;
-    sigemptyset(&defaults);
-    sigaddset(&defaults, SIGPIPE);
-    posix_spawnattr_setsigdefault(&attributes, &defaults);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    std::vector<char*> arguments;
-    for (std::string& argument : program) arguments.push_back(argument.data());
-    arguments.push_back(nullptr);
-    int error = 0;
-    adopted_descendants().remember_own([&] {
-        error = posix_spawnp(&process_, arguments[0], &files, &attributes, arguments.data(), environ);
-        return process_;
-    });
+
+    const int error = spawn_in_own_group(program, files, process_);
     posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-    close(to_child[0]);
-    close(from_child[1]);
-    input_ = to_child[1];
-    output_ = from_child[0];
+    close(to_child[read_end]);
+    close(from_child[write_end]);
+    input_ = to_child[write_end];
+    output_ = from_child[read_end];
     if (error != 0) {
         process_ = -1;
         fail(std::string("cannot be started: ") + std::strerror(error));
     }
+
     for (const int end : {input_, output_}) fcntl(end, F_SETFL, fcntl(end, F_GETFL) | O_NONBLOCK);
     signal(SIGPIPE, SIG_IGN);  // writing to a child that has ended becomes an error of write()
 }
@@ -203,8 +216,9 @@ void Child::wait_for(short events_of_input, Clock::time_point deadline, bool& ca
                                static_cast<int>(std::min<decltype(milliseconds_left)>(milliseconds_left, 200)));
         if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
         if (ready <= 0) continue;
-        can_read = polled_ends[0].revents != 0;
-        can_write = polled_ends[1].revents != 0;
+        const auto& [polled_output, polled_input] = polled_ends;
+        can_read = polled_output.revents != 0;
+        can_write = polled_input.revents != 0;
         return;
     }
 }
@@ -233,10 +247,13 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
     const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
     if (!request.empty()) write_some(request);  // most requests fit into the pipe at once and need no poll
+
+    // Asks again at once for a while: a fast answer arrives sooner than a sleeping process wakes up.
     for (int poll_count = 0; poll_count < polls_before_sleep && request.empty() && !answer.empty(); ++poll_count) {
         answer = answer.subspan(read_some(answer));
         if (!answer.empty()) sched_yield();
     }
+
     while (!request.empty() || !answer.empty()) {
         bool can_write = false, can_read = false;
         wait_for(request.empty() ? short{0} : short{POLLOUT}, deadline, can_write, can_read);
@@ -252,6 +269,7 @@ Child::EndResult Child::read_to_end() {
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
     EndResult result{};
     close(std::exchange(input_, -1));
+
     for (std::array<char, 4096> buffer;;) {
         bool can_write = false, can_read = false;
         wait_for(0, deadline, can_write, can_read);
@@ -259,11 +277,13 @@ Child::EndResult Child::read_to_end() {
         if (received > 0) result.output.append(buffer.data(), static_cast<std::size_t>(received));
         else if (received == 0 || (errno != EAGAIN && errno != EINTR)) break;
     }
+
     // The process may have closed its output and still run.
     while (!ends_within(process_, std::chrono::milliseconds(20))) {
         terms_.stop.check();
         if (Clock::now() > deadline) fail_after_time_limit();
     }
+
     result.status = end_process_group(process_);
     process_ = -1;
     return result;

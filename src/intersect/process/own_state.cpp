@@ -66,16 +66,19 @@ void keep_own_state() {
     remembered.folder = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (remembered.folder >= 0) fstat(remembered.folder, &remembered.folder_status);
     for (std::size_t i = 0; i < limits.size(); ++i) getrlimit(limits[i].resource, &remembered.old_limits[i]);
+
     remembered.umask = umask(0);
     umask(remembered.umask);
     pthread_sigmask(SIG_SETMASK, nullptr, &remembered.mask);
     for (std::size_t i = 0; i < stop_signals.size(); ++i) sigaction(stop_signals[i], nullptr, &remembered.actions[i]);
+
     for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
         const std::string_view text = *entry;
         const auto equals = text.find('=');
         if (equals != std::string_view::npos)
             remembered_environment().emplace(text.substr(0, equals), text.substr(equals + 1));
     }
+
     pthread_atfork(nullptr, nullptr, [] { is_forked.store(true); });
     is_remembered.store(true);
 }

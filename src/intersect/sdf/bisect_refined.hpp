@@ -25,12 +25,16 @@ struct BisectRefined {
         T low = select(is_inside, m.t_before, m.t);
         T high = m.t;
         T distance = c.hit_eps;
+
+        // Steps further along the ray until a point lies inside.
         for (int i = 0; i < doublings && any_of(m.hit && !is_inside); ++i) {
             const auto is_outside = m.hit && !is_inside;
             high = select(is_outside, m.t + distance, high);
             is_inside = is_inside || (is_outside && field(along(ray, high)) < zero);
             distance = distance + distance;
         }
+
+        // Halves the interval between the last point outside and that point.
         for (int i = 0; i < c.bisect_steps && any_of(is_inside); ++i) {
             const T middle = (low + high) / two;
             const auto is_beyond = field(along(ray, middle)) < zero;

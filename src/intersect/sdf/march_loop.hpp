@@ -11,7 +11,7 @@ namespace lostbits::intersect::sdf {
 /// march still runs), and the step after it: the new t and, if the form moves the point itself, the new point.
 /// `changed` is true if the form changed more than the position, so that the next step from the same position may
 /// differ.
-struct Unwatched {
+struct NoMarchWatch {
     template <class M, class T>
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
     template <class M, class T>
@@ -53,10 +53,12 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
         const Vec<T> p = along(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
+
         m.d_before = select(active, m.d, m.d_before);
         m.d = select(active, d, m.d);
         m.hit = m.hit || (active && is_close(d, m.t));
         active = active && !m.hit;
+
         m.t_before = select(active, m.t, m.t_before);
         m.t = select(active, m.t + d, m.t);
         watch.stepped(active, m.t);

@@ -27,15 +27,19 @@ struct OverRelaxed {
             const Vec<T> p = along(ray, t);
             const T d = field(p);
             watch(active, t, p, d);
+
             const auto is_undone = omega > one && abs(d) + abs(d_last) < step;
             hit = hit || (active && !is_undone && d < c.hit_eps);
             active = active && !hit;
+
+            // Moves to the next point, or back to the safe step.
             omega = select(is_undone, one, omega);
             step = select(is_undone, zero, omega * d);
             const T next = select(is_undone, t_last + d_last, t + step);
             t_last = select(active && !is_undone, t, t_last);
             d_last = select(active && !is_undone, d, d_last);
             t = select(active, next, t);
+
             watch.stepped(active, t, is_undone);
             active = active && !(t > c.max_dist);
         }

@@ -34,7 +34,7 @@ template <class P, class F>
 
 template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
-    sdf::Unwatched unwatched;
+    sdf::NoMarchWatch unwatched;
     return Form::intersect(
         ray, [&target](const Vec<P>& p) { return least_distance<P>(target, p); },
         transformed(target.march, [](const F& x) { return P(x); }), unwatched);
@@ -53,10 +53,12 @@ template <class Form, class F, class Width>
     std::uint8_t* const decisions = batch.hit;
     const std::size_t size = batch.size;
     const RawTarget<F> target = *batch.target;
+
     P numbers[most_numbers];
     for (std::size_t k = 0; k < most_numbers; ++k) numbers[k] = P(target.numbers[k]);
     F no_end[P::lanes];
     P(std::numeric_limits<F>::infinity()).store(no_end);
+
     for (std::size_t i = 0; i < size; i += P::lanes) {
         const auto load = [i](const F* column) { return P::load(column + i); };
         const Ray<P> ray{{load(ox), load(oy), load(oz)}, {load(dx), load(dy), load(dz)}};
@@ -68,6 +70,7 @@ template <class Form, class F, class Width>
                     ray, [&numbers](std::size_t k) { return numbers[k]; }, end);
             }
         }();
+
         hit.t.store(t + i);
         hit.near.store(near + i);
         hit.far.store(far + i);

@@ -53,8 +53,12 @@ void run_plain(const Ray<F>& ray, const PrimitiveArrays<F>& primitives, std::spa
     for (std::size_t i = 0; i < primitives.size(); ++i) {
         const auto number = [&primitives, i](std::size_t k) { return primitives.numbers[k][i]; };
         const Hit<F> h = intersect_numbers<Form>(ray, number, t[i]);
-        if constexpr (takes_tmax(shape_of<Form>)) t[i] = h.hit ? h.t : t[i];
-        else t[i] = h.t, hit[i] = h.hit;
+        if constexpr (takes_tmax(shape_of<Form>)) {
+            t[i] = h.hit ? h.t : t[i];
+        } else {
+            t[i] = h.t;
+            hit[i] = h.hit;
+        }
     }
 }
 

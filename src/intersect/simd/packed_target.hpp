@@ -83,6 +83,7 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
                      .far = far.lanes,
                      .hit = hit,
                      .size = lanes};
+
     for (int c = 0; c < 6; ++c) {
         rays[c].fill(rest.rays[c], rest.size, lanes);
         full.rays[c] = rays[c].lanes;
@@ -92,6 +93,8 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
         full.tmax = tmax.lanes;
     }
     kernel(full);
+
+    // Copies the answers of the rays that are in the batch.
     std::copy_n(t.lanes, rest.size, rest.t);
     std::copy_n(near.lanes, rest.size, rest.near);
     std::copy_n(far.lanes, rest.size, rest.far);

@@ -36,7 +36,7 @@ E endless_tmax() {
 
 template <class Form, class E>
 Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
-    sdf::Unwatched unwatched;
+    sdf::NoMarchWatch unwatched;
     return intersect_target<Form>(ray, target, endless_tmax<E>(), unwatched);
 }
 
@@ -70,7 +70,7 @@ MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<doubl
 }
 
 /// Marks the end of each sample of a march, and gives its operations the names of the lesson SDF Sphere Marching.
-struct SampleMarks : sdf::Unwatched {
+struct SampleMarks : sdf::NoMarchWatch {
     void operator()(const RecordedMask& /*active*/, const Recorded& t, const Vec<Recorded>& p,
                     const Recorded& d) const {
         named("t", t);
@@ -211,9 +211,9 @@ OperationCounts count_operations(const Evaluate& evaluate, const Ray<float>& ray
 
 template <class Form>
 OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
-    constexpr EvaluateTarget<Counted<float>, sdf::Unwatched> evaluate = intersect_target<Form>;
+    constexpr EvaluateTarget<Counted<float>, sdf::NoMarchWatch> evaluate = intersect_target<Form>;
     const auto unwatched = [evaluate](const auto&... in) {
-        sdf::Unwatched watch;
+        sdf::NoMarchWatch watch;
         return evaluate(in..., watch, 0);
     };
     return count_operations(unwatched, ray, target, tmax);

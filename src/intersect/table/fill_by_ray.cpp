@@ -37,6 +37,8 @@ void fill_by_ray(std::span<Intersector> forms) {
         form.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
         form.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
         form.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
+
+        // Replaces a form by its recording if that does the same operations; compiles others for each arithmetic.
         if constexpr (is_one_program<Form>) {
             written_forms.emplace_back(form).fill_arithmetics(form);
             if (Form::info.formats != Formats::all) form.rounded = nullptr;
@@ -45,8 +47,9 @@ void fill_by_ray(std::span<Intersector> forms) {
             form.ball = enclosed<Form, Ball>;
             form.interval = enclosed<Form, Interval>;
         }
-        form.count =
-            count_of<Form>;  // counted in the form itself: `a || b` on one ray does not evaluate b if a is true
+
+        // Counts in the form itself: `a || b` on one ray does not evaluate b if a is true.
+        form.count = count_of<Form>;
         if constexpr (filters<Form>) form.filter_arithmetic = filter_arithmetic_of<Form>;
         if constexpr (marches<Form>) form.log = log_of<Form>;
     });

@@ -40,15 +40,18 @@ template <class T, class S>
 Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
                       const Hit<T>& answer) {
     if (!range.holds_any()) {
-        const bool both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
-        const auto in_order = both_closed ? tmin <= tmax : tmin < tmax;
+        const bool are_both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
+        const auto in_order = are_both_closed ? tmin <= tmax : tmin < tmax;
         return {answer.hit && tmin >= T(0) && in_order, answer.t, answer.near, answer.far};
     }
+
     const bool has_both_roots = info.roots == Roots::both, inside_counts = counts_interior(info, shape);
     const auto precedes_range = [&](const T& t) { return range.open.tmin ? t <= tmin : t < tmin; };
     const auto is_t_before_range = precedes_range(answer.t);
     auto is_in_range = !is_t_before_range;
     T t = answer.t;
+
+    // Takes the far root, or the beginning of the range from inside, if the first root lies before it.
     if (has_both_roots) {
         const bool is_tmin_closed = !range.open.tmin && info.touching == Touching::hit;
         is_in_range = is_in_range || (!inside_counts   ? !precedes_range(answer.far)
@@ -56,14 +59,17 @@ Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, cons
                                                        : answer.far > tmin);
         t = named("t_in_range", select(is_t_before_range, inside_counts ? tmin : answer.far, answer.t));
     }
+
     auto is_hit = answer.hit && is_in_range;
     // The range of a ray without an end includes a root that overflows to infinity.
     if (range.tmax == std::numeric_limits<S>::infinity()) return {is_hit, t, answer.near, answer.far};
     is_hit = is_hit && !(range.open.tmax ? t >= tmax : t > tmax);
-    const bool open_inside = info.touching == Touching::miss && has_inside(shape);
-    if (open_inside && has_both_roots)
+
+    // An entry at the end of the ray only touches the primitive.
+    const bool has_open_inside = info.touching == Touching::miss && has_inside(shape);
+    if (has_open_inside && has_both_roots)
         is_hit = is_hit && !(answer.near <= tmax && answer.near >= tmax && answer.near < answer.far);
-    else if (open_inside && info.roots == Roots::near_only)
+    else if (has_open_inside && info.roots == Roots::near_only)
         is_hit = is_hit && !(answer.near <= tmax && answer.near >= tmax);
     return {is_hit, t, answer.near, answer.far};
 }

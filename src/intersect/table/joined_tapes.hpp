@@ -15,6 +15,7 @@ inline TapeOutputs append_tape(const Tape& form, const std::vector<NodeId>& inpu
     const auto renumber = [&new_index](NodeId node) {
         return node == no_node ? no_node : new_index[static_cast<std::size_t>(node)];
     };
+
     for (NodeId i = 0; i < form.size(); ++i) {
         const TapeNode& n = form[i];
         NodeId& new_node = new_index[static_cast<std::size_t>(i)];
@@ -23,6 +24,7 @@ inline TapeOutputs append_tape(const Tape& form, const std::vector<NodeId>& inpu
             new_node = k < inputs.size() ? inputs[k] : target.add_input(form.format_of(i), n.value);
             continue;
         }
+
         if (n.op == TapeOp::call) {
             const TapeCall& call = form.call_at(i);
             std::vector<NodeId> arguments;
@@ -31,6 +33,8 @@ inline TapeOutputs append_tape(const Tape& form, const std::vector<NodeId>& inpu
             target[new_node].label = n.label;
             continue;
         }
+
+        // The operands of a given number are not indices of nodes.
         const bool is_given_node = is_given(n.op);
         const auto operand = [&](std::size_t k) { return is_given_node ? n.operands[k] : renumber(n.operands[k]); };
         new_node = target.add(n.op, form.format_of(i), n.value, {operand(0), operand(1), operand(2)});

@@ -49,6 +49,7 @@ void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S
         const T tmax(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         Tally<T> tally;
         const Hit<T> hit = evaluate(ray, target, tmax, tally, i * stride);
+
         hits.hit[i] = hit.hit;
         hits.t[i] = to_stored(hit.t);
         hits.near[i] = to_stored(hit.near);

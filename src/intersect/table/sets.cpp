@@ -102,6 +102,8 @@ void fill_set(FormSet& set) {
         add(set.title, "; ", part->info->title);
         if (set.source != part->info->source) add(set.source, "; ", part->info->source);
     }
+
+    // Where the forms disagree, the set states one value; `fill_conventions` keeps their conventions by shape.
     set.info = {.name = set.name,
                 .title = set.title,
                 .source = set.source,
@@ -115,6 +117,7 @@ void fill_set(FormSet& set) {
                 .facing = common_value(set, &Info::facing, Facing::both),
                 .endless = common_value(set, &Info::endless, false)};
     fill_conventions(set);
+
     set.intersector = {.info = &set.info,
                        .shape = set.parts.front()->shape,
                        .native32 = nullptr,
@@ -147,13 +150,18 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
             return name(*first_of_shape) + " and " + name(part) + " are both for " +
                    std::string(row_of(part->shape).plural) + "; name one form for each shape";
     }
+
+    // All forms have a transform, or none.
     const auto without_transform =
         std::ranges::find_if_not(parts, [](const Intersector* part) { return part->is_placed; });
     const auto with_transform = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
     if (without_transform != parts.end() && with_transform != parts.end())
         return name(*without_transform) + " has no transform and " + name(*with_transform) +
                " has one; write @TRANSFORM after each form, or after none";
+
     if (!share_a_format(parts)) return "these forms have no format in common; name forms that run in the same format";
+
+    // All forms yield t, or none.
     const auto yields_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
     const auto without_t = std::ranges::find_if_not(parts, yields_t), with_t = std::ranges::find_if(parts, yields_t);
     if (without_t == parts.end() || with_t == parts.end()) return "";

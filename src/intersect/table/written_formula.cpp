@@ -23,6 +23,8 @@ T constant(double x) {
     int exponent = 0;
     double remainder = std::frexp(std::fabs(x), &exponent);
     constexpr int bits = 20;
+
+    // Adds the pieces of 20 bits, the highest first.
     const auto next_piece = [&] {
         remainder *= 1 << bits;
         exponent -= bits;
@@ -32,6 +34,8 @@ T constant(double x) {
     };
     T value = next_piece();
     while (remainder != 0) value = value * T(1 << bits) + next_piece();
+
+    // Multiplies by the power of two in steps that every format holds.
     for (; exponent <= -bits; exponent += bits) value = value / T(1 << bits);
     for (; exponent >= bits; exponent -= bits) value = value * T(1 << bits);
     if (exponent < 0) value = value / T(1 << -exponent);
@@ -45,7 +49,8 @@ template <class T>
 class Evaluation {
 public:
     explicit Evaluation(const WrittenFormula& formula) : formula_(formula) {
-        index_in_kind_.reserve(formula.operations.size()), numbers_.reserve(formula.operations.size());
+        index_in_kind_.reserve(formula.operations.size());
+        numbers_.reserve(formula.operations.size());
         std::array<std::size_t, 3> counts{};
         for (const WrittenOperation& w : formula.operations)
             index_in_kind_.push_back(counts[is_decision(w.op) ? 0 : w.wide ? 1 : 2]++);
@@ -61,7 +66,9 @@ public:
     /// Computes the answer to one ray. It may be called again for the next one.
     template <class Input>
     Hit<T> run(const Input& input) {
-        numbers_.clear(), wide_.clear(), masks_.clear();
+        numbers_.clear();
+        wide_.clear();
+        masks_.clear();
         return run_from(0, input);
     }
 
@@ -88,6 +95,8 @@ private:
                     w.op == TapeOp::convert ? Wider<T>::narrow(x(wide_, w, 0)) : number(numbers_, w, input));
             }
         }
+
+        // A form without near and far has t for both.
         const auto number_at = [&](NodeId root) {
             return numbers_[index_in_kind_[static_cast<std::size_t>(root == no_node ? formula_.t : root)]];
         };
@@ -100,7 +109,8 @@ private:
     template <class Input>
     Hit<T> evaluate_both_outcomes(std::size_t next, const Input& input) {
         Evaluation other(*this);
-        other.masks_.back() = Tri(Tri::yes), masks_.back() = Tri(Tri::no);
+        other.masks_.back() = Tri(Tri::yes);
+        masks_.back() = Tri(Tri::no);
         const Hit<T> yes = other.run_from(next, input), no = run_from(next, input);
         const auto join = [](const T& a, const T& b) { return select(Tri(Tri::unknown), a, b); };
         const bool sides_agree = (yes.hit.is_yes() && no.hit.is_yes()) || (yes.hit.is_no() && no.hit.is_no());
@@ -126,6 +136,7 @@ private:
             return this->x(numbers, operation, k);
         };
         switch (w.op) {
+            // Given numbers. An input is read in T, whatever the format of its operation.
             case TapeOp::input:
                 if constexpr (std::is_same_v<N, T>) return input(static_cast<std::size_t>(w.operands[0]));
                 else return Wider<T>::widen(input(static_cast<std::size_t>(w.operands[0])));
@@ -134,6 +145,8 @@ private:
                     if (!constants_.empty())
                         return constants_[static_cast<std::size_t>(&w - formula_.operations.data())];
                 return constant<N>(w.value);
+
+            // Arithmetic. The same operand twice is a square, which enclosures bound more tightly.
             case TapeOp::add: return x(w, 0) + x(w, 1);
             case TapeOp::sub: return x(w, 0) - x(w, 1);
             case TapeOp::mul: return w.operands[0] == w.operands[1] ? square(x(w, 0)) : x(w, 0) * x(w, 1);
@@ -141,12 +154,16 @@ private:
             case TapeOp::sqrt: return sqrt(x(w, 0));
             case TapeOp::fma:
                 return w.operands[0] == w.operands[1] ? fma_square(x(w, 0), x(w, 2)) : fma(x(w, 0), x(w, 1), x(w, 2));
+
+            // Operations without rounding.
             case TapeOp::neg: return -x(w, 0);
             case TapeOp::abs: return abs(x(w, 0));
             case TapeOp::copysign: return copysign(x(w, 0), x(w, 1));
             case TapeOp::min: return min(x(w, 0), x(w, 1));
             case TapeOp::max: return max(x(w, 0), x(w, 1));
             case TapeOp::select: return select(m(w, 0), x(w, 1), x(w, 2));
+
+            // Directed rounding.
             case TapeOp::next_up: return next_up(x(w, 0));
             default: return next_down(x(w, 0));
         }
@@ -189,7 +206,7 @@ auto input_reader(const WrittenFormula& formula, const Ray<T>& ray, const Primit
 }
 
 template <class T>
-Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
+Hit<T> evaluate_formula(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
     using intersect::table::input_reader;
     return Evaluation<T>(formula).run(input_reader(formula, ray, primitive, end));
 }
@@ -203,6 +220,7 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
     const std::size_t number_count = row_of(formula.shape).numbers;
     Evaluation<T> evaluation(formula);
     evaluation.make_constants();
+
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
         const Primitive<S>& primitive = target.primitives[i * stride];
@@ -212,9 +230,11 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
             if (k < 6) return T(ray.direction[static_cast<int>(k - 3)]);
             return T(k - 6 < number_count ? primitive.numbers[k - 6] : tmax);
         });
+
         hits.hit[i] = hit.hit;
         hits.t[i] = static_cast<S>(as_double(hit.t));
-        hits.near[i] = static_cast<S>(as_double(hit.near)), hits.far[i] = static_cast<S>(as_double(hit.far));
+        hits.near[i] = static_cast<S>(as_double(hit.near));
+        hits.far[i] = static_cast<S>(as_double(hit.far));
     }
 }
 
@@ -235,14 +255,14 @@ void answer_64(void* context, const RayBatch<double>& rays, const Target<double>
 
 template <class E>
 Hit<E> enclose(void* context, const Ray<E>& ray, const Target<E>& target) {
-    return answer_of(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(),
-                     endless_tmax<E>());
+    return evaluate_formula(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(),
+                            endless_tmax<E>());
 }
 
 Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
                            double end) {
     const LiftedInputs<Recorded> lifted(ray, target, end);
-    return answer_of(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax);
+    return evaluate_formula(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax);
 }
 
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
@@ -259,7 +279,7 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
 OperationCounts count(void* context, const Ray<float>& ray, const Target<float>& target, float end) {
     const WrittenFormula& formula = form_of(context).formula_in(*find_format("f32"));
     const auto evaluate = [&formula](const auto& ray_in, const auto& aim, const auto& tmax) {
-        return answer_of(formula, ray_in, aim.primitives.front(), tmax);
+        return evaluate_formula(formula, ray_in, aim.primitives.front(), tmax);
     };
     return count_operations(evaluate, ray, target, end);
 }
@@ -274,39 +294,36 @@ bool takes_decision(TapeOp op, std::size_t k) {
     return kind_of(op) == OperationKind::logic || (op == TapeOp::select && k == 0);
 }
 
-}  // namespace
+[[noreturn]] void fail_operation(const WrittenFormula& f, std::size_t i, const std::string& why) {
+    throw InputError(f.name + ": operation " + std::to_string(i) + ", " + std::string(name_of(f.operations[i].op)) +
+                     ", " + why);
+}
 
-void require_valid(const WrittenFormula& f) {
-    const auto fail = [&f](std::size_t i, const std::string& why) {
-        throw InputError(f.name + ": operation " + std::to_string(i) + ", " + std::string(name_of(f.operations[i].op)) +
-                         ", " + why);
-    };
-    const std::size_t inputs = 6 + row_of(f.shape).numbers + 1;
-    const bool has_wide = std::ranges::any_of(f.operations, &WrittenOperation::wide);
+/// Throws InputError unless each operand of operation i comes before it and has the kind and the format that it takes.
+void require_valid_operands(const WrittenFormula& f, std::size_t i) {
+    const WrittenOperation& w = f.operations[i];
     bool first_is_wide = false;
-    for (std::size_t i = 0; i < f.operations.size(); ++i) {
-        const WrittenOperation& w = f.operations[i];
-        if ((w.op == TapeOp::convert && !has_wide) || w.op == TapeOp::any || w.op == TapeOp::call)
-            fail(i, "is not allowed: all numbers of a list are of one format, and a list has no loops");
-        if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
-            fail(i, "has number " + std::to_string(w.operands[0]) + "; inputs are numbered from 0 to " +
-                        std::to_string(inputs - 1));
-        if (w.op == TapeOp::constant && std::isnan(w.value)) fail(i, "is not a number");
-        for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operands; ++k) {
-            const std::int32_t a = w.operands[k];
-            if (a < 0 || static_cast<std::size_t>(a) >= i)
-                fail(i, "takes operation " + std::to_string(a) + ", which does not come before it");
-            if (is_decision(f.operations[static_cast<std::size_t>(a)].op) != takes_decision(w.op, k))
-                fail(i, takes_decision(w.op, k) ? "takes a number where it needs a decision"
-                                                : "takes a decision where it needs a number");
-            if (takes_decision(w.op, k)) continue;
-            const bool is_wide = f.operations[static_cast<std::size_t>(a)].wide;
-            if (is_comparison(w.op) && k == 0) first_is_wide = is_wide;
-            const bool has_right_format =
-                is_comparison(w.op) ? is_wide == first_is_wide : (is_wide == w.wide) != (w.op == TapeOp::convert);
-            if (!has_right_format) fail(i, "takes numbers of the wrong format; convert them first");
-        }
+    for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operands; ++k) {
+        const std::int32_t a = w.operands[k];
+        if (a < 0 || static_cast<std::size_t>(a) >= i)
+            fail_operation(f, i, "takes operation " + std::to_string(a) + ", which does not come before it");
+        if (is_decision(f.operations[static_cast<std::size_t>(a)].op) != takes_decision(w.op, k))
+            fail_operation(f, i,
+                           takes_decision(w.op, k) ? "takes a number where it needs a decision"
+                                                   : "takes a decision where it needs a number");
+        if (takes_decision(w.op, k)) continue;
+
+        // Only a conversion takes numbers of another format than its own; the numbers of a comparison share one.
+        const bool is_wide = f.operations[static_cast<std::size_t>(a)].wide;
+        if (is_comparison(w.op) && k == 0) first_is_wide = is_wide;
+        const bool has_right_format =
+            is_comparison(w.op) ? is_wide == first_is_wide : (is_wide == w.wide) != (w.op == TapeOp::convert);
+        if (!has_right_format) fail_operation(f, i, "takes numbers of the wrong format; convert them first");
     }
+}
+
+/// Throws InputError unless the answers are a decision and numbers of the formula's own format.
+void require_valid_answers(const WrittenFormula& f) {
     const auto is_index_of = [&f](NodeId i, bool of_decision) {
         return i >= 0 && static_cast<std::size_t>(i) < f.operations.size() &&
                is_decision(f.operations[static_cast<std::size_t>(i)].op) == of_decision;
@@ -321,6 +338,25 @@ void require_valid(const WrittenFormula& f) {
             throw InputError(f.name + ": an answer is of the wider format; convert it first");
 }
 
+}  // namespace
+
+void require_valid(const WrittenFormula& f) {
+    const std::size_t inputs = 6 + row_of(f.shape).numbers + 1;
+    const bool has_wide = std::ranges::any_of(f.operations, &WrittenOperation::wide);
+    for (std::size_t i = 0; i < f.operations.size(); ++i) {
+        const WrittenOperation& w = f.operations[i];
+        if ((w.op == TapeOp::convert && !has_wide) || w.op == TapeOp::any || w.op == TapeOp::call)
+            fail_operation(f, i, "is not allowed: all numbers of a list are of one format, and a list has no loops");
+        if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
+            fail_operation(f, i,
+                           "has number " + std::to_string(w.operands[0]) + "; inputs are numbered from 0 to " +
+                               std::to_string(inputs - 1));
+        if (w.op == TapeOp::constant && std::isnan(w.value)) fail_operation(f, i, "is not a number");
+        require_valid_operands(f, i);
+    }
+    require_valid_answers(f);
+}
+
 WrittenFormula formula_from_tape(const Tape& tape, Shape shape, std::string name) {
     WrittenFormula formula{.name = std::move(name), .shape = shape, .operations = {}};
     const std::uint8_t own_format = tape[tape.outputs.t].format;
@@ -332,8 +368,10 @@ WrittenFormula formula_from_tape(const Tape& tape, Shape shape, std::string name
                                       .wide = !is_decision(n.op) && n.format != own_format});
     for (const NodeId decision : tape.branch_decisions)
         formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
-    const auto [hit, t, near, far] = tape.outputs;
-    formula.hit = hit, formula.t = t, formula.near = near, formula.far = far;
+    formula.hit = tape.outputs.hit;
+    formula.t = tape.outputs.t;
+    formula.near = tape.outputs.near;
+    formula.far = tape.outputs.far;
     require_valid(formula);
     return formula;
 }

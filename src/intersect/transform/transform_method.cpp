@@ -91,6 +91,8 @@ std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run
         if (packed == nullptr) return 0;
         const std::size_t lanes = packed->bytes / sizeof(S), packed_count = rays.size() / lanes * lanes;
         if (packed_count == 0) return 0;
+
+        // Passes plain pointers, since the functions are compiled for each register width.
         std::array<S, 2 * Affine<S>::numbers> numbers;
         std::size_t k = 0;
         for (const Affine<T>* const map : {&maps.to_world, &maps.to_object})
@@ -103,6 +105,7 @@ std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run
             .scale = nullptr,
             .line_parameters = {},
             .size = packed_count};
+
         const RawTransformRow& row = packed->rows[index_of<Method>()];
         if constexpr (std::same_as<S, float>) run(row.f32, steps);
         else run(row.f64, steps);
@@ -122,6 +125,8 @@ void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns
         steps.scale = &columns.scale;
         functions.to_object(steps);
     });
+
+    // Computes the rays that fill no pack one by one.
     for (std::size_t i = packed_count; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
         const ObjectRay<T> object_ray = Method::finish(
@@ -144,10 +149,13 @@ void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumn
         for (std::size_t k = 0; k < columns.ray.size(); ++k) steps.object[k] = const_cast<S*>(columns.ray[k].data());
         steps.length = const_cast<S*>(columns.length.data());
         steps.scale = const_cast<S*>(&columns.scale);
-        steps.line_parameters[0] = hits.t.data(), steps.line_parameters[1] = hits.near.data(),
+        steps.line_parameters[0] = hits.t.data();
+        steps.line_parameters[1] = hits.near.data();
         steps.line_parameters[2] = hits.far.data();
         functions.back(steps);
     });
+
+    // Computes the rays that fill no pack one by one.
     for (std::size_t i = packed_count; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
         const auto component = [&](std::size_t k) { return columns.ray[k][i]; };
@@ -169,11 +177,15 @@ void record(const Format& format, Tape& tape, const WorldNodes& world, const Rec
     };
     const Ray<T> ray{vec_of_nodes(world.ray, 0), vec_of_nodes(world.ray, 3)};
     const Affine<T> stored = Affine<T>::of([&](std::size_t k) { return T::at(world.matrix[k]); });
+
+    // Records the steps of the method.
     const Affine<T> inverse = Method::inverse(stored);
     const Maps<T> maps = world.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
     const ObjectRay<T> object_ray = Method::finish(
         maps, ray.origin, Ray<T>{Method::origin(maps, ray.origin), Method::direction(maps, ray.direction)});
     const Vec<T>&o = object_ray.ray.origin, &d = object_ray.ray.direction;
+
+    // Records the form on them, then the way back of its answers.
     TapeOutputs answer = form({{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()},
                                object_ray.length.node(),
                                object_ray.scale.node()});

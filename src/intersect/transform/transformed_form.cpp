@@ -45,22 +45,29 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
               const HitBatch<S>& hits) {
     const std::size_t primitives = target.primitives.size();
     for (std::size_t i = 0, end = 0; i < rays.size(); i = end) {
+        // Takes the next rays that share a primitive: the whole batch, or one ray.
         const Primitive<S>& primitive = target.primitives[primitives == 1 ? 0 : i];
         end = primitives == 1 ? rays.size() : i + 1;
         const auto slice = [&](auto span) { return span.empty() ? span : span.subspan(i, end - i); };
         const RayBatch<S> world_rays{slice(rays.ox), slice(rays.oy),   slice(rays.oz),   slice(rays.dx), slice(rays.dy),
                                      slice(rays.dz), slice(rays.tmax), slice(rays.tmin), rays.open};
         const HitBatch<S> batch_hits{slice(hits.t), slice(hits.near), slice(hits.far), slice(hits.hit)};
+
+        // A primitive without a transform is in the world already.
         if (!primitive.placed) {
             kernel(world_rays, Target<S>(primitive), batch_hits);
             continue;
         }
+
+        // Moves the rays to the space of the primitive.
         const auto lifted = transformed(*primitive.placed, [](const S& x) { return T(x); });
         const Maps<T> maps = steps.maps(lifted);
         thread_local ObjectColumns<S> columns;
         steps.to_object(maps, world_rays, columns);
         const auto& [ox, oy, oz, dx, dy, dz] = columns.ray;
         RayBatch<S> object_rays{ox, oy, oz, dx, dy, dz};
+
+        // Rescales the ends of the rays to the new lengths of their directions.
         thread_local std::vector<S> ends;
         if (!world_rays.tmax.empty()) {
             ends.resize(world_rays.size());
@@ -68,6 +75,8 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
             object_rays.tmax = ends;
             object_rays.open.tmax = world_rays.open.tmax;
         }
+
+        // Runs the form there, and converts its answers back to the world.
         kernel(object_rays, Target<S>(object_primitive_of(primitive, columns.scale)), batch_hits);
         steps.back(maps, world_rays, columns, batch_hits);
     }
@@ -104,58 +113,90 @@ Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
             steps.back(maps, ray, object_ray, hit.far)};
 }
 
+/// The inputs of a row with a transform: the ray and the matrix for the method, the numbers of the primitive and the
+/// end of the ray for the form.
+struct PlacedInputs {
+    WorldNodes world{};
+    std::vector<NodeId> numbers;
+    NodeId end = no_node;
+};
+
+PlacedInputs record_placed_inputs(const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
+                                  double tmax, Tape& tape) {
+    const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
+    PlacedInputs inputs;
+    WorldNodes& world = inputs.world;
+    for (std::size_t k = 0; k < 6; ++k)
+        world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
+    for (const double x : primitive.shape_numbers()) inputs.numbers.push_back(input(x));
+    for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
+    world.is_inverse = primitive.placed->is_inverse;
+    inputs.end = input(tmax);
+    return inputs;
+}
+
+NodeId record_product(const Format& format, NodeId a, NodeId b, double product, Tape& tape) {
+    return tape.add(TapeOp::mul, format.parameters, product, {a, b});
+}
+
+/// Appends the numbers of the primitive to the form's inputs, and returns the primitive in its own space. A method that
+/// scales the primitive scales each of its numbers except directions.
+Primitive<double> record_object_primitive(const Format& format, const Primitive<double>& primitive,
+                                          const std::vector<NodeId>& numbers, NodeId scale,
+                                          std::vector<NodeId>& form_inputs, Tape& tape) {
+    Primitive<double> object_primitive = primitive;
+    object_primitive.placed.reset();
+    const bool is_scaled = tape[scale].op != TapeOp::constant;
+    if (is_scaled)
+        with_number(format, [&]<class F>() {
+            object_primitive =
+                transformed(scaled(lift_primitive<F>(object_primitive), static_cast<F>(tape[scale].value)),
+                            [](const F& x) { return as_double(x); });
+        });
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t first) {
+        for (std::size_t k = first; k < first + key.count(); ++k)
+            form_inputs.push_back(is_scaled && key.kind != Key::Kind::direction
+                                      ? record_product(format, scale, numbers[k], object_primitive.numbers[k], tape)
+                                      : numbers[k]);
+    });
+    return object_primitive;
+}
+
+/// Appends the end of the ray to the form's inputs, and returns its value. It is multiplied by the length of the ray's
+/// direction, unless that length is always 1.
+double record_object_tmax(const Format& format, double tmax, NodeId end, NodeId length,
+                          std::vector<NodeId>& form_inputs, Tape& tape) {
+    if (tape[length].op == TapeOp::constant) {
+        form_inputs.push_back(end);
+        return tmax;
+    }
+    double object_tmax = tmax;
+    with_number(format,
+                [&]<class F>() { object_tmax = as_double(static_cast<F>(tmax) * static_cast<F>(tape[length].value)); });
+    form_inputs.push_back(record_product(format, end, length, object_tmax, tape));
+    return object_tmax;
+}
+
 /// Records the steps and the form. `record_object(ray, target, tmax, tape)` records the form in the space of the
 /// primitive.
 template <class RecordObject>
 void record_with(const TransformedFormParts& form_parts, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, double tmax, Tape& tape, const RecordObject& record_object) {
     tape.clear();
-    const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
-    WorldNodes world{};
-    for (std::size_t k = 0; k < 6; ++k)
-        world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
-    std::vector<NodeId> numbers;
-    for (const double x : primitive.shape_numbers()) numbers.push_back(input(x));
-    for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
-    world.is_inverse = primitive.placed->is_inverse;
-    const NodeId end = input(tmax);
-    form_parts.method->record(format, tape, world, [&](const ObjectNodes& object) {
-        const auto value = [&tape](NodeId node) { return tape[node].value; };
-        const auto add_product = [&](NodeId a, NodeId b, double product) {
-            return tape.add(TapeOp::mul, format.parameters, product, {a, b});
-        };
-        std::vector<NodeId> inputs(object.ray.begin(), object.ray.end());
-        Primitive<double> object_primitive = primitive;
-        object_primitive.placed.reset();
-        const double scale = value(object.scale);
-        std::size_t k = 0;
-        const bool is_scaled = tape[object.scale].op != TapeOp::constant;
-        if (is_scaled)
-            with_number(format, [&]<class F>() {
-                object_primitive = transformed(scaled(lift_primitive<F>(object_primitive), static_cast<F>(scale)),
-                                               [](const F& x) { return as_double(x); });
-            });
-        for_each_key(primitive.shape, [&](const Key& key, std::size_t first) {
-            for (k = first; k < first + key.count(); ++k)
-                inputs.push_back(is_scaled && key.kind != Key::Kind::direction
-                                     ? add_product(object.scale, numbers[k], object_primitive.numbers[k])
-                                     : numbers[k]);
-        });
-        double object_tmax = tmax;
-        if (tape[object.length].op != TapeOp::constant) {
-            with_number(format, [&]<class F>() {
-                object_tmax = as_double(static_cast<F>(tmax) * static_cast<F>(value(object.length)));
-            });
-            inputs.push_back(add_product(end, object.length, object_tmax));
-        } else {
-            inputs.push_back(end);
-        }
-        const auto& r = object.ray;
+    const PlacedInputs inputs = record_placed_inputs(format, ray, primitive, tmax, tape);
+    form_parts.method->record(format, tape, inputs.world, [&](const ObjectNodes& object) {
+        std::vector<NodeId> form_inputs(object.ray.begin(), object.ray.end());
+        const Primitive<double> object_primitive =
+            record_object_primitive(format, primitive, inputs.numbers, object.scale, form_inputs, tape);
+        const double object_tmax = record_object_tmax(format, tmax, inputs.end, object.length, form_inputs, tape);
+
+        // Records the form on a tape of its own, which then continues the tape of the steps.
+        const auto value = [&](std::size_t k) { return tape[object.ray[k]].value; };
+        const Ray<double> object_ray{{value(0), value(1), value(2)}, {value(3), value(4), value(5)}};
         Tape form_tape;
         form_tape.runs_every_loop = tape.runs_every_loop;
-        record_object(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
-                      Target<double>(object_primitive), object_tmax, form_tape);
-        return table::append_tape(form_tape, inputs, tape);
+        record_object(object_ray, Target<double>(object_primitive), object_tmax, form_tape);
+        return table::append_tape(form_tape, form_inputs, tape);
     });
 }
 
@@ -189,6 +230,7 @@ void fill_form(TransformedForms::ComposedForm& composed) {
         ((result += parts), ...);
         return result;
     };
+
     composed.name = text(form.name, "@", method_info.name);
     composed.title = text(form.title, "; ", method_info.title);
     composed.source = text(form.source, "; ", method_info.source);
@@ -197,6 +239,8 @@ void fill_form(TransformedForms::ComposedForm& composed) {
     // applies. With any other method, the form's requirement applies too.
     if (method_info.normalises) composed.info.direction = method_info.direction;
     else if (method_info.direction == Direction::unit) composed.info.direction = Direction::unit;
+
+    // The row has each arithmetic that the form has.
     composed.intersector = {
         .info = &composed.info, .shape = tested_form->shape, .native32 = nullptr, .native64 = nullptr};
     if (tested_form->native32) composed.intersector.native32 = {evaluate_32, &composed};

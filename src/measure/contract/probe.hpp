@@ -30,8 +30,8 @@ struct Observation {
 ///
 /// The right answer is the truth by the form's own properties, to within 2^-10 of itself or of 1, whichever is larger.
 /// If a form cannot answer at all, its exception is passed on. A formula of both roots also has a t of its own.
-/// `first_root_form` is the form that answers this t (`external::first_root_form_of`), and every probe tests that form
-/// too.
+/// `first_root_form` is the form that answers this t (`external::find_first_root_form`), and every probe tests that
+/// form too.
 std::vector<Observation> try_contract(const intersect::external::ForeignForm& form,
                                       const intersect::external::ForeignForm* first_root_form = nullptr);
 

@@ -138,7 +138,7 @@ private:
     }
     bool has_drivers_bits(const Suspect& s, std::size_t ray) {
         const Answer answer = answer_of(s, rays_, ray, values_);
-        return FormAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.numbers[0][ray]);
+        return FormAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.t[ray]);
     }
     bool explains_all_rays(const Suspect& s) {
         for (std::size_t i = 0; i < ray_count; ++i)

@@ -13,11 +13,11 @@ class BoundsRecorder final : public Recorder {
 public:
     explicit BoundsRecorder(const FloatFormat& format) : Recorder(format), has_double_format_(format == binary64) {}
 
-    NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || has_double_format_); }
-    NodeId input(double x, bool in_double) override;
+    NodeId constant(int x, bool is_double) override { return add(x, 0, is_double || has_double_format_); }
+    NodeId input(double x, bool is_double) override;
     NodeId apply(TapeOp op, const TapeOperands& operands) override;
     NodeId convert(NodeId x, bool to_double) override;
-    NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
+    NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool is_double) override;
     [[nodiscard]] double value(NodeId x) const override { return entry_of(x).value; }
     bool continues_loop(NodeId decision) override { return entry_of(decision).value != 0 || !is_proved(decision); }
 
@@ -30,11 +30,11 @@ private:
     /// A decision has the value 1 or 0. Its error is 0 if it is proved, 1 otherwise.
     struct Entry {
         double value, error;
-        bool in_double;
+        bool is_double;
     };
     [[nodiscard]] const Entry& entry_of(NodeId x) const { return entries_[static_cast<std::size_t>(x)]; }
-    NodeId add(double value, double error, bool in_double) {
-        entries_.push_back({value, error, in_double});
+    NodeId add(double value, double error, bool is_double) {
+        entries_.push_back({value, error, is_double});
         return static_cast<NodeId>(entries_.size()) - 1;
     }
     template <class F>

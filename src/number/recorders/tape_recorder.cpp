@@ -16,6 +16,7 @@ double compute(TapeOp op, double x, double y, double z, const ToNumber& to_numbe
         case TapeOp::div: return to_value(a / b);
         case TapeOp::sqrt: return to_value(sqrt(a));
         case TapeOp::fma: return to_value(fma(a, b, c));
+
         case TapeOp::neg: return -x;
         case TapeOp::abs: return abs(x);
         case TapeOp::copysign: return copysign(x, y);
@@ -24,14 +25,17 @@ double compute(TapeOp op, double x, double y, double z, const ToNumber& to_numbe
         case TapeOp::select: return x != 0 ? y : z;
         case TapeOp::next_up: return to_value(next_up(a));
         case TapeOp::next_down: return to_value(next_down(a));
+
         case TapeOp::less: return x < y;
         case TapeOp::less_equal: return x <= y;
         case TapeOp::greater: return x > y;
         case TapeOp::greater_equal: return x >= y;
+
         case TapeOp::logical_and: return x != 0 && y != 0;
         case TapeOp::logical_or: return x != 0 || y != 0;
         case TapeOp::logical_not: return x == 0;
         case TapeOp::any: return x;
+
         case TapeOp::input:
         case TapeOp::constant:
         case TapeOp::call:
@@ -50,14 +54,14 @@ double compute_in(const FloatFormat& format, TapeOp op, double x, double y, doub
 
 }  // namespace
 
-NodeId TapeRecorder::constant(int x, bool in_double) {
-    const FloatFormat& format = format_of(in_double);
-    const double value = in_double ? x : RoundedAny(x).value();
+NodeId TapeRecorder::constant(int x, bool is_double) {
+    const FloatFormat& format = format_of(is_double);
+    const double value = is_double ? x : RoundedAny(x).value();
     return tape_.add(TapeOp::constant, format, value, {x});
 }
 
-NodeId TapeRecorder::input(double x, bool in_double) {
-    return tape_.add_input(format_of(in_double), in_double ? x : RoundedAny(x).value());
+NodeId TapeRecorder::input(double x, bool is_double) {
+    return tape_.add_input(format_of(is_double), is_double ? x : RoundedAny(x).value());
 }
 
 NodeId TapeRecorder::apply(TapeOp op, const TapeOperands& operands) {
@@ -75,8 +79,8 @@ NodeId TapeRecorder::convert(NodeId x, bool to_double) {
                      {x});
 }
 
-NodeId TapeRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) {
-    return tape_.add_call(callee, format_of(in_double), value, {arguments.begin(), arguments.end()});
+NodeId TapeRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool is_double) {
+    return tape_.add_call(callee, format_of(is_double), value, {arguments.begin(), arguments.end()});
 }
 
 }  // namespace lostbits::number::recorders

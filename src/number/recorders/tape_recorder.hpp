@@ -11,11 +11,11 @@ class TapeRecorder final : public Recorder {
 public:
     TapeRecorder(Tape& tape, const FloatFormat& format) : Recorder(format), tape_(tape) {}
 
-    NodeId constant(int x, bool in_double) override;
-    NodeId input(double x, bool in_double) override;
+    NodeId constant(int x, bool is_double) override;
+    NodeId input(double x, bool is_double) override;
     NodeId apply(TapeOp op, const TapeOperands& operands) override;
     NodeId convert(NodeId x, bool to_double) override;
-    NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
+    NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool is_double) override;
     [[nodiscard]] double value(NodeId x) const override { return tape_[x].value; }
     bool continues_loop(NodeId decision) override { return tape_[decision].value != 0 || tape_.runs_every_loop; }
     void name(NodeId x, std::string_view label) override { tape_.name(x, label); }
@@ -24,7 +24,7 @@ public:
     void end_sample() override { tape_.sample_ends.push_back(tape_.nodes.size()); }
 
 private:
-    [[nodiscard]] const FloatFormat& format_of(bool in_double) const { return in_double ? binary64 : format(); }
+    [[nodiscard]] const FloatFormat& format_of(bool is_double) const { return is_double ? binary64 : format(); }
 
     Tape& tape_;
 };

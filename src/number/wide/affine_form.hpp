@@ -49,7 +49,11 @@ public:
     AffineForm() = default;
     AffineForm(const AffineForm& x) { *this = x; }
     AffineForm& operator=(const AffineForm& x) {
-        centre_ = x.centre_, term_count_ = x.term_count_, sum_ = x.sum_, rest_ = x.rest_, vectors_ = x.vectors_;
+        centre_ = x.centre_;
+        term_count_ = x.term_count_;
+        sum_ = x.sum_;
+        rest_ = x.rest_;
+        vectors_ = x.vectors_;
         std::copy_n(x.terms_.begin(), term_count_, terms_.begin());
         return *this;
     }
@@ -256,11 +260,14 @@ private:
             x.terms_[i] = a.terms_[i] * factor_a + b.terms_[i] * factor_b;
             sum += std::fabs(x.terms_[i]);
         }
+
+        // The longer form has its last terms alone.
         const auto& [longer, k] = a.term_count_ > common_count ? std::pair(&a, factor_a) : std::pair(&b, factor_b);
         for (std::size_t i = common_count; i < x.term_count_; ++i) {
             x.terms_[i] = longer->terms_[i] * k;
             sum += std::fabs(x.terms_[i]);
         }
+
         x.sum_ = sum * inflation;
         const double magnitude = std::fabs(factor_a) * a.sum_ + std::fabs(factor_b) * b.sum_;
         x.vectors_ = a.vectors_.empty() ? b.vectors_ : a.vectors_;

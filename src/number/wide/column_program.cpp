@@ -54,6 +54,8 @@ ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
         if (index >= 0) is_needed[static_cast<std::size_t>(index)] = true;
     };
     for (const ColumnIndex index : outputs) mark_needed(index);
+
+    // Keeps the instructions that an output needs, from the last to the first.
     std::vector<ColumnInstruction> needed_instructions;
     for (std::size_t i = program_.instructions.size(); i-- > 0;) {
         const ColumnInstruction& instruction = program_.instructions[i];
@@ -64,6 +66,7 @@ ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
         for (std::size_t k = 0; k < instruction.input_count; ++k) mark_needed(instruction.in[k]);
         needed_instructions.push_back(instruction);
     }
+
     program_.instructions.assign(needed_instructions.rbegin(), needed_instructions.rend());
     program_.outputs = std::move(outputs);
     return std::move(program_);

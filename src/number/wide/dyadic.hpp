@@ -45,7 +45,9 @@ public:
     Dyadic() = default;
     Dyadic(const Dyadic& x) : first_(x.first_), size_(x.size_), negative_(x.negative_) { copy_limbs(x); }
     Dyadic& operator=(const Dyadic& x) {
-        first_ = x.first_, size_ = x.size_, negative_ = x.negative_;
+        first_ = x.first_;
+        size_ = x.size_;
+        negative_ = x.negative_;
         copy_limbs(x);
         return *this;
     }
@@ -92,6 +94,7 @@ public:
         r.negative_ = a.negative_ != b.negative_;
         r.first_ = a.first_ + b.first_;
         r.size_ = a.size_ + b.size_;
+
         for (int i = 0; i < r.size_; ++i) r.limbs_[i] = 0;
         for (int i = 0; i < a.size_; ++i) {
             std::uint64_t carry = 0;

@@ -24,13 +24,18 @@ template <class Tag>
         n[i] = is_reversed ? o - D(in[6 + i]) : D(in[6 + i]) - o;
         f[i] = is_reversed ? o - D(in[9 + i]) : D(in[9 + i]) - o;
         m[i] = D(std::fabs(in[3 + i]));
+
+        // The slab must end at or after 0, and begin before the ray ends.
         const bool is_endless = std::isinf(ray_end) && m[i].sign() > 0;
         is_hit = is_hit && f[i].sign() >= 0 &&
                  (is_endless || (D(std::isinf(ray_end) ? 0 : ray_end) * m[i] - n[i]).sign() >= 0);
+
         if (m[i].sign() == 0) continue;
         out[1] = std::fmax(out[1], (n[i].scaled() / m[i].scaled()).value());
         out[2] = std::fmin(out[2], (f[i].scaled() / m[i].scaled()).value());
     }
+
+    // Each slab must begin before the others end.
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) is_hit = is_hit && (i == j || (f[j] * m[i] - n[i] * m[j]).sign() >= 0);
     if (is_hit) out[0] = 1;

@@ -21,9 +21,12 @@ template <class Tag>
         a = a + d * d;
         c = c + f * f;
     }
+
+    // A ray on the surface hits at 0. A ray outside that moves away misses.
     out = {-1, -1};
     if (c.sign() == 0) out = {1, 0};
     if (c.sign() == 0 || a.sign() == 0 || (c.sign() > 0 && h.sign() >= 0)) return;
+
     const D disc = h * h - a * c;
     if (disc.sign() < 0) return;
     out[0] = 1;

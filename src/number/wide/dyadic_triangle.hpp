@@ -34,6 +34,7 @@ template <class Tag>
         p[i] = D(in[9 + i]) - vertex;
         q[i] = D(in[12 + i]) - vertex;
     }
+
     out = {-1, -1};
     const D m = triple_product(d, p, q), k = triple_product(a, p, q);
     const int orientation = m.sign();
@@ -41,6 +42,7 @@ template <class Tag>
     if (orientation == 0 || is_outside(k) || is_outside(triple_product(d, b, c)) ||
         is_outside(triple_product(d, c, a)) || is_outside(triple_product(d, a, b)))
         return;
+
     out = {1, abs(k.scaled() / m.scaled()).value()};
 }
 

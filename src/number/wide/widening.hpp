@@ -123,15 +123,18 @@ std::array<T, output_count> apply_to_lanes(const T& request, const std::array<T,
         request.store(requests);
         for (std::size_t k = 0; k < input_count; ++k) in[k].store(input_lanes[k]);
         for (std::size_t k = 0; k < output_count; ++k) out[k].store(output_lanes[k]);
+
         for (std::size_t lane = 0; lane < T::lanes; ++lane) {
             if (!(requests[lane] > 0)) continue;
             std::array<double, input_count> lane_inputs;
             std::array<double, output_count> lane_results;
             for (std::size_t k = 0; k < input_count; ++k) lane_inputs[k] = input_lanes[k][lane];
             for (std::size_t k = 0; k < output_count; ++k) lane_results[k] = output_lanes[k][lane];
+
             f(lane_inputs, lane_results);
             for (std::size_t k = 0; k < output_count; ++k) output_lanes[k][lane] = lane_results[k];
         }
+
         for (std::size_t k = 0; k < output_count; ++k) out[k] = T::load(output_lanes[k]);
     } else if (request > T(0)) {
         std::array<double, input_count> lane_inputs;

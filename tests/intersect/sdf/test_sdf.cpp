@@ -168,7 +168,7 @@ TEST_CASE("enclosures of the marches contain their unrounded results", "[interse
             const DrawnField field = draw_field(random, 3);
             const LiftedTarget<Wide> wide(field.target());
             for (const Ray<double>& r : field.rays) {
-                intersect::sdf::Unwatched unwatched;
+                intersect::sdf::NoMarchWatch unwatched;
                 const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
                 const Hit<Wide> want = intersect::table::intersect_target<Form>(
                     Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
@@ -210,7 +210,7 @@ TEST_CASE("stepping by p += d dir equals o + t dir when nothing is rounded", "[i
         const LiftedTarget<Wide> target(field.target());
         const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
         const Ray<Wide> ray{lift(field.rays[0].origin), lift(field.rays[0].direction)};
-        intersect::sdf::Unwatched unwatched;
+        intersect::sdf::NoMarchWatch unwatched;
         const auto one =
             intersect::table::intersect_target<intersect::sdf::SphereTrace>(ray, target.get(), Wide(0), unwatched);
         const auto other =

@@ -89,6 +89,7 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
     const Box<double> box = draw_box(random, settings, offset_of(settings));
     Vec<double> middle(0, 0, 0);
     for (int i = 0; i < 3; ++i) middle[i] = stored(box.lo[i] + random.between(0.3, 0.7) * (box.hi[i] - box.lo[i]));
+
     RayGroup group;
     if (settings.adjoining) group.primitives = cut_into_octants(box, middle);
     else group.primitives.emplace_back(box);
@@ -97,6 +98,7 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
         group.primitives.emplace_back(
             draw_box(random, settings,
                      offset_of(settings) + (settings.distance * settings.size) * rays::draw_direction(random)));
+
     const double magnitude = rays::direction_length(settings);
     for (int i = 0; i < settings.rays; ++i) {
         TouchPoint touch = draw_touch_point(random, settings, box);
@@ -107,6 +109,7 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
                 if (touch.outward[k] != 0) touch.point[k] = middle[k];
             }
         }
+
         const Vec<double> moved_point = touch.point + (settings.gap * settings.size) * touch.outward;
         if (begins_on_other_box) {
             group.rays.push(rays::ray_from_surface(random, settings, group.primitives.back(), moved_point, d));

@@ -101,6 +101,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         return number::wide::constant_mask<T>(fits<decltype(value_of(limit))>(
             {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
     }
+
     mask_t<T> all_fit = T(0) <= T(0);
     if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
@@ -109,6 +110,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             const B size = abs(number::wide::widen<B>(x));
             all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
         };
+
         for (int axis = 0; axis < 3; ++axis) {
             check_size(ray.origin[axis]);
             check_size(ray.direction[axis]);
@@ -141,6 +143,7 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
             sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
     }
     const W v = unit_roundoff<W>(), end = min(widen_number(limit), beyond_every_t<W>());
+
     // 1 if the comparison is proved to hold, −1 if it is proved to fail, else 0. The least over all comparisons
     // decides.
     const auto proved_sign = [&](const W& lesser, const W& greater) {
@@ -160,6 +163,7 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
             return proved_sign(n[from] * m[to], f[to] * m[from]);
         },
         [](const W& a, const W& b) { return min(a, b); }, least_sign);
+
     const T narrowed_sign = narrow<T>(least_sign);
     return {narrowed_sign > T(0) || narrowed_sign < T(0), narrowed_sign >= T(0)};
 }
@@ -232,6 +236,8 @@ Hit<T> decide_in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const S
     const Hit<P> decision =
         decide_exactly<P>({value_of(ray.origin), value_of(ray.direction)}, value_of(slabs),
                           {{tmin, tmax}, value_of(result.limit)}, {{zero < zero, zero < zero}, in_range.value()});
+
+    // Collects the inputs of the call. The sign of d exchanges the planes of a slab.
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto plane = [&](int axis, const auto& is_exchanged) {
         const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
@@ -241,6 +247,8 @@ Hit<T> decide_in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const S
     const auto high = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) > T(0); }); };
     const std::array<T, 13> inputs{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,         low(0),
                                    low(1), low(2), high(0), high(1), high(2), result.limit};
+
+    // Records the answers that the call changes.
     const auto recorded_answer = [&inputs](CallAnswer answer, const P& value) {
         return record_call<T>({"box.filtered", answer}, inputs, value);
     };
@@ -259,6 +267,8 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
                       const BoundDecision<T>& bound_decision, Watch& watch) {
     const Part<T> part("by planes");
     BoundDecision<T> known_decision = bound_decision;
+
+    // Tests the range again, since a direction with a zero also makes the sum of the first test infinite.
     if (any_of(!bound_decision.in_range)) {
         const BoundDecision<T> second_decision =
             decide_by_bound<T>(result.segment.tmin, result.segment.tmax, largest_intermediate(ray, slabs));
@@ -266,6 +276,8 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
                           bound_decision.in_range || second_decision.in_range};
         if (!any_of(!known_decision.is_proved)) return hit_from_segment<T>(known_decision.hit, result.segment);
     }
+
+    // Then in the wider arithmetic. Its segment replaces the one whose numbers left their range.
     if constexpr (number::wide::has_wider_word<T>) {
         if (number::wide::widens<T>()) {
             using B = number::wide::OneWord<T>;
@@ -281,6 +293,8 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
             if (!any_of(!known_decision.is_proved)) return hit_from_segment<T>(known_decision.hit, result.segment);
         }
     }
+
+    // Then without rounding.
     watch(FilterArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, slabs, result, known_decision.in_range);
     else return decide_exactly<T>(ray, slabs, result, known_decision);

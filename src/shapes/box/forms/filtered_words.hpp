@@ -93,6 +93,7 @@ auto plane_distances(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& l
     const mask_t<B> is_endless = end >= beyond_every_t<B>();
     PlaneDistances<B> distances{
         {B(0), B(0), B(0)}, {zero, zero, zero}, {zero, zero, zero}, select(is_endless, B(0), end), is_endless};
+
     for (int axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<std::size_t>(axis);
         const B d = widen(ray.direction[axis]), o = widen(ray.origin[axis]), sign = copysign(B(1), d);
@@ -121,6 +122,7 @@ static SlabDecision<T> decide_by_products(const PlaneDistances<number::wide::One
     B low_words(0);
     for (std::size_t i = 0; i < 3; ++i) low_words = low_words + abs(distances.n[i].lo) + abs(distances.f[i].lo);
     const mask_t<B> are_exact = low_words <= B(0);
+
     mask_t<B> hit = B(0) <= distances.end, is_miss = !hit;
     const auto compare = [&](const TwoWords<B>& lesser, const B& m, const TwoWords<B>& greater, const B& g) {
         const TwoWords<B> p = product_of(lesser.hi, m), q = product_of(greater.hi, g), s = sum_of<B>(q.hi, -p.hi);
@@ -129,6 +131,8 @@ static SlabDecision<T> decide_by_products(const PlaneDistances<number::wide::One
         hit = hit && ((are_exact && p <= q) || (!are_exact && difference >= bound));
         is_miss = is_miss || (are_exact && p > q) || (!are_exact && difference < -bound);
     };
+
+    // Each slab must end at or after 0, and begin before the ray ends and before the other slabs end.
     for (std::size_t i = 0; i < 3; ++i) {
         hit = hit && distances.f[i].hi >= B(0);
         is_miss = is_miss || distances.f[i].hi < B(0);
@@ -138,8 +142,11 @@ static SlabDecision<T> decide_by_products(const PlaneDistances<number::wide::One
             compare(distances.n[i], distances.m[k], distances.f[k], distances.m[i]);
         }
     }
+
     const T narrowed_sign = number::wide::narrow<T>(select(hit, B(1), select(is_miss, B(-1), B(0))));
-    return {narrowed_sign > T(0) || narrowed_sign<T(0), narrowed_sign> T(0)};
+    const mask_t<T> is_positive = narrowed_sign > T(0);
+    const mask_t<T> is_negative = narrowed_sign < T(0);
+    return {is_positive || is_negative, is_positive};
 }
 
 /// Decides exactly where the numbers fit (`fit`), by the signs of exact sums: 1 if every comparison holds, −1 if one
@@ -158,6 +165,7 @@ template <Number T>
         before_end.add(-distances.before_end(i));
         least_sign = min(least_sign, sign_of(before_end.value()));
     }
+
     least_sign = join_all_pairs<B>(
         [&](int i, int j) {
             const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::capsule {
 
-struct FilteredCapsule : filter::FiltersBySpan<FilteredCapsule, Capsule> {
+struct FilteredCapsule : filter::SpanFilter<FilteredCapsule, Capsule> {
     static constexpr Info info{
         .name = "capsule.filtered",
         .title = filter::title_by_span,

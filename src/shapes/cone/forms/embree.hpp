@@ -21,6 +21,8 @@ struct EmbreeCone {
         const Vec<T> middle = half<T>() * (cone.base + cone.top);
         const T dt = named("dt", dot(middle - ray.origin, d) * (T(1) / square(d)));
         const Vec<T> o = ray.origin + dt * d, v = cone.top - cone.base, p0 = o - cone.base, p1 = o - cone.top;
+
+        // The quadratic a t² + 2 b t + c of the side, from the moved origin.
         const T v2 = square(v), v_dot_f = dot(p0, v), v_dot_g = dot(p1, v), axis_rate = dot(d, v), v4 = square(v2);
         const T dr = cone.base_radius - cone.top_radius, hy = v2 + square(dr), r0 = v2 * cone.base_radius;
         const T a = named("A", v4 - square(axis_rate) * hy);
@@ -28,6 +30,8 @@ struct EmbreeCone {
         const T c = named("C", v4 * square(p0) - square(v_dot_f) * hy + r0 * (T(2) * dr * v_dot_f - r0));
         const T disc = named("D", square(b) - a * c), root = sqrt(disc), inverse_a = T(1) / a,
                 inverse_axis_rate = T(1) / axis_rate;
+
+        // The two crossings of the side, and those of the caps.
         const auto cross_side = [&](const T& t) {
             const T y = v_dot_f + t * axis_rate;
             return Crossing<T>{y > T(0) && y < v2, t};
@@ -39,11 +43,14 @@ struct EmbreeCone {
         const Crossing<T> near = cross_side((-b - root) * inverse_a), far = cross_side((-b + root) * inverse_a);
         const Crossing<T> base_cap = cross_cap(p0, v_dot_f, cone.base_radius),
                           top_cap = cross_cap(p1, v_dot_g, cone.top_radius);
+
+        // The line enters at the first crossing and leaves at the last.
         const Crossing<T> first_cap = earlier<T>(base_cap, top_cap),
                           last_cap{base_cap.is_crossed && top_cap.is_crossed, max(base_cap.t, top_cap.t)};
         const mask_t<T> enters_by_cap = first_cap.is_crossed && (!near.is_crossed || first_cap.t <= near.t);
         const Crossing<T> entry = earlier<T>(near, first_cap),
                           exit = later<T>(far, choose<T>(enters_by_cap, last_cap, first_cap));
+
         const T t_in = named("enter", dt + entry.t), t_out = named("leave", dt + exit.t);
         const mask_t<T> is_entry_ahead = entry.is_crossed && t_in >= T(0);
         const T t = named("t", select(is_entry_ahead, t_in, t_out));

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cone {
 
-struct FilteredCone : filter::FiltersBySpan<FilteredCone, Cone> {
+struct FilteredCone : filter::SpanFilter<FilteredCone, Cone> {
     static constexpr Info info{
         .name = "cone.filtered",
         .title = filter::title_by_span,

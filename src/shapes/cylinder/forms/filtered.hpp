@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct FilteredCylinder : filter::FiltersBySpan<FilteredCylinder, Cylinder> {
+struct FilteredCylinder : filter::SpanFilter<FilteredCylinder, Cylinder> {
     static constexpr Info info{
         .name = "cylinder.filtered",
         .title = filter::title_by_span,

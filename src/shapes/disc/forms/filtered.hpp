@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::disc {
 
-struct FilteredDisc : filter::FiltersBySpan<FilteredDisc, Disc> {
+struct FilteredDisc : filter::SpanFilter<FilteredDisc, Disc> {
     static constexpr Info info{
         .name = "disc.filtered",
         .title = filter::title_by_span,

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::ellipsoid {
 
-struct FilteredEllipsoid : filter::FiltersBySpan<FilteredEllipsoid, Ellipsoid> {
+struct FilteredEllipsoid : filter::SpanFilter<FilteredEllipsoid, Ellipsoid> {
     static constexpr Info info{
         .name = "ellipsoid.filtered",
         .title = filter::title_by_span,

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::plane {
 
-struct FilteredPlane : filter::FiltersBySpan<FilteredPlane, Plane> {
+struct FilteredPlane : filter::SpanFilter<FilteredPlane, Plane> {
     static constexpr Info info{
         .name = "plane.filtered",
         .title = filter::title_by_span,

@@ -180,6 +180,8 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     static constexpr std::pair<std::string_view, V> views[] = {
         {"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
+
+    // Where the rays begin, and where they go.
     SphereDistribution settings;
     settings.projection = table.optional_one_of<P>("projection", projections).value_or(settings.projection);
     table.read("begin", settings.begin, rays::begins);
@@ -189,9 +191,13 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
                       "leave one of the two out");
     settings.directions = table.optional_one_of<V>("directions", views).value_or(settings.directions);
     settings.weighting = table.optional_one_of<W>("weighting", weightings).value_or(settings.weighting);
+
+    // The size and the position of the sphere.
     table.read_number("radius", settings.radius, 0x1p-126, 0x1p+126);
     table.read_number("distance", settings.distance, 0, 0x1p+126);
     table.read_number("height", settings.height, -0x1p+126, 0x1p+126);
+
+    // Where the rays pass the sphere.
     table.read_number("impact_from", settings.impact_from, 0, 4);
     table.read_number("impact_to", settings.impact_to, 0, 4);
     table.read_number("silhouette_gap", settings.silhouette_gap, 0, 1);
@@ -199,6 +205,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     table.read_number("tilt", settings.tilt, 0, 1);
     if (settings.weighting == W::silhouette && settings.impact_to >= 1)
         table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
+
     rays::read_common_keys(table, settings);
     return settings;
 }

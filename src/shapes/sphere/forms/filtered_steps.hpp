@@ -184,29 +184,37 @@ struct ExactTerms {
         ExactSum<B, 6> a_sum;
         ExactSum<B, 240> disc_sum;
         for (int i = 0; i < 3; ++i) {
+            // h += f_i d_i, c += f_i², a += d_i²
             h_sum.add_product(f[i].hi, d[i]);
             h_sum.add_product(f[i].lo, d[i]);
             c_sum.add_product(f[i].hi, f[i].hi);
             c_sum.add_product(f[i].hi + f[i].hi, f[i].lo);
             c_sum.add_product(f[i].lo, f[i].lo);
             a_sum.add_product(d[i], d[i]);
+
+            // m = component i of f × d
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             ExactSum<B, 8> m;
             m.add_product(f[j].hi, d[k]);
             m.add_product(f[j].lo, d[k]);
             m.add_product(-f[k].hi, d[j]);
             m.add_product(-f[k].lo, d[j]);
+
+            // D −= m², by the products of all pairs of words
             for (std::size_t x = 0; x < m.words().size(); ++x) {
                 const B& word = m.words()[x];
                 disc_sum.add_product(-word, word);
                 for (const B& other : m.words().subspan(x + 1)) disc_sum.add_product(word + word, -other);
             }
         }
+
+        // c −= r², D += a r²
         c_sum.add(-r2);
         for (const B& word : a_sum.words()) {
             disc_sum.add_product(word, r2.hi);
             disc_sum.add_product(word, r2.lo);
         }
+
         h = h_sum.value();
         c = c_sum.value();
         a = a_sum.value();
@@ -250,6 +258,7 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
             all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
             zero_if_finite = zero_if_finite + B(0) * size;
         };
+
         for (int axis = 0; axis < 3; ++axis) {
             check_size(ray.origin[axis]);
             check_size(ray.direction[axis]);

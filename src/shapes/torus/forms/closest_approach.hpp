@@ -21,11 +21,13 @@ struct TorusFromClosest {
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const Vec<T> f = ray.origin - torus.centre, w = cross(f, ray.direction);
         const Vec<T> m = cross(torus.axis, cross(ray.direction, w)), k = cross(torus.axis, ray.direction);
+        // The quartic x⁴ + p x² + q x + s.
         const T a = named("a", square(ray.direction)), b = named("b", dot(f, ray.direction)), n = square(torus.axis);
         const T R = torus.major_radius, r = torus.minor_radius, four_r2 = square(T(2) * R);
         const T e = named("e", a * ((R + r) * (R - r)) + square(w)), mk = dot(m, k), k2 = square(k);
         const T p = named("p", T(2) * e - four_r2 * k2 / n), q = named("q", T(-2) * (four_r2 * mk) / n);
         const T s = named("r", square(e) - four_r2 * square(m) / n);
+
         FirstHit<T> first_hit;
         depressed_roots<T>(p, q, s, [&](const auto& is_root, const T& first_x) {
             T x = first_x;

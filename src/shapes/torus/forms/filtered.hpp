@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::torus {
 
-struct FilteredTorus : filter::FiltersBySpan<FilteredTorus, Torus> {
+struct FilteredTorus : filter::SpanFilter<FilteredTorus, Torus> {
     static constexpr Info info{
         .name = "torus.filtered",
         .title = "Sturm's chain if a bound proves it, else wider arithmetic",

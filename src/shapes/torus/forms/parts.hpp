@@ -85,7 +85,8 @@ T cubic_root_between(const T& negative_end, const T& positive_end, const T& b, c
     for (int i = 0; i < 100 && any_of(is_moving); ++i) {
         const T value = ((y + b) * y + c) * y + d, slope = (T(3) * y + T(2) * b) * y + c;
         const auto is_below = value < zero;
-        low = select(is_below, y, low), high = select(is_below, high, y);
+        low = select(is_below, y, low);
+        high = select(is_below, high, y);
         const T newton = y - value / slope, middle = half * (low + high);
         // A Newton step below the interval ends at the lower end of the interval, because the root may be there.
         const T fallback = select(newton < low && low < y, low, middle);
@@ -111,9 +112,11 @@ void depressed_roots(const T& p, const T& q, const T& r, const TakeRoot& take_ro
     const auto add_roots = [&](const T& b, const T& c) {
         const T disc = named("disc", square(half * b) - c), root = sqrt(disc);
         const auto is_root = disc >= zero;
-        take_root(is_root, -half * b - root), take_root(is_root, root - half * b);
+        take_root(is_root, -half * b - root);
+        take_root(is_root, root - half * b);
     };
-    add_roots(v, z - u), add_roots(-v, z + u);
+    add_roots(v, z - u);
+    add_roots(-v, z + u);
 }
 
 /// Finds the roots of a quartic. x = t + a/4 removes the cubic term. Calls `take_root(is_root, t)` as `depressed_roots`

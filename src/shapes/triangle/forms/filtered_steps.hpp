@@ -95,15 +95,19 @@ DecisionProof<P> prove_decision(const Determinants<P>& det, const P& v, const P&
     const Vec<P> d = absolute_values(det.d), a = absolute_values(det.a), b = absolute_values(det.b),
                  c = absolute_values(det.c), p = absolute_values(det.p), q = absolute_values(det.q);
     const auto largest = [](const Vec<P>& x) { return max(max(x.x, x.y), x.z); };
+
+    // The bounds of the edges, of m and of k, as above.
     const P largest_coordinate = max(max(largest(a), largest(b)), largest(c)),
             area = largest_coordinate * largest_coordinate;
     const P volume = (d.x + d.y + d.z) * area, e = P(16) * v * volume;
     const Vec<P> products(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
     const Vec<P> g = P(3) * products + P(5) * absolute_values(det.n) + Vec<P>(f, f, f);
     const P bound_m = dot(d, g) + f, bound_k = dot(a, g) + f;
+
     const mask_t<P> in_range = P(512) * v <= P(1) && area >= f && volume >= f && P(64) * area < infinity &&
                                P(64) * volume < infinity && bound_m < infinity && bound_k < infinity;
     const mask_t<P> is_accurate = in_range && ratio * bound_m <= abs(det.m) && ratio * bound_k <= abs(det.k);
+
     const mask_t<P> is_ahead = (det.m > zero && det.k > zero) || (det.m < zero && det.k < zero);
     const P least = min(min(det.ea, det.eb), det.ec), greatest = max(max(det.ea, det.eb), det.ec);
     return {is_accurate && is_ahead && (least > e || greatest < -e),
@@ -164,6 +168,8 @@ TriangleDecision<T> decide_in(const Ray<T>& ray, const Triangle<T>& triangle) {
         if constexpr (std::same_as<W, T>) return x;
         else return number::wide::widen<W>(x);
     });
+
+    // Decides by the first word of each number, with the roundoff v of W.
     const auto det = map_determinants(wide_determinants, [](const W& x) { return word_of(x); });
     using B = std::decay_t<decltype(det.m)>;
     using P = decltype(value_of(det.m));
@@ -172,11 +178,13 @@ TriangleDecision<T> decide_in(const Ray<T>& ray, const Triangle<T>& triangle) {
     const DecisionProof<P> proof =
         prove_decision<P>(map_determinants(det, [](const B& x) { return value_of(x); }), v, roundoff_in<T, P>());
     const mask_t<B> is_proved = constant_mask<B>(proof.hit || proof.miss);
+
     const B t = named("t", det.k / det.m);
     const auto hit = [&]() -> mask_t<B> {
         if constexpr (traces_operations<T>) return is_hit_by_signs<B>(det);
         else return proof.hit;
     };
+
     if constexpr (std::same_as<W, T>) {
         return {is_proved, hit(), t};
     } else {
@@ -208,6 +216,7 @@ B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B
         };
         add(y[j], z[k]);
         add(-y[k], z[j]);
+
         for (const B& word : area.words()) {
             all.add_product(word, x[i].hi);
             all.add_product(word, x[i].lo);

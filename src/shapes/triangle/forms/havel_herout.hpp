@@ -26,7 +26,8 @@ struct HavelHerout {
         const Vec<T> p = det * ray.origin + dett * ray.direction;
         const T u = named("detu", dot(p, n1) + det * d1), v = named("detv", dot(p, n2) + det * d2);
         const T w = named("detw", det - u - v), rdet = named("rdet", T(1) / det), t = named("t", dett * rdet);
-        named("u", u * rdet), named("v", v * rdet);
+        named("u", u * rdet);
+        named("v", v * rdet);
         const mask_t<T> are_none_negative = !(u < T(0)) && !(v < T(0)) && !(w < T(0)),
                         are_all_negative = u < T(0) && v < T(0) && w < T(0);
         return single_hit<T>((are_none_negative || are_all_negative) && is_not_zero(det) && t >= T(0), t);

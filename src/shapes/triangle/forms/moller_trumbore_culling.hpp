@@ -27,7 +27,8 @@ struct MollerTrumboreCulling {
         const Vec<T> qvec = cross(tvec, edge1);
         const T v = named("v*det", dot(ray.direction, qvec));
         const T inverse = named("1/det", T(1) / det), t = named("t", dot(edge2, qvec) * inverse);
-        named("u", u * inverse), named("v", v * inverse);
+        named("u", u * inverse);
+        named("v", v * inverse);
         return single_hit<T>(!(det < epsilon) && !(u < zero || u > det) && !(v < zero || u + v > det) && !(t < zero),
                              t);
     }

@@ -20,7 +20,9 @@ struct Plucker {
         const Vec<T> n1 = cross(edges.e1, edges.e0), n = n1 + n1;
         const T den = named("den", dot(n, ray.direction)), tn = named("T", dot(edges.v0, n));
         const T inverse = named("1/den", T(1) / den), t = named("t", tn * inverse);
-        named("u", -edges.u * inverse), named("v", -edges.v * inverse);  // the source has (y + x) × (y − x)
+        // The source has (y + x) × (y − x).
+        named("u", -edges.u * inverse);
+        named("v", -edges.v * inverse);
         const mask_t<T> is_inside = !(edges.least < T(0) && edges.greatest > T(0));
         return single_hit<T>(is_inside && is_not_zero(den) && !(select(den < T(0), -tn, tn) < T(0)), t);
     }

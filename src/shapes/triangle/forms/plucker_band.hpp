@@ -22,7 +22,8 @@ struct PluckerBand {
         const T half_den = dot_from_z(n, ray.direction), den = named("den", half_den + half_den);
         const T tn = dot_from_z(edges.v0, n), t = named("t", (T(1) / den) * named("T", tn + tn));
         const T inverse = named("1/UVW", T(1) / edges.sum);
-        named("u", edges.u * inverse), named("v", edges.v * inverse);
+        named("u", edges.u * inverse);
+        named("v", edges.v * inverse);
         return single_hit<T>((edges.least >= -band || edges.greatest <= band) && T(0) <= t && is_not_zero(den), t);
     }
 

@@ -29,7 +29,8 @@ struct PluckerEdges {
         const auto test = [&](const Vec<T>& edge, const Vec<T>& x, const Vec<T>& y) {
             return dot_from_z(cross(edge, Vec<T>(x + y)), ray.direction);
         };
-        u = named("U", test(e0, v2, v0)), v = named("V", test(e1, v0, v1));
+        u = named("U", test(e0, v2, v0));
+        v = named("V", test(e1, v0, v1));
         const T w = named("W", test(e2, v1, v2));
         least = min(min(u, v), w);
         greatest = max(max(u, v), w);

@@ -22,7 +22,9 @@ struct SignedVolumes {
         const T u = named("U", dot(ray.direction, bc)), v = named("V", dot(ray.direction, cross(c, a)));
         const T w = named("W", dot(ray.direction, cross(a, b))), zero(0), sum = named("U+V+W", u + v + w);
         const T t = named("t", named("volume", dot(a, bc)) / sum), denom = named("denom", T(1) / sum);
-        named("u", u * denom), named("v", v * denom), named("w", w * denom);
+        named("u", u * denom);
+        named("v", v * denom);
+        named("w", w * denom);
         const mask_t<T> is_inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
         return single_hit<T>(is_inside && is_not_zero(sum) && t >= zero, t);
     }

@@ -26,7 +26,8 @@ struct Undivided {
         const T u = named("U", flip_if_back(dot_from_z(r, e2))), v = named("V", flip_if_back(dot_from_z(r, e1)));
         const T tn = named("T", flip_if_back(dot_from_z(ng, c)));
         const T inverse = named("1/den", T(1) / size), t = named("t", tn * inverse);
-        named("u", u * inverse), named("v", v * inverse);
+        named("u", u * inverse);
+        named("v", v * inverse);
         return single_hit<T>(is_not_zero(den) && u >= T(0) && v >= T(0) && u + v <= size && tn > T(0), t);
     }
 };

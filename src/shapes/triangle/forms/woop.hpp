@@ -31,12 +31,16 @@ struct Woop {
             return Vec<T>(v.x - v.z * sx, v.y - v.z * sy, v.z);
         };
         const Vec<T> a = shear(triangle.a), b = shear(triangle.b), c = shear(triangle.c);
+
+        // The edge tests of the sheared triangle, whose ray runs along z.
         const T u = named("U", c.x * b.y - c.y * b.x), v = named("V", a.x * c.y - a.y * c.x);
         const T w = named("W", b.x * a.y - b.y * a.x), zero(0);
         const T det = named("det", u + v + w);
         const T tn = named("T", u * (sz * a.z) + v * (sz * b.z) + w * (sz * c.z));
         const T inverse = named("1/det", T(1) / det), t = named("t", tn * inverse);
-        named("u", u * inverse), named("v", v * inverse);
+        named("u", u * inverse);
+        named("v", v * inverse);
+
         const mask_t<T> is_inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
         return single_hit<T>(is_inside && is_not_zero(det) && zero < t, t);
     }

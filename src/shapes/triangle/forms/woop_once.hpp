@@ -28,7 +28,9 @@ struct WoopOnce {
         const W det = a.value + b.value + c.value;
         const W scaled_t = a.value * wide(v.p0.z) + b.value * wide(v.p1.z) + c.value * wide(v.p2.z);
         const T t = named("t", narrow(scaled_t / det));
-        named("b0", narrow(a.value / det)), named("b1", narrow(b.value / det)), named("b2", narrow(c.value / det));
+        named("b0", narrow(a.value / det));
+        named("b1", narrow(b.value / det));
+        named("b2", narrow(c.value / det));
         const mask_t<W> has_one_sign =
             (a.is_left && b.is_left && c.is_left) || (a.is_right && b.is_right && c.is_right);
         const mask_t<T> is_inside = has_one_sign;

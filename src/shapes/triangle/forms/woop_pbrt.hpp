@@ -58,14 +58,15 @@ WoopHit<T> hit_from_edges(const Triangle<T>& triangle, const WoopVertices<T>& v,
     const T zero(0);
     // (2 area)², which is zero for a degenerate triangle.
     const T doubled_area_squared = square(cross(triangle.c - triangle.a, triangle.b - triangle.a));
-    const mask_t<T> is_any_negative =
-        e.e0 < zero || e.e1 < zero || e.e2<zero, is_any_positive = e.e0> zero || e.e1 > zero || e.e2 > zero;
+    const mask_t<T> is_any_negative = e.e0 < zero || e.e1 < zero || e.e2 < zero;
+    const mask_t<T> is_any_positive = e.e0 > zero || e.e1 > zero || e.e2 > zero;
     const T det = named("det", e.e0 + e.e1 + e.e2);
     const T scaled_t = named("tScaled", e.e0 * v.p0.z + e.e1 * v.p1.z + e.e2 * v.p2.z);
     const mask_t<T> is_ahead = (det < zero && scaled_t < zero) || (det > zero && scaled_t > zero);
     const T inverse_determinant = named("invDet", T(1) / det);
-    named("b0", e.e0 * inverse_determinant), named("b1", e.e1 * inverse_determinant),
-        named("b2", e.e2 * inverse_determinant);
+    named("b0", e.e0 * inverse_determinant);
+    named("b1", e.e1 * inverse_determinant);
+    named("b2", e.e2 * inverse_determinant);
     return {is_not_zero(doubled_area_squared) && !(is_any_negative && is_any_positive) && is_ahead,
             named("t", scaled_t * inverse_determinant), inverse_determinant};
 }

@@ -29,6 +29,7 @@ public:
     GltfModel(MeshBytes& bytes, const MeshSettings& settings) : file_(bytes.name()), settings_(settings) {
         const bool is_binary = bytes.peek(4) == "glTF";
         const auto [text, begin] = is_binary ? read_glb_json(bytes) : std::pair(read_text(bytes), std::uint64_t{0});
+
         json_ = parse_gltf_json(file_, text, begin, settings.stop);
         root_ = {&json_, "", &file_};
         if (!json_.is_object()) root_.fail("is not a JSON object; a glTF file is one");
@@ -36,6 +37,7 @@ public:
         if (!version.starts_with("2."))
             root_.at("asset").at("version").fail("is " + text::quoted_excerpt(version) + "; only 2.0 is supported");
         refuse_extensions();
+
         for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
             sections_[key] = root_.elements(key);
         buffers_.resize(sections_["buffers"].size());
@@ -73,37 +75,44 @@ private:
     }
     /// Returns the JSON of a binary file, and its position. Stores the bytes of the chunk after it.
     std::pair<std::string, std::uint64_t> read_glb_json(MeshBytes& bytes) {
-        const auto fail = [&](std::uint64_t byte, const std::string& message) {
-            throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, message));
-        };
-        const auto next_word = [&] {
-            const std::uint64_t position = bytes.position();
-            const std::string_view word_bytes = bytes.take(4);
-            if (word_bytes.size() < 4) fail(position, "ends inside a header");
-            std::uint32_t word;
-            std::memcpy(&word, word_bytes.data(), 4);
-            return word;
-        };
-        const auto next_chunk = [&](std::uint32_t kind, const char* expected) {
-            const std::uint64_t position = bytes.position();
-            const std::uint32_t size = next_word();
-            if (next_word() != kind)
-                throw InputError(fmt::format("{}: byte {}: is not {}", file_, position + 4, expected));
-            if (size > bytes.remaining())
-                fail(position, fmt::format("states {} bytes, but {} follow", size, bytes.remaining()));
-            return size;
-        };
-        next_word();
-        if (const std::uint32_t version = next_word(); version != 2)
+        read_word(bytes);  // the letters glTF, which are known to be there
+        if (const std::uint32_t version = read_word(bytes); version != 2)
             throw InputError(fmt::format("{}: byte 4: has version {}; only 2 is supported", file_, version));
-        if (const std::uint32_t size = next_word(); size != bytes.size())
-            fail(8, fmt::format("states {} bytes, but the file has {}", size, bytes.size()));
-        const std::uint32_t size = next_chunk(0x4e4f534a, "a chunk of JSON");
+        if (const std::uint32_t size = read_word(bytes); size != bytes.size())
+            fail_cut_short(8, fmt::format("states {} bytes, but the file has {}", size, bytes.size()));
+
+        const std::uint32_t size = read_chunk_header(bytes, ChunkKind::json_text, "a chunk of JSON");
         if (size > max_json_bytes) throw InputError(file_ + ": byte 12: its JSON is larger than 512 MiB");
         const std::uint64_t begin = bytes.position();
         std::string text(bytes.take(size));
-        if (bytes.remaining() > 0) chunk_bytes_.emplace(bytes.take(next_chunk(0x004e4942, "a chunk of bytes")));
+        if (bytes.remaining() > 0)
+            chunk_bytes_.emplace(bytes.take(read_chunk_header(bytes, ChunkKind::binary, "a chunk of bytes")));
         return {std::move(text), begin};
+    }
+
+    /// The kinds of chunks of a binary file, which spell JSON and BIN.
+    enum class ChunkKind : std::uint32_t { json_text = 0x4e4f534a, binary = 0x004e4942 };
+
+    std::uint32_t read_word(MeshBytes& bytes) const {
+        const std::uint64_t position = bytes.position();
+        const std::string_view word_bytes = bytes.take(4);
+        if (word_bytes.size() < 4) fail_cut_short(position, "ends inside a header");
+        std::uint32_t word;
+        std::memcpy(&word, word_bytes.data(), 4);
+        return word;
+    }
+    /// Returns the size of a chunk, which must be of this kind.
+    std::uint32_t read_chunk_header(MeshBytes& bytes, ChunkKind kind, const char* expected) const {
+        const std::uint64_t position = bytes.position();
+        const std::uint32_t size = read_word(bytes);
+        if (read_word(bytes) != static_cast<std::uint32_t>(kind))
+            throw InputError(fmt::format("{}: byte {}: is not {}", file_, position + 4, expected));
+        if (size > bytes.remaining())
+            fail_cut_short(position, fmt::format("states {} bytes, but {} follow", size, bytes.remaining()));
+        return size;
+    }
+    [[noreturn]] void fail_cut_short(std::uint64_t byte, const std::string& message) const {
+        throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, message));
     }
 
     /// Returns the element of a section with a given index.
@@ -165,7 +174,7 @@ private:
         }
     }
 
-    /// The elements of an accessor. Element i begins i·step bytes after the first, and all are inside the buffer.
+    /// The elements of an accessor. Element i begins i·stride bytes after the first, and all are inside the buffer.
     struct Elements {
         const char* first;
         std::size_t stride, count;
@@ -187,6 +196,8 @@ private:
                             offset = accessor.unsigned_number("byteOffset", 0),
                             count = accessor.at("count").unsigned_number(),
                             stride = view.unsigned_number("byteStride", size);
+
+        // Checks that the view is inside its buffer, and the elements inside the view.
         if (begin > bytes.size() || length > bytes.size() - begin)
             view.fail(fmt::format("ends beyond its buffer, which has {} bytes; was it cut short?", bytes.size()));
         if (stride < size) view.at("byteStride").fail(fmt::format("is {}, but an element has {} bytes", stride, size));
@@ -211,6 +222,7 @@ private:
         std::vector<Vec<double>>& vertices = parsed_mesh_.mesh.vertices;
         require_within_limit(accessor, vertices.size(), elements.count, "vertices");
         entry->second = {vertices.size(), elements.count};
+
         for (std::size_t i = 0; i < elements.count; ++i) {
             settings_.stop.check();
             const auto p = elements.at<float, 3>(i);
@@ -293,16 +305,7 @@ private:
         return std::move(*chunk_bytes_);
     }
     std::string read_uri(const GltfValue& uri, std::uint64_t length) {
-        const std::string& text = uri.text();
-        if (text.starts_with("data:")) {
-            constexpr std::string_view separator = ";base64,";
-            const std::size_t begin = text.find(separator);
-            auto bytes = begin < text.size()
-                             ? decode_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
-                             : std::nullopt;
-            if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, followed by the letters");
-            return std::move(*bytes);
-        }
+        if (uri.text().starts_with("data:")) return read_data_uri(uri);
         const std::filesystem::path file = resolve_path(uri);
         if (!opened_files_.insert(file).second)
             uri.fail("names the file of another buffer; write one buffer, and views of it");
@@ -312,6 +315,16 @@ private:
         } catch (const InputError& error) {
             uri.fail(error.what());
         }
+    }
+    [[nodiscard]] std::string read_data_uri(const GltfValue& uri) const {
+        constexpr std::string_view separator = ";base64,";
+        const std::string& text = uri.text();
+        const std::size_t begin = text.find(separator);
+        auto bytes = begin < text.size()
+                         ? decode_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
+                         : std::nullopt;
+        if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, followed by the letters");
+        return std::move(*bytes);
     }
     /// Returns the path of a file, which must be in the folder of the glTF or below it, so that a downloaded mesh
     /// cannot open other files.

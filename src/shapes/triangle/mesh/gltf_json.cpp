@@ -132,8 +132,11 @@ std::optional<std::string> decode_base64(std::string_view letters, StopToken sto
     values.fill(-1);
     for (std::size_t i = 0; i < alphabet.size(); ++i)
         values[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+
     for (int padding = 0; padding < 2 && letters.ends_with('='); ++padding) letters.remove_suffix(1);
     if (letters.size() % 4 == 1) return std::nullopt;
+
+    // Four letters of six bits make three bytes.
     std::string bytes;
     bytes.reserve(letters.size() / 4 * 3 + 2);
     std::uint32_t bits = 0;

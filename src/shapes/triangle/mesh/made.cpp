@@ -32,9 +32,8 @@ void add_square(Mesh& mesh, const IndexAt& index_at, std::uint32_t i, std::uint3
     mesh.faces.push_back({index_at(i, j), index_at(i + 1, j + 1), index_at(i, j + 1)});
 }
 
-}  // namespace
-
-Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
+/// Makes an icosahedron with its vertices on the unit sphere.
+Mesh make_icosahedron() {
     Mesh mesh;
     const double golden_ratio = (1 + std::sqrt(5.0)) / 2;
     mesh.vertices = {{-1, golden_ratio, 0}, {1, golden_ratio, 0}, {-1, -golden_ratio, 0}, {1, -golden_ratio, 0},
@@ -44,24 +43,34 @@ Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
     mesh.faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                   {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-    for (int level = 0; level < levels; ++level) {
-        std::unordered_map<std::uint64_t, std::uint32_t> middle_indices;
-        middle_indices.reserve(mesh.faces.size() * 3 / 2);
-        const auto middle_index = [&](std::uint32_t a, std::uint32_t b) {
-            const std::uint64_t edge = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-            const auto [entry, is_new] =
-                middle_indices.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
-            if (is_new) mesh.vertices.push_back(normalise(mesh.vertices[a] + mesh.vertices[b]));
-            return entry->second;
-        };
-        std::vector<Face> finer_faces;
-        finer_faces.reserve(4 * mesh.faces.size());
-        for (const auto& [a, b, c] : mesh.faces) {
-            const std::uint32_t ab = middle_index(a, b), bc = middle_index(b, c), ca = middle_index(c, a);
-            finer_faces.insert(finer_faces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-        }
-        mesh.faces = std::move(finer_faces);
+    return mesh;
+}
+
+/// Divides each triangle into four, with new vertices on the unit sphere above the middles of the edges.
+void divide_faces(Mesh& mesh) {
+    std::unordered_map<std::uint64_t, std::uint32_t> middle_indices;
+    middle_indices.reserve(mesh.faces.size() * 3 / 2);
+    const auto middle_index = [&](std::uint32_t a, std::uint32_t b) {
+        const std::uint64_t edge = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+        const auto [entry, is_new] = middle_indices.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
+        if (is_new) mesh.vertices.push_back(normalise(mesh.vertices[a] + mesh.vertices[b]));
+        return entry->second;
+    };
+
+    std::vector<Face> finer_faces;
+    finer_faces.reserve(4 * mesh.faces.size());
+    for (const auto& [a, b, c] : mesh.faces) {
+        const std::uint32_t ab = middle_index(a, b), bc = middle_index(b, c), ca = middle_index(c, a);
+        finer_faces.insert(finer_faces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
     }
+    mesh.faces = std::move(finer_faces);
+}
+
+}  // namespace
+
+Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
+    Mesh mesh = make_icosahedron();
+    for (int level = 0; level < levels; ++level) divide_faces(mesh);
     for (Vec<double>& v : mesh.vertices) v = centre + radius * v;
     return mesh;
 }

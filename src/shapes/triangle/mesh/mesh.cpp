@@ -43,8 +43,10 @@ std::vector<EdgeOfFace> sorted_edges(const Mesh& mesh, StopToken stop) {
     };
     for_each_edge_of_face([&](const EdgeOfFace& edge) { ++ends[edge.low + 1]; });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
+
     std::vector<EdgeOfFace> edges(3 * mesh.faces.size());
     for_each_edge_of_face([&](const EdgeOfFace& edge) { edges[ends[edge.low]++] = edge; });
+
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
         std::sort(edges.begin() + static_cast<std::ptrdiff_t>(v == 0 ? 0 : ends[v - 1]),
                   edges.begin() + static_cast<std::ptrdiff_t>(ends[v]),
@@ -72,10 +74,14 @@ void merge_vertices(Mesh& mesh, StopToken stop) {
         const Vec<double>& p = mesh.vertices[v];
         return std::array{p.x, p.y, p.z};  // −0 and 0 compare equal
     };
+
+    // Finds the first of all vertices at the same point.
     std::ranges::stable_sort(order, comparison_by(key, stop));
     for (std::size_t i = 0; i < order.size(); ++i)
         representative[order[i]] =
             i > 0 && key(order[i]) == key(order[i - 1]) ? representative[order[i - 1]] : order[i];
+
+    // Keeps only these, in their order.
     std::vector<std::uint32_t> new_index(mesh.vertices.size());
     std::uint32_t kept_count = 0;
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -84,6 +90,7 @@ void merge_vertices(Mesh& mesh, StopToken stop) {
         mesh.vertices[kept_count++] = mesh.vertices[v];
     }
     mesh.vertices.resize(kept_count);
+
     for (Face& face : mesh.faces)
         for (std::uint32_t& v : face) v = new_index[representative[v]];
 }
@@ -130,10 +137,13 @@ void count_edges(Mesh& mesh, StopToken stop) {
             direction_balance += face[(corner + 1) % 3] == edge.low ? 1 : -1;
             if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << corner);
         }
+
         MeshEdges& counts = mesh.edges;
         ++counts.edges;
-        counts.border += edge_faces.size() == 1, counts.non_manifold += edge_faces.size() > 2;
-        counts.unbalanced += direction_balance != 0, counts.odd += edge_faces.size() % 2;
+        counts.border += edge_faces.size() == 1;
+        counts.non_manifold += edge_faces.size() > 2;
+        counts.unbalanced += direction_balance != 0;
+        counts.odd += edge_faces.size() % 2;
         if (edge_faces.size() > 1) counts.duplicates += count_duplicates_at(mesh, edge_faces, third_vertices);
     };
     for_each_edge(mesh, count_edge, stop);

@@ -54,6 +54,8 @@ public:
                 begin_ += line.size() + (line_break && line.size() == end ? 1 : 0);
                 return true;
             }
+
+            // Reads more bytes, and searches only those.
             searched = available;
             if (read_more()) continue;
             line = std::string_view(buffer_).substr(begin_);

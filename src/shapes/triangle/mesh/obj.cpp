@@ -61,6 +61,25 @@ void skip_more_numbers(TextLines& lines) {
     }
 }
 
+void read_vertex_statement(TextLines& lines, const FloatFormat& vertex_format, ParsedMesh& parsed_mesh) {
+    if (parsed_mesh.mesh.vertices.size() == most_vertices) lines.fail("is one vertex too many; the limit is 2^32 - 1");
+    const auto number = [&](const char* name) { return lines.coordinate<double>(name, vertex_format); };
+    const double x = number("x"), y = number("y"), z = number("z");
+    parsed_mesh.mesh.vertices.emplace_back(x, y, z);
+    skip_more_numbers(lines);
+}
+
+/// Reads a face. `corners` is a buffer.
+void read_face_statement(TextLines& lines, std::vector<std::uint32_t>& corners, ParsedMesh& parsed_mesh) {
+    corners.clear();
+    for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
+        corners.push_back(parse_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
+    if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
+    parsed_mesh.add(corners, lines.line());
+    if (parsed_mesh.mesh.faces.size() > most_faces)
+        lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
+}
+
 }  // namespace
 
 ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
@@ -69,28 +88,12 @@ ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
         const std::string_view keyword = lines.word();
-        if (keyword == "v") {
-            if (parsed_mesh.mesh.vertices.size() == most_vertices)
-                lines.fail("is one vertex too many; the limit is 2^32 - 1");
-            const auto number = [&](const char* name) {
-                return lines.coordinate<double>(name, settings.vertex_format);
-            };
-            const double x = number("x"), y = number("y"), z = number("z");
-            parsed_mesh.mesh.vertices.emplace_back(x, y, z);
-            skip_more_numbers(lines);
-        } else if (keyword == "f") {
-            corners.clear();
-            for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
-                corners.push_back(parse_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
-            if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
-            parsed_mesh.add(corners, lines.line());
-            if (parsed_mesh.mesh.faces.size() > most_faces)
-                lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
-        } else if (!is_ignored(keyword)) {
+        if (keyword == "v") read_vertex_statement(lines, settings.vertex_format, parsed_mesh);
+        else if (keyword == "f") read_face_statement(lines, corners, parsed_mesh);
+        else if (!is_ignored(keyword))
             lines.fail(text::quoted_excerpt(keyword) +
                        " is not a keyword of OBJ, so a face might be left out; correct it, or write # before "
                        "it");
-        }
         skip_rest(lines);
     }
     return parsed_mesh;

@@ -97,10 +97,15 @@ private:
         PlyElement& element = header_.elements.back();
         PlyProperty property;
         std::string_view type = lines_.word();
-        if (type == "list") property.count = type_named(lines_.word()), type = lines_.word();
+        if (type == "list") {
+            property.count = type_named(lines_.word());
+            type = lines_.word();
+        }
         property.type = type_named(type);
         property.name = lines_.word();
         if (property.name.empty()) lines_.fail("ends before the name of the property");
+
+        // The numbers that a mesh needs have one type each, and are one number or a list as they must be.
         if (element.has(property.name))
             lines_.fail("a second property " + text::quoted_excerpt(property.name) + " of one element");
         if (element.is_face() && property.is_corner_list() &&
@@ -233,10 +238,13 @@ private:
         const std::string_view read_bytes = bytes_.take(byte_count);
         if (read_bytes.size() < byte_count)
             throw InputError(position_text() + ": ends before all elements are there; was it cut short?");
+
+        // Puts the bytes into the order of this machine.
         std::array<char, 8> bytes{};
         std::ranges::copy(read_bytes, bytes.begin());
         if ((encoding_ == PlyEncoding::little) != (std::endian::native == std::endian::little))
             std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(byte_count));
+
         switch (type) {
             case PlyType::i8: return copy_number<std::int8_t>(bytes);
             case PlyType::u8: return copy_number<std::uint8_t>(bytes);
@@ -288,6 +296,7 @@ ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
     const PlyHeader header = PlyHeaderLines(lines).read();
     PlyNumbers numbers(lines, bytes, header.encoding, settings.vertex_format);
     std::vector<std::uint32_t> corners;
+
     for (const PlyElement& element : header.elements) {
         numbers.begin(element);
         if (element.is_vertex()) parsed_mesh.mesh.vertices.reserve(element.count);
@@ -295,6 +304,7 @@ ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
             numbers.begin_element();
             if (element.is_vertex()) read_vertex(numbers, element, parsed_mesh.mesh);
             else read_corners(numbers, element, parsed_mesh.mesh.vertices.size(), corners);
+
             if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
             if (element.is_face()) parsed_mesh.add(corners, i);
             if (parsed_mesh.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");

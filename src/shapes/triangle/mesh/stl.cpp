@@ -10,7 +10,8 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-constexpr std::size_t header_size = 84, facet_size = 50;
+/// Sizes in bytes. The header ends with the count of facets, and a facet begins with its normal.
+constexpr std::size_t header_size = 84, count_position = 80, facet_size = 50, normal_size = 12;
 
 /// Reads an STL in ASCII: solid, then facets, then endsolid.
 class StlText {
@@ -31,7 +32,7 @@ private:
 
     void read_keyword(std::string_view keyword) {
         if (keyword == "solid") require_and_move(Position::outside, Position::in_solid);
-        else if (keyword == "facet") require_and_move(Position::in_solid, Position::in_facet), corners_ = 0;
+        else if (keyword == "facet") begin_facet();
         else if (keyword == "vertex") read_vertex_line();
         else if (keyword == "endfacet") end_facet();
         else if (keyword == "endsolid") require_and_move(Position::in_solid, Position::outside);
@@ -42,6 +43,10 @@ private:
         if (position_ != expected)
             lines_.fail("is not allowed " + std::string(position_texts[static_cast<std::size_t>(position_)]));
         position_ = next;
+    }
+    void begin_facet() {
+        require_and_move(Position::in_solid, Position::in_facet);
+        corners_ = 0;
     }
     void read_vertex_line() {
         require_and_move(Position::in_facet, Position::in_facet);
@@ -68,13 +73,34 @@ private:
     std::size_t corners_ = 0;  ///< number of vertices of the facet so far
 };
 
+/// Reads a facet: three vertices of three floats, between a normal and two bytes that are ignored.
+void read_facet(MeshBytes& bytes, std::uint32_t index, const FloatFormat& vertex_format, ParsedMesh& parsed_mesh) {
+    const std::uint64_t begin = bytes.position();
+    const std::string_view facet = bytes.take(facet_size);
+    if (facet.size() < facet_size)
+        throw InputError(fmt::format("{}: byte {}: ends inside of a facet", bytes.name(), begin));
+    float numbers[9];
+    std::memcpy(numbers, facet.data() + normal_size, sizeof numbers);
+    for (std::size_t k = 0; k < 9; ++k)
+        if (const auto fault = coordinate_error(numbers[k], vertex_format); !fault.empty())
+            throw InputError(fmt::format("{}: byte {}: facet {} has a vertex that {}", bytes.name(),
+                                         begin + normal_size + 4 * k, index, fault));
+
+    const auto first_index = static_cast<std::uint32_t>(parsed_mesh.mesh.vertices.size());
+    for (int k = 0; k < 3; ++k)
+        parsed_mesh.mesh.vertices.emplace_back(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
+    parsed_mesh.add(std::array{first_index, first_index + 1, first_index + 2}, index);
+}
+
 }  // namespace
 
 ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
     static_assert(std::endian::native == std::endian::little, "STL is little endian, and its numbers are copied");
     const std::string first_bytes(bytes.peek(header_size));
     std::uint32_t count = 0;
-    if (first_bytes.size() == header_size) std::memcpy(&count, first_bytes.data() + 80, 4);
+    if (first_bytes.size() == header_size) std::memcpy(&count, first_bytes.data() + count_position, sizeof count);
+
+    // A binary STL has the size that its count of facets gives. Its header may begin with the word solid, too.
     const std::uint64_t size = header_size + facet_size * std::uint64_t{count};
     if (first_bytes.size() < header_size || bytes.size() != size) {
         const bool is_text =
@@ -83,27 +109,13 @@ ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
         throw InputError(
             fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
                         "would have {} bytes and not {}; was it cut short?",
-                        bytes.name(), first_bytes.size() < header_size ? 0 : 80, text::count_with_noun(count, "facet"),
-                        size, bytes.size()));
+                        bytes.name(), first_bytes.size() < header_size ? 0 : count_position,
+                        text::count_with_noun(count, "facet"), size, bytes.size()));
     }
+
     ParsedMesh parsed_mesh;
     bytes.take(header_size);
-    for (std::uint32_t f = 0; f < count; ++f) {
-        const std::uint64_t begin = bytes.position();
-        const std::string_view facet = bytes.take(facet_size);
-        if (facet.size() < facet_size)
-            throw InputError(fmt::format("{}: byte {}: ends inside of a facet", bytes.name(), begin));
-        float numbers[9];
-        std::memcpy(numbers, facet.data() + 12, sizeof numbers);
-        for (std::size_t k = 0; k < 9; ++k)
-            if (const auto fault = coordinate_error(numbers[k], settings.vertex_format); !fault.empty())
-                throw InputError(fmt::format("{}: byte {}: facet {} has a vertex that {}", bytes.name(),
-                                             begin + 12 + 4 * k, f, fault));
-        const auto first_index = static_cast<std::uint32_t>(parsed_mesh.mesh.vertices.size());
-        for (int k = 0; k < 3; ++k)
-            parsed_mesh.mesh.vertices.emplace_back(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
-        parsed_mesh.add(std::array{first_index, first_index + 1, first_index + 2}, f);
-    }
+    for (std::uint32_t f = 0; f < count; ++f) read_facet(bytes, f, settings.vertex_format, parsed_mesh);
     return parsed_mesh;
 }
 

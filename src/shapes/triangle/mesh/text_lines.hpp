@@ -92,7 +92,8 @@ private:
     /// Reads the next line, without its line break and without a backslash that continues it.
     bool read_line() {
         if (!bytes_.take_line(line_, max_line_bytes)) return false;
-        word_end_ = 0, word_start_ = 0;
+        word_end_ = 0;
+        word_start_ = 0;
         if (++line_number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
         if (line_.size() > max_line_bytes) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::tube {
 
-struct FilteredTube : filter::FiltersBySpan<FilteredTube, Tube> {
+struct FilteredTube : filter::SpanFilter<FilteredTube, Tube> {
     static constexpr Info info{
         .name = "tube.filtered",
         .title = filter::title_by_span,

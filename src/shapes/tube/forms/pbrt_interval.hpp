@@ -27,6 +27,8 @@ struct PbrtTube {
         const I a = square(dx) + square(dy), b = two * (dx * ox + dy * oy), c = square(ox) + square(oy) - square(r);
         const I f = b / (two * a), l = sqrt(square(ox - f * dx) + square(oy - f * dy));
         const I disc = four * a * (r + l) * (r - l), root = sqrt(disc), minus_half(-half<T>());
+
+        // The roots q/a and c/q, without a difference of close numbers, in order.
         const auto is_ahead = named("b", b.middle()) < T(0);
         const I minus = minus_half * (b - root), plus = minus_half * (b + root);
         const I q(select(is_ahead, minus.lo, plus.lo), select(is_ahead, minus.hi, plus.hi));
@@ -34,6 +36,7 @@ struct PbrtTube {
         const auto is_swapped = over_a.lo > under_c.lo;
         const I near(select(is_swapped, under_c.lo, over_a.lo), select(is_swapped, under_c.hi, over_a.hi));
         const I far(select(is_swapped, over_a.lo, under_c.lo), select(is_swapped, over_a.hi, under_c.hi));
+
         const auto is_on_wall = [&](const I& t) {
             const T z = o.z + t.middle() * d.z;
             return t.lo > T(0) && z >= T(0) && z <= frame.height;
