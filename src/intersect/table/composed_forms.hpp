@@ -29,8 +29,7 @@ public:
         }
     };
 
-    /// Returns the form with these parts. If it is new, calls `fill(
-ComposedForm&)` after `parts` is set.
+    /// Returns the form with these parts. If it is new, calls `fill(ComposedForm&)` after `parts` is set.
     template <class Fill>
     const Intersector& find_or_add(const Parts& parts, const Fill& fill) {
     const std::lock_guard lock(mutex_);
