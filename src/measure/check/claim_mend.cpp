@@ -44,7 +44,7 @@ public:
         if (own_quality_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_format(request_.row.format.parameters, false);
         const auto quality_all_wider =
-            judge_->quality_of({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
+            judge_->measure_quality({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
         if (!quality_all_wider.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(
             smallest_set(tape_, wider, quality_all_wider, request_, *judge_, 0).operations.size());

@@ -86,7 +86,7 @@ struct Comparison {
 Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     const TapeForm tape_form(*request.row.form, request.row.format, tape, "tape", "");
     std::array<AnswerHash, 2> hashes;
-    const auto quality = judge.quality_of({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
+    const auto quality = judge.measure_quality({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
     return {quality.front(), hashes[0] == hashes[1]};
 }
 
@@ -143,15 +143,18 @@ void Judge::for_each_part(const std::function<void(const Part&)>& action) {
     for (std::size_t k = 0; k < bands.size(); ++k) action(Part(request_, bands, k, *culler_));
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowRows& show) {
-    return quality_of(tested_forms, show, {});
+std::vector<RowQuality> Judge::measure_quality(const std::vector<TestedForm>& tested_forms,
+                                               const evaluate::ShowRows& show) {
+    return measure_quality(tested_forms, show, {});
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowRows& show,
-                                          const std::vector<std::unique_ptr<TapeForm>>& tapes) {
+std::vector<RowQuality> Judge::measure_quality(const std::vector<TestedForm>& tested_forms,
+                                               const evaluate::ShowRows& show,
+                                               const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.requirement.metrics();
     std::vector<evaluate::FormSummary> summaries;
     for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
+
     for_each_part([&](const Part& part) {
         intersect::process::in_parallel(std::size_t{0}, tested_forms.size(), [&](std::size_t r) {
             request_.limit.stop.check();
@@ -163,13 +166,14 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_
             measure_row(row_request, part.rows(), summaries[r]);
         });
     });
+
     std::vector<RowQuality> qualities;
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
         qualities.push_back(choose::quality_of(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
+std::vector<RowQuality> Judge::measure_quality(const std::vector<Tape>& tapes) {
     std::vector<RowQuality> qualities;
     for (std::size_t begin = 0; begin < tapes.size(); begin += tapes_per_call) {
         const std::size_t end = std::min(begin + tapes_per_call, tapes.size());
@@ -180,7 +184,8 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
                 std::make_unique<TapeForm>(*request_.row.form, request_.row.format, tapes[k], "candidate", ""));
             tested_forms.push_back(make_row(request_.row, *forms.back()));
         }
-        const auto quality = quality_of(tested_forms, {}, forms);
+
+        const auto quality = measure_quality(tested_forms, {}, forms);
         qualities.insert(qualities.end(), quality.begin(), quality.end());
         tried_ += end - begin;
         request_.progress(end - begin);

@@ -52,11 +52,11 @@ public:
     Judge& operator=(const Judge&) = delete;
 
     /// Quality of each tape, in the order of the tapes.
-    std::vector<RowQuality> quality_of(const std::vector<Tape>& tapes);
+    std::vector<RowQuality> measure_quality(const std::vector<Tape>& tapes);
     /// Quality of rows that have the contract and format of the request's row. `show` receives their answers; it may be
     /// empty.
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
-                                       const evaluate::ShowRows& show = {});
+    std::vector<RowQuality> measure_quality(const std::vector<evaluate::TestedForm>& tested_forms,
+                                            const evaluate::ShowRows& show = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
@@ -65,9 +65,9 @@ public:
 private:
     class Part;
     Judge(const RepairRequest& request, const scene::file::Scene* scene);
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
-                                       const evaluate::ShowRows& show,
-                                       const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
+    std::vector<RowQuality> measure_quality(const std::vector<evaluate::TestedForm>& tested_forms,
+                                            const evaluate::ShowRows& show,
+                                            const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void for_each_part(const std::function<void(const Part&)>& action);
 
     const RepairRequest& request_;

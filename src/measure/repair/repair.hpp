@@ -157,7 +157,8 @@ private:
         double t;
         Range<double> range;
     };
-    [[nodiscard]] RowQuality exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const;
+    [[nodiscard]] RowQuality measure_exact_quality(const Tape& tape,
+                                                   const std::vector<std::vector<double>>& inputs) const;
 
     evaluate::TestedForm row_;
     Requirement requirement_;
