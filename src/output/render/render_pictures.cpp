@@ -109,7 +109,7 @@ private:
             spec.sheet_positions.push_back({0, s * grid_.formats.size() + f});
         add(std::move(spec), 0,
             [stage = static_cast<std::size_t>(study_.stages[s])](const RenderBand& band, std::size_t i) {
-                return certified_pixel(band.truth[i].colours[stage]);
+                return certified_pixel(band.true_pixels[i].colours[stage]);
             });
     }
 
@@ -200,7 +200,7 @@ const Look& picture_look() {
     return look;
 }
 
-PixelValue pixel_of(const measure::render::Painted& p) {
+PixelValue pixel_of(const measure::render::PaintedPixel& p) {
     if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z))
         return {picture_category::not_a_number};
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
@@ -232,7 +232,7 @@ std::string thumbnail_note(const RenderSummary& summary) {
     if (const std::uint64_t wrong = summary.wrong_pixels())
         text += fmt::format("\n{} wrong sphere", share_text(wrong, summary.pixels));
     if (!summary.rule.shadows) return text;
-    const auto acne = summary.count(false, Shadow::own_shadow);
+    const auto acne = summary.count(measure::render::Receiver::sphere, Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, summary.pixels));
     if (const auto flips = summary.flipped_shadows())
         text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
