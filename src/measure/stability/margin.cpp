@@ -158,8 +158,10 @@ public:
                                                             epsilon < most_tight && start.scale == 0 ? 24 : 8);
                              },
                              start);
-        if (!is_same) open_signs_ = cases_.contradiction(), tried_epsilon_ = epsilon;
-        return is_same;
+        if (is_same) return true;
+        open_signs_ = cases_.contradiction();
+        tried_epsilon_ = epsilon;
+        return false;
     }
     /// An ε at which, to first order, all signs are known that the last `holds` could not prove; 0 if there is none.
     [[nodiscard]] double guess() const {
@@ -238,8 +240,10 @@ private:
             for (const int wanted_sign : {-1, 1}) {
                 if (sign * wanted_sign < 0 || middle * wanted_sign > threshold) continue;
                 Near::Deviations deviations = x.steepest_deviations();
-                for (std::size_t i = 0; i < deviations.size(); ++i)
-                    deviations[i] *= wanted_sign, mean_deviations[i] += deviations[i];
+                for (std::size_t i = 0; i < deviations.size(); ++i) {
+                    deviations[i] *= wanted_sign;
+                    mean_deviations[i] += deviations[i];
+                }
                 candidates.push_back(deviations);
             }
         }
@@ -270,8 +274,8 @@ private:
 
 }  // namespace
 
-Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted, Perturbed perturbed,
-                 intersect::Convention convention, Range<double> range) {
+Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
+                   Perturbed perturbed, intersect::Convention convention, Range<double> range) {
     if (!is_valid(ray) || !is_valid(primitive)) return {0, 0};
     const MarginQuestion question(ray, primitive, perturbed, convention, range);
     Decision decision(question, counted);
@@ -325,7 +329,10 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
         if (least < HUGE_VAL && decision.holds(least)) continue;
         const double margin =
             largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
-        if (margin < least) least = margin, nearest = i;
+        if (margin < least) {
+            least = margin;
+            nearest = i;
+        }
     }
     return nearest;
 }
@@ -353,7 +360,7 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
 
 double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
                        Perturbed perturbed, intersect::Convention convention, Range<double> range) {
-    const Margin margin = margin_of(ray, primitive, counted, perturbed, convention, range);
+    const Margin margin = find_margin(ray, primitive, counted, perturbed, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }
 

@@ -86,8 +86,10 @@ public:
     /// Encloses all problems within ε of the problem after the change `start`.
     [[nodiscard]] Enclosures enclose_problems(double epsilon, const Change& start = {}) const {
         std::array<double, most_inputs> steps{}, middle = numbers_;
-        for (std::size_t i = 0; i < number_count_; ++i)
-            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += start.scale * sizes_[i] * start.deviations[i];
+        for (std::size_t i = 0; i < number_count_; ++i) {
+            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40);
+            middle[i] += start.scale * sizes_[i] * start.deviations[i];
+        }
         const Near::Vectors vectors = is_normwise_ ? Near::Vectors(vector_ends_).first(vector_count_) : Near::Vectors();
         const auto number = [&](std::size_t k) { return Near(middle[k], k, steps[k], underflow_[k], vectors); };
         Enclosures enclosures{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
@@ -119,7 +121,8 @@ public:
         const Amounts added = amounts(change);
         const auto apply_change = [&](const auto& ray, const auto& primitive, auto& to_ray, auto& to_primitive) {
             using N = std::decay_t<decltype(to_ray.origin.x)>;
-            to_ray = lift_ray<N>(ray), to_primitive = lift_primitive<N>(primitive);
+            to_ray = lift_ray<N>(ray);
+            to_primitive = lift_primitive<N>(primitive);
             const auto shift = [&](N& number, std::size_t i) { number = number + N(added[i]); };
             for (std::size_t i = 0; i < 3; ++i) {
                 shift(to_ray.origin[static_cast<int>(i)], i);
@@ -176,7 +179,8 @@ public:
         if (convention.endless) range.tmax = HUGE_VAL;
         convention_ = convention_in(range, convention.of(primitive.shape));
         range_in_world_ = range;
-        range.tmin = to_problem_units(range.tmin), range.tmax = to_problem_units(range.tmax);
+        range.tmin = to_problem_units(range.tmin);
+        range.tmax = to_problem_units(range.tmax);
         range_ = range_over<Near, double>(range);
     }
 

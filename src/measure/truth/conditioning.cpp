@@ -56,8 +56,11 @@ struct Problem {
         std::visit(lift_all, flat.numbers);
         std::size_t i = 0;
         const auto next_input = [&] { return ++i, Sensitive<E>::input(inputs[i - 1], i - 1, inputs.size()); };
-        for (auto* const v : {&ray.origin, &ray.direction})
-            v->x = next_input(), v->y = next_input(), v->z = next_input();
+        for (auto* const v : {&ray.origin, &ray.direction}) {
+            v->x = next_input();
+            v->y = next_input();
+            v->z = next_input();
+        }
         for (auto& element : primitive.shape_numbers()) element = next_input();
         if (!flat.placed) return;
         primitive.placed = transformed(*flat.placed, [](int) { return Sensitive<E>(0); });

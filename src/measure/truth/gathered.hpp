@@ -40,13 +40,15 @@ public:
                 buffers_[k].resize(numbers.size()), buffers_[k + 6].resize(numbers.size());
                 std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return word_of(x); });
                 std::ranges::transform(numbers, buffers_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
-                words[k] = buffers_[k], low[k] = buffers_[k + 6];
+                words[k] = buffers_[k];
+                low[k] = buffers_[k + 6];
             }
         }
         const auto block_part = [&](const std::vector<double>& column) {
             return column.empty() ? std::span(column) : std::span(column).subspan(begin, end - begin);
         };
-        tmin = block_part(rays.tmin), tmax = block_part(rays.tmax);
+        tmin = block_part(rays.tmin);
+        tmax = block_part(rays.tmax);
     }
     SixColumns words;     ///< first words of the origin and the direction
     SixColumns low = {};  ///< second words; empty for double
@@ -115,7 +117,8 @@ struct GatheredProblems {
                                   std::size_t lanes) {
         const std::size_t padded_size = (indices.size() + lanes - 1) / lanes * lanes;
         auto raw = stages::raw_problems<S>(padded_size, findings.raw());
-        raw.open = p.open, raw.matrix = p.matrix;
+        raw.open = p.open;
+        raw.matrix = p.matrix;
         S* target = numbers[0];
         for_each_column(p, raw, [&](std::span<const From> source, stages::RawColumn<S>& column, From default_number) {
             column = {target, source.size() <= 1 ? std::size_t{0} : std::size_t{1}};
@@ -204,7 +207,8 @@ private:
     /// Returns `size` problems from `begin` on, in whole registers.
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
-        raw.open = problems_.open, raw.matrix = problems_.matrix;
+        raw.open = problems_.open;
+        raw.matrix = problems_.matrix;
         raw.has_ranges = has_ranges_;
         const S* repeated = repeated_[0];
         for_each_column(problems_, raw, [&](std::span<const S> source, stages::RawColumn<S>& column, S) {
