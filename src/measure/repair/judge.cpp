@@ -205,7 +205,7 @@ bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairR
     return compare_with_tape(form, tape, request, judge).is_same;
 }
 
-RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
+RowQuality measure_own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
     const Comparison comparison = compare_with_tape(request.row, tape, request, judge);
     if (comparison.is_same) return comparison.quality;
     throw InputError(
@@ -214,7 +214,7 @@ RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& ju
         "form that does the same operations for every ray");
 }
 
-std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& tested_form) {
+std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedForm& tested_form) {
     std::vector<evaluate::TestedForm> tested_forms;
     const auto parts = intersect::transform::transformed_parts_of(*tested_form.form);
     for (const auto& form : intersect::table::catalogue()) {
@@ -228,18 +228,18 @@ std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& t
     return tested_forms;
 }
 
-std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
+std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request) {
     choose::ChoiceRequest choice_request{
-        .scene = request.scene, .rows = comparable_forms(request.row), .requirement = request.requirement};
+        .scene = request.scene, .rows = list_comparable_forms(request.row), .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
-    std::vector<Ranked> ranked;
+    std::vector<FormWithQuality> ranked;
     for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.rows[k], quality[k]});
-    std::ranges::stable_sort(ranked, is_more_accurate, &Ranked::quality);
+    std::ranges::stable_sort(ranked, is_more_accurate, &FormWithQuality::quality);
     return ranked;
 }
 
-std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape) {
+std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& request, const Tape& tape) {
     choose::ChoiceRequest choice_request{
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;

@@ -81,7 +81,7 @@ private:
 bool is_more_accurate(const RowQuality& a, const RowQuality& b);
 
 /// Quality of the form itself. Throws InputError if its tape answers differently on some ray.
-RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
+RowQuality measure_own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
 
 /// True if a form with the contract of the request's form has the same answers as a tape, to the bit, on all rays of
 /// the request.
@@ -90,21 +90,21 @@ bool has_answers_of_tape(const evaluate::TestedForm& form, const Tape& tape, con
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is combined with
 /// the transform method of the row, and the form itself with all methods.
-std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& tested_form);
+std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedForm& tested_form);
 
 /// Form of the catalogue with its quality.
-struct Ranked {
+struct FormWithQuality {
     evaluate::TestedForm row;
     RowQuality quality;
 };
-/// The forms of `comparable_forms` with their quality on the request's rays, the most accurate first.
-std::vector<Ranked> rank_catalogue(const RepairRequest& request);
+/// The forms of `list_comparable_forms` with their quality on the request's rays, the most accurate first.
+std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request);
 
-/// Largest number of rays on which `margins_of_tape` and probes measure.
+/// Largest number of rays on which `find_margins_of_tape` and probes measure.
 inline constexpr int few_rays = 4096;
 
 /// Ranges in which the requirement holds for a form that has the contract of the request's form and the operations of
 /// the tape.
-std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape);
+std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& request, const Tape& tape);
 
 }  // namespace lostbits::measure::repair

@@ -16,8 +16,8 @@
 #include "intersect/source_text/source_tokens.hpp"
 #include "measure/attribution/operation.hpp"
 #include "measure/choose/candidates.hpp"
+#include "measure/repair/matcher.hpp"
 #include "measure/repair/repair.hpp"
-#include "measure/repair/shared_nodes.hpp"
 #include "measure/repair/source_words.hpp"
 #include "measure/repair/text_change.hpp"
 #include "number/error.hpp"
@@ -34,129 +34,8 @@ using intersect::source_text::TextSpan;
 namespace {
 
 /// Thrown for a change that cannot be written. Its text ends a sentence.
-struct NotWritten : std::runtime_error {
+struct UnwritableChange : std::runtime_error {
     using std::runtime_error::runtime_error;
-};
-
-/// Number of pairs of nodes that one round compares before it gives up.
-constexpr std::size_t most_match_steps = 200'000;
-
-/// Finds nodes of an old tape whose replacement turns it into a new tape of the same form. Prefers nodes that are far
-/// from the answer.
-class Matcher {
-public:
-    Matcher(const Tape& old_tape, const Tape& new_tape, const std::function<bool(NodeId)>& can_replace)
-        : old_tape_(old_tape),
-          new_tape_(new_tape),
-          can_replace_(can_replace),
-          old_values_(shared_.values_of(old_tape)),
-          new_values_(shared_.values_of(new_tape)) {}
-
-    /// The node of the new tape for each node of the old tape to replace; empty if no such set of nodes is found.
-    std::optional<std::map<NodeId, NodeId>> find_replacements() {
-        for (int round = 0; round < 12; ++round) {
-            replacements_.clear();
-            failed_pairs_.clear();
-            matched_pairs_.clear();
-            step_count_ = 0;
-            const auto &old_outputs = old_tape_.outputs, &new_outputs = new_tape_.outputs;
-            if (!match(old_outputs.t, new_outputs.t) || !match(old_outputs.hit, new_outputs.hit) ||
-                !match(old_outputs.near, new_outputs.near) || !match(old_outputs.far, new_outputs.far))
-                return {};
-
-            // Operations that several nodes use may give the wrong values elsewhere; the next round avoids those.
-            const std::vector<int> changed_values = values_with(replacements_);
-            const NodeId wrong_node = find_wrong_node(changed_values);
-            if (wrong_node == no_node) return replacements_;
-            forbid_below(wrong_node);
-        }
-        return {};
-    }
-    /// The values of the old tape's nodes after the change.
-    [[nodiscard]] std::vector<int> values_with(const std::map<NodeId, NodeId>& replacements) {
-        std::map<NodeId, int> values;
-        for (const auto& [o, n] : replacements) values[o] = value_of_new(n);
-        return shared_.values_of(old_tape_, values);
-    }
-    [[nodiscard]] int value_of_new(NodeId n) const { return new_values_[static_cast<std::size_t>(n)]; }
-    [[nodiscard]] SharedNodes& shared() { return shared_; }
-
-private:
-    /// Matches an old node with a new node, and the operands of both. Where they differ, adds a replacement. Returns
-    /// false if the old node cannot become the new node.
-    bool match(NodeId old_node, NodeId new_node) {
-        if (++step_count_ > most_match_steps || failed_pairs_.contains({old_node, new_node})) return false;
-        matched_pairs_.emplace_back(old_node, new_node);
-
-        // The values may be equal already, from the start or by a replacement.
-        if (old_values_[static_cast<std::size_t>(old_node)] == value_of_new(new_node)) return true;
-        if (const auto found = replacements_.find(old_node); found != replacements_.end())
-            return value_of_new(found->second) == value_of_new(new_node);
-
-        // Replaces the node as a whole only if its operands cannot become those of the new node.
-        const bool same_format = have_same_format(old_node, new_node);
-        if (same_format && match_operands(old_node, new_node)) return true;
-        if (same_format && !forbidden_.contains(old_node) && can_replace_(old_node)) {
-            replacements_[old_node] = new_node;
-            return true;
-        }
-        failed_pairs_.emplace(old_node, new_node);
-        return false;
-    }
-    [[nodiscard]] bool have_same_format(NodeId old_node, NodeId new_node) const {
-        const TapeNode &a = old_tape_[old_node], &b = new_tape_[new_node];
-        if (is_decision(a.op)) return is_decision(b.op);
-        return !is_decision(b.op) && old_tape_.format_of(old_node) == new_tape_.format_of(new_node);
-    }
-    /// Matches the operands of two nodes with the same operation, also in the other order if the operation commutes.
-    /// Returns false and changes nothing if they do not match.
-    bool match_operands(NodeId old_node, NodeId new_node) {
-        const TapeNode &a = old_tape_[old_node], &b = new_tape_[new_node];
-        if (a.op != b.op || is_given(a.op)) return false;
-        const auto saved_replacements = replacements_;
-        const std::size_t matched_count = matched_pairs_.size();
-        const bool commutes = a.op == TapeOp::add || a.op == TapeOp::mul;
-
-        for (const bool is_swapped : {false, true}) {
-            if (is_swapped && !commutes) break;
-            bool all_match = true;
-            for (std::size_t k = 0; all_match && k < row_of(a.op).operands; ++k)
-                all_match = match(a.operands[k], b.operands[is_swapped ? 1 - k : k]);
-            if (all_match) return true;
-            replacements_ = saved_replacements;
-            matched_pairs_.resize(matched_count);
-        }
-        return false;
-    }
-    /// Finds a node that does not have the value of its counterpart in the new tape, because an operation that it uses
-    /// was replaced for another node.
-    [[nodiscard]] NodeId find_wrong_node(const std::vector<int>& changed_values) const {
-        for (const auto& [o, n] : matched_pairs_)
-            if (changed_values[static_cast<std::size_t>(o)] != value_of_new(n)) return o;
-        return no_node;
-    }
-    void forbid_below(NodeId wrong_node) {
-        std::vector<NodeId> pending{wrong_node};
-        std::set<NodeId> visited;
-        while (!pending.empty()) {
-            const NodeId i = pending.back();
-            pending.pop_back();
-            if (!visited.insert(i).second) continue;
-            if (i != wrong_node && replacements_.contains(i)) forbidden_.insert(i);
-            for (const NodeId k : old_tape_.operands_of(i)) pending.push_back(k);
-        }
-        if (replacements_.contains(wrong_node)) forbidden_.insert(wrong_node);
-    }
-
-    SharedNodes shared_;
-    const Tape &old_tape_, &new_tape_;
-    const std::function<bool(NodeId)>& can_replace_;
-    std::vector<int> old_values_, new_values_;
-    std::map<NodeId, NodeId> replacements_;
-    std::set<std::pair<NodeId, NodeId>> failed_pairs_;
-    std::vector<std::pair<NodeId, NodeId>> matched_pairs_;
-    std::set<NodeId> forbidden_;
-    std::size_t step_count_ = 0;
 };
 
 /// Name of a value, valid from the offset `begin` of the text on.
@@ -198,17 +77,17 @@ public:
         Patch patch{.diff = {}, .reason = {}, .file = function_.path};
         try {
             if (function_.language == FileLanguage::other)
-                throw NotWritten("it is not a file of C, C++, Rust, GLSL or HLSL");
+                throw UnwritableChange("it is not a file of C, C++, Rust, GLSL or HLSL");
             const bool is_double = request_.row.format.engine == Format::Engine::native64;
             if (is_double != (function_.bits == 64))
-                throw NotWritten(fmt::format("the function computes in {}, and this is a change in {}",
-                                             is_double ? "float" : "double", request_.row.format.name));
+                throw UnwritableChange(fmt::format("the function computes in {}, and this is a change in {}",
+                                                   is_double ? "float" : "double", request_.row.format.name));
             for (const bool shares_values : {true, false}) {
                 patch.diff = make_diff(new_tape, shares_values);
                 if (!patch.diff.empty()) return patch;
             }
-            throw NotWritten("the changed file does not compute these operations where the old one did");
-        } catch (const NotWritten& reason) {
+            throw UnwritableChange("the changed file does not compute these operations where the old one did");
+        } catch (const UnwritableChange& reason) {
             patch.reason = reason.what();
         }
         return patch;
@@ -369,17 +248,17 @@ std::string Patcher::Writer::expression_text(NodeId n, int& precedence) const {
     const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
         const std::string digits = digits_in(function_.language, *x, is_wide);
-        if (digits.empty()) throw NotWritten("it has a number that is not finite");
+        if (digits.empty()) throw UnwritableChange("it has a number that is not finite");
         precedence = digits.starts_with('-') ? 3 : 4;
         return digits;
     }
-    if (node.op == TapeOp::input) throw NotWritten("it needs a number that has no name in the function");
+    if (node.op == TapeOp::input) throw UnwritableChange("it needs a number that has no name in the function");
     const bool is_of_double = is_double(*new_tape_, is_comparison(node.op) ? node.operands[0] : n);
     const SourcePattern source_pattern = node.op == TapeOp::convert
                                              ? conversion_in(function_.language, is_wide)
                                              : pattern_in(function_.language, node.op, is_of_double);
     if (source_pattern.pattern.empty())
-        throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
+        throw UnwritableChange(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
     precedence = source_pattern.precedence;
     return attribution::fill_pattern(source_pattern.pattern,
                                      [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
@@ -493,7 +372,7 @@ std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values)
     const std::function<bool(NodeId)> can_replace = [this](NodeId o) { return computed_.contains(o); };
     Matcher matcher(old_tape_, new_tape, can_replace);
     const auto replacements = matcher.find_replacements();
-    if (!replacements) throw NotWritten("the operations that change are not whole expressions of the function");
+    if (!replacements) throw UnwritableChange("the operations that change are not whole expressions of the function");
 
     begin_patch(matcher, new_tape);
     add_visible_names(*replacements);

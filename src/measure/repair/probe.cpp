@@ -90,7 +90,7 @@ struct RequestRays {
     std::optional<FloatFormat> format;
 };
 
-std::optional<RequestRays> request_rays(const RepairRequest& request, int rays) {
+std::optional<RequestRays> take_request_rays(const RepairRequest& request, int rays) {
     const std::size_t primitives = request.scene                 ? request.scene->primitive_count()
                                    : request.rays->sample.paired ? 1
                                                                  : request.rays->sample.primitives.size();
@@ -114,7 +114,7 @@ std::optional<RequestRays> request_rays(const RepairRequest& request, int rays) 
 
 std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int rays) {
     std::vector<std::unique_ptr<Probe>> probes;
-    const auto originals = request_rays(request, rays);
+    const auto originals = take_request_rays(request, rays);
     if (!originals) return probes;
     for (const Isometry& isometry : isometries) {
         if (isometry.mirrors() && request.row.form->info->facing != intersect::Facing::both) continue;
@@ -257,8 +257,8 @@ void merge_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, Di
 
 }  // namespace
 
-std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
-                                                  const Primitive<double>& example) {
+std::vector<std::vector<NodeId>> find_exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
+                                                       const Primitive<double>& example) {
     constexpr Isometry identity{"", "", {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1};
     ValueNumbering expressions(tape);
     const std::vector<int> own_ids = expressions.number_expressions(exchanged_inputs(example, identity));

@@ -162,15 +162,15 @@ Scene change_pixels(Scene scene) {
 
 /// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
 /// if it widens fewer operations than the set that was found for the original form, if there is one.
-void widen_where_needed(Rewritten& rewritten, const RepairResult& result, const RepairRequest& request, Judge& judge,
-                        std::uint64_t affordable) {
+void widen_where_needed(RewrittenForm& rewritten, const RepairResult& result, const RepairRequest& request,
+                        Judge& judge, std::uint64_t affordable) {
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape unwidened = rewritten.tape;
     const RowQuality all_wider_quality =
         judge.measure_quality({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
             .front();
     if (!all_wider_quality.meets(request.requirement)) return;
-    auto set = smallest_set(unwidened, result.wider, all_wider_quality, request, judge, affordable);
+    auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, judge, affordable);
     if (result.wider_set && set.operations.size() >= result.wider_set->operations.size()) return;
     rewritten.tape = tape::widen_operations(unwidened, set.operations, result.wider);
     rewritten.quality = set.quality;
@@ -189,15 +189,15 @@ std::vector<RowQuality> measure_on_probes(const Tape& tape, const std::vector<st
     return qualities;
 }
 
-/// Searches for the set of `exchanged_groups` with the fewest operations that meets the requirement on the scene and on
-/// probes.
+/// Searches for the set of `find_exchanged_groups` with the fewest operations that meets the requirement on the scene
+/// and on probes.
 class SymmetricSearch {
 public:
     SymmetricSearch(const RepairResult& result, const RepairRequest& request, Judge& judge, std::vector<Probe*> probes)
         : result_(result), request_(request), judge_(judge), probes_(std::move(probes)) {
         const auto example = request.scene ? scene::rays::shared_primitives(*request.scene).front()
                                            : request.rays->sample.primitives.front();
-        groups_ = exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
+        groups_ = find_exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
     }
 
     /// Tries all sets if there are at most `affordable`. Otherwise starts from all groups and removes one after the
@@ -312,7 +312,7 @@ void find_symmetric_set(RepairResult& result, const RepairRequest& request, Judg
 void measure_probes(RepairResult& result, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
     const auto& rewritten_forms = result.rewriting.forms;
-    if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &Rewritten::quality)) return;
+    if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &RewrittenForm::quality)) return;
 
     const Probes probes = make_probes(request);
     for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
@@ -320,7 +320,8 @@ void measure_probes(RepairResult& result, const RepairRequest& request, Judge& j
 
     result.own_probed = measure_on_probes(result.tape, probes);
     result.set_probed = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);
-    for (Rewritten& rewritten : result.rewriting.forms) rewritten.probed = measure_on_probes(rewritten.tape, probes);
+    for (RewrittenForm& rewritten : result.rewriting.forms)
+        rewritten.probed = measure_on_probes(rewritten.tape, probes);
 
     if (!result.wider_set || result.wider_set->operations.empty()) return;
     find_symmetric_set(result, request, judge, probes, affordable);
@@ -330,7 +331,7 @@ void measure_probes(RepairResult& result, const RepairRequest& request, Judge& j
 /// files.
 void measure_held_out(RepairResult& result, const RepairRequest& request) {
     std::vector<Tape> tapes{result.tape, widen_operations(result, operations_to_widen(result))};
-    for (const Rewritten& r : result.rewriting.forms) tapes.push_back(r.tape);
+    for (const RewrittenForm& r : result.rewriting.forms) tapes.push_back(r.tape);
     if (result.symmetric) tapes.push_back(widen_operations(result, result.symmetric->operations));
 
     if (request.scene) result.held_out_scene = change_pixels(*request.scene);
@@ -346,8 +347,8 @@ void measure_held_out(RepairResult& result, const RepairRequest& request) {
 
 }  // namespace
 
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& all_wider_quality,
-                      const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
+WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& all_wider_quality,
+                           const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     return WiderSearch(tape, wider, request, judge).smallest(all_wider_quality, affordable);
 }
 
@@ -381,7 +382,7 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
     result.operations = all_operations.size();
 
     Judge judge(request);
-    result.own_quality = own_quality(request, result.tape, judge);
+    result.own_quality = measure_own_quality(request, result.tape, judge);
     result.all_wider_quality = judge.measure_quality({widen_operations(result, all_operations)}).front();
 
     // The fewest operations to do wider: none if the form meets the requirement as it is.
@@ -389,12 +390,12 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
         result.wider_set = WiderSet{.operations = {}, .quality = result.own_quality};
     else if (result.all_wider_quality.meets(request.requirement))
         result.wider_set =
-            smallest_set(result.tape, result.wider, result.all_wider_quality, request, judge, affordable);
+            find_smallest_set(result.tape, result.wider, result.all_wider_quality, request, judge, affordable);
 
     // Other ways of writing the form, wider where they still need it.
     if (!result.own_quality.meets(request.requirement))
         result.rewriting = rewrite(request, result.tape, result.own_quality, judge);
-    for (Rewritten& rewritten : result.rewriting.forms)
+    for (RewrittenForm& rewritten : result.rewriting.forms)
         widen_where_needed(rewritten, result, request, judge, affordable);
 
     measure_probes(result, request, judge, affordable);

@@ -147,11 +147,11 @@ private:
 
     /// Candidates that meet the requirement and that no other candidate beats in both accuracy and work. If no
     /// candidate meets the requirement, the most accurate one.
-    [[nodiscard]] std::vector<Rewritten> best_candidates() const {
+    [[nodiscard]] std::vector<RewrittenForm> best_candidates() const {
         std::vector<const Candidate*> order;
         for (const Candidate& candidate : candidates_) order.push_back(&candidate);
         std::ranges::stable_sort(order, [](auto a, auto b) { return is_better(*a, *b); });
-        std::vector<Rewritten> best;
+        std::vector<RewrittenForm> best;
         std::size_t least_work = SIZE_MAX;
         for (const Candidate* candidate : order) {
             // No candidate after the form itself, which has no rules, is more accurate, or as accurate with less work.

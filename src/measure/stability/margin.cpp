@@ -183,12 +183,15 @@ public:
                 start = {random_deviations(start_index), epsilon / 2};
                 static_cast<void>(holds(epsilon, start));
             }
+
+            // Each step tries to change the open signs, then moves on to where they change fastest.
             for (int step = 0; step < most_steps; ++step) {
                 std::vector<Near::Deviations> candidates = deviations_to_open_signs();
                 if (candidates.empty()) break;
                 for (const Near::Deviations& deviations : candidates)
                     if (changes_decision({deviations, epsilon})) return Change{deviations, epsilon};
                 if (exact_count_ >= most_exact) return std::nullopt;
+
                 start = {candidates.front(), epsilon / 2};
                 static_cast<void>(holds(epsilon, start));
             }

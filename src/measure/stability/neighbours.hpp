@@ -132,10 +132,13 @@ public:
             for (std::size_t i = matrix_begin_; i < number_count_; ++i)
                 shift(to_primitive.placed->matrix[place_in_matrix(i - matrix_begin_)], i);
         };
+
+        // Doubles are enough to tell whether the changed problem is proper.
         Ray<double> double_ray;
         Primitive<double> double_primitive;
         apply_change(ray_, primitive_, double_ray, double_primitive);
         if (!is_valid(double_ray) || !is_valid(double_primitive)) return {};
+
         Ray<E> to_ray;
         Primitive<E> to_primitive;
         apply_change(ray_, primitive_, to_ray, to_primitive);

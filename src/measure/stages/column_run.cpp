@@ -23,10 +23,10 @@ constexpr std::size_t column_step = block_size + 8;
 constexpr std::size_t most_lanes = 8;
 
 double* scratch_of_thread(std::size_t doubles) {
-    struct Free {
+    struct AlignedDeleter {
         void operator()(double* p) const { ::operator delete[](p, std::align_val_t{64}); }
     };
-    thread_local std::unique_ptr<double[], Free> scratch;
+    thread_local std::unique_ptr<double[], AlignedDeleter> scratch;
     thread_local std::size_t size = 0;
     if (size < doubles) {
         scratch.reset(static_cast<double*>(::operator new[](doubles * sizeof(double), std::align_val_t{64})));

@@ -69,7 +69,7 @@ struct Block {
 
 /// Blocks of a share. A binade is always cut at the same floats, because the cuts may decide which float is found as
 /// the worst, within 2^-20 of its error. The 2^32 floats make a little more than 2^16 blocks.
-std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
+std::vector<Block> cut_into_blocks(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
     for (std::size_t b = 0; b < binades.size(); ++b) {
         const FloatRange& binade_floats = binades[b].floats;
@@ -133,7 +133,7 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
 
 std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
     std::uint64_t sum = 0;
-    for (const Block& block : blocks_of(binades_of(sweep), share)) sum += block.floats.size();
+    for (const Block& block : cut_into_blocks(binades_of(sweep), share)) sum += block.floats.size();
     return sum;
 }
 
@@ -155,7 +155,7 @@ void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
-    const std::vector<Block> all_blocks = blocks_of(binades, request.share);
+    const std::vector<Block> all_blocks = cut_into_blocks(binades, request.share);
     state.tallies.resize(binades.size() * request.sweep.rays.size() * request.rows.size());
 
     for (std::size_t next_block = find_next_block(all_blocks, state.floats_tried); next_block < all_blocks.size();) {

@@ -162,6 +162,8 @@ const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_stru
 
 std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
     const bool warms_up = fits_in_cache(bytes_);
+
+    // Loops as other projects write them
     const intersect::simd::PlainRow* const plain = k.kernel_name.starts_with("plain-") && k.format_name == "f32"
                                                        ? row_of(intersect::simd::plain_rows(), k.form_name)
                                                        : nullptr;
@@ -175,6 +177,8 @@ std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
                              loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
                          },
                          f32()->t.size(), warms_up};
+
+    // Kernels of the forms
     const auto isa = intersect::simd::find_isa(k.kernel_name);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form_name) : nullptr;
     if (row && row->takes_tmax && row->f32 && k.format_name == "f32") return packed_work(f32(), row->f32, warms_up);

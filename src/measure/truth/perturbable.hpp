@@ -267,7 +267,7 @@ private:
 
 /// A problem as a function of its numbers: f(ray, primitive) encloses f(x') for any x' within the errors. For distances
 /// the direction is d/|d|, also a function of its numbers, so that t is the distance.
-class Perturbable : public ProblemNumbers {
+class PerturbedProblem : public ProblemNumbers {
     template <class Number>
     static auto make_ray(const Number& number) {
         using T = decltype(number(0));
@@ -287,7 +287,7 @@ public:
     Ray<DualNumber> ray;
     Primitive<DualNumber> primitive;
 
-    explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
+    explicit PerturbedProblem(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
         const auto number = [&](std::size_t i) { return DualNumber::input(perturbed(i), i, count_); };
         ray = make_ray(number);
         fill(primitive, number);

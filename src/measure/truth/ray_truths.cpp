@@ -128,6 +128,7 @@ private:
             rays.settle(stages.double_double, stages.lanes, 0, count_, found);
             for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);
         };
+
         if (is_first) {
             auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data()) + begin_;
             const auto from_begin = [this](std::vector<double>& column) { return column.data() + begin_; };
@@ -139,6 +140,7 @@ private:
             for (std::size_t i = 0; i < count_; ++i) out_.primitive[begin_ + i] = hit[i] != 0 ? primitive_of(i) : -1;
             return;
         }
+
         BatchFindings& found = GatheredProblems<double>::for_thread(shape_rows.front().shape).findings;
         run_stage(found.raw());
         for (std::size_t i = 0; i < count_; ++i)
@@ -378,6 +380,8 @@ StageCounts find_truths_of_rays(const RaysAndPrimitives<S>& problems, ProofLimit
         intersect::process::require_standard("the truth of rays");
         BlockSearch<S>(problems, limit, begin, end, out, results_by_thread.local()).find();
     };
+
+    // Few rays are not worth a task of their own.
     if (ray_count <= batch_size) {
         find(0, ray_count);
     } else {
@@ -385,6 +389,7 @@ StageCounts find_truths_of_rays(const RaysAndPrimitives<S>& problems, ProofLimit
             std::size_t{0}, (ray_count + batch_size - 1) / batch_size,
             [&](std::size_t block) { find(block * batch_size, std::min(ray_count, (block + 1) * batch_size)); });
     }
+
     StageCounts counts;
     out.complete_truths.clear();
     results_by_thread.combine_each([&](const ThreadResults& results) {

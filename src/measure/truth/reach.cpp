@@ -24,7 +24,7 @@ struct LocalQuadratic {
     double least, most;
     double parabola_ratio = 1;  ///< √(most/least) if P'' may change on the way
 
-    LocalQuadratic(const Perturbable& problem, const QuadraticSpan<DualNumber>& s)
+    LocalQuadratic(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s)
         : B(problem.bound_at_root(s.c)),
           slope(s.h.value()),
           least(ValueInterval(s.a.value()).least_magnitude()),
@@ -57,7 +57,7 @@ double bound_root(const LocalQuadratic& local) {
     return std::sqrt(local.B / local.least) * local.parabola_ratio + 2 * std::max(0.0, -sigma) / local.least;
 }
 
-double bound_root(const Perturbable& problem, const QuadraticSpan<DualNumber>& s) {
+double bound_root(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s) {
     return bound_root(LocalQuadratic(problem, s));
 }
 
@@ -65,7 +65,7 @@ double bound_root(const Perturbable& problem, const QuadraticSpan<DualNumber>& s
 /// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order,
 /// this is B/|f'| for k = 1. For k = 2 it is the bound that holds at a tangent, a square root of the errors; and so on
 /// for larger k.
-double bound_root(const Perturbable& problem, const QuarticSpan<DualNumber>& s) {
+double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>& s) {
     const double B = problem.bound_at_root(s.f.at(s.b));
     if (B == 0) return 0;
 
@@ -106,25 +106,25 @@ double bound_root(const Perturbable& problem, const QuarticSpan<DualNumber>& s) 
 
 /// Bound on |t' − t| = |n'/m'| for t = n/m, where n is 0 because the ray begins at t. If the ray is known to begin on
 /// the inner side of a plane (n > 0), that plane comes no nearer.
-double bound_quotient(const Perturbable& problem, const DualNumber& n, const DualNumber& m) {
+double bound_quotient(const PerturbedProblem& problem, const DualNumber& n, const DualNumber& m) {
     const double B = problem.bound_at_root(n);
     if (B == 0) return 0;
     const double least = ValueInterval(m.value()).least_magnitude();
     return least > 0 ? B / least : unbounded;
 }
 
-double bound_root(const Perturbable& problem, const FlatSpan<DualNumber>& s) {
+double bound_root(const PerturbedProblem& problem, const FlatSpan<DualNumber>& s) {
     return bound_quotient(problem, s.at.n, s.at.m);
 }
 
-double bound_root(const Perturbable& problem, const WallSpan<DualNumber>& s) {
+double bound_root(const PerturbedProblem& problem, const WallSpan<DualNumber>& s) {
     return bound_root(problem, s.primitive.side);
 }
 
 /// Bound on |t' − t| for slabs. t lies on one of their planes, and moves at most as far as any plane that can come to
 /// this point of the line. If the line does not cross a slab, the quotients of its planes are 1/0, which no error
 /// moves.
-[[maybe_unused]] double bound_root(const Perturbable& problem, const SlabSpan<DualNumber>& s) {
+[[maybe_unused]] double bound_root(const PerturbedProblem& problem, const SlabSpan<DualNumber>& s) {
     double most = 0;
     for (std::size_t i = 0; i < s.entry.size(); ++i)
         for (const auto& plane : {s.entry[i], s.exit[i]})
@@ -139,7 +139,7 @@ struct Slab {
     DualNumber from_low, from_high, across;
     bool is_along = false;
 
-    [[nodiscard]] double bound_movement(const Perturbable& problem,
+    [[nodiscard]] double bound_movement(const PerturbedProblem& problem,
                                         AnswerFaces answer_faces = AnswerFaces::every_face) const {
         if (is_along) return 0;
         const ValueInterval speed(across.value());
@@ -162,7 +162,7 @@ Slab slab_of(const Vec<DualNumber>& base, const Vec<DualNumber>& top, const Ray<
 /// largest component, 2^300, a component of 2^-900 also underflows to 0, with a bound above 0.
 using AlongSlabs = std::array<bool, 3>;
 
-AlongSlabs along_slabs(const Perturbable& problem) {
+AlongSlabs along_slabs(const PerturbedProblem& problem) {
     const auto is_zero = [](const BoundedDouble& speed) { return speed.value() == 0 && speed.error() == 0; };
     return problem.in_object_space_as_stored(
         [&]<class Shape>(const Shape& s, const Ray<BoundedDouble>& ray) -> AlongSlabs {
@@ -176,7 +176,7 @@ AlongSlabs along_slabs(const Perturbable& problem) {
 /// Bound on |t' − t| for a primitive between planes across the axes. t is the largest or smallest parameter of a plane,
 /// so it moves at most as far as any plane that can become this largest or smallest one.
 template <class Shape>
-double bound_between_corners(const Perturbable& problem, const Shape& s, const Ray<DualNumber>& ray,
+double bound_between_corners(const PerturbedProblem& problem, const Shape& s, const Ray<DualNumber>& ray,
                              AnswerFaces answer_faces) {
     const AlongSlabs along = along_slabs(problem);
     double most = 0;
@@ -195,7 +195,7 @@ double bound_between_corners(const Perturbable& problem, const Shape& s, const R
 class PiecesAlongAxis {
 public:
     template <class Shape>
-    PiecesAlongAxis(const Perturbable& problem, const Shape& s, const Ray<DualNumber>& ray)
+    PiecesAlongAxis(const PerturbedProblem& problem, const Shape& s, const Ray<DualNumber>& ray)
         : slab_(slab_of(s.start, s.end, ray)),
           quadratics_{LocalQuadratic(problem, ball(s.start, s.radius, ray)), LocalQuadratic(problem, side(s, ray)),
                       LocalQuadratic(problem, ball(s.end, s.radius, ray))} {}
@@ -261,7 +261,8 @@ private:
 /// - along an axis with caps: t is on a root or a cap, so the larger of the bounds for both;
 /// - other shapes: from the span alone.
 template <class Shape>
-double bound_answer(const Perturbable& problem, const Shape& s, const Ray<DualNumber>& ray, AnswerFaces answer_faces) {
+double bound_answer(const PerturbedProblem& problem, const Shape& s, const Ray<DualNumber>& ray,
+                    AnswerFaces answer_faces) {
     if constexpr (requires { s.lo; }) return bound_between_corners(problem, s, ray, answer_faces);
     else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).bound_movement();
     else if constexpr (requires { s.base; }) {
@@ -272,7 +273,7 @@ double bound_answer(const Perturbable& problem, const Shape& s, const Ray<DualNu
 }
 
 double find_reach(const ProblemNumbers& numbers, const Certified& answer, AnswerFaces answer_faces) {
-    const Perturbable problem(numbers);
+    const PerturbedProblem problem(numbers);
     const BoundedDouble t = problem.in_units(answer);
     const double root = problem.in_object_space_from(t, [&](const auto& shape, const Ray<DualNumber>& ray) {
         return bound_answer(problem, shape, ray, answer_faces);

@@ -215,6 +215,8 @@ bool RayTruths::store(std::size_t i, const Truth& truth) {
     primitive[i] = truth.primitive;
     touches[i] = truth.touches ? 1 : 0;
     on_surface[i] = truth.on_surface ? 1 : 0;
+
+    // Columns cannot hold a length beyond 2^±900, nor every length that is shorter.
     bool is_exact = truth.decision != Truth::Decision::unresolved;
     const auto store_length = [&](const Certified& x, Lengths& lengths) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
@@ -227,6 +229,7 @@ bool RayTruths::store(std::size_t i, const Truth& truth) {
         is_exact = is_exact &&
                    (!truth.is_hit() || are_equal(make_certified(lengths.hi[i], lengths.lo[i], lengths.bound[i]), x));
     };
+
     store_length(truth.t, t);
     store_length(truth.distance, distance);
     if (!is_exact) t.hi[i] = missing;

@@ -43,7 +43,7 @@ struct Search {
     WiderSet smallest(std::uint64_t affordable) {
         const RowQuality quality = with(all);
         REQUIRE(quality.meets(request.requirement));
-        return smallest_set(tape, binary64, quality, request, judge, affordable);
+        return find_smallest_set(tape, binary64, quality, request, judge, affordable);
     }
     const RepairRequest& request;
     Judge judge;
@@ -171,7 +171,7 @@ TEST_CASE("operations that exchanged axes map to one another are in one group", 
     const auto groups_of = [](const char* form, const Primitive<double>& like) {
         const Tape tape = tape::record_tape(test::form_named(form), *find_format("f32"));
         const auto all = tape::rounded_operations(tape);
-        const auto groups = exchanged_groups(tape, all, like);
+        const auto groups = find_exchanged_groups(tape, all, like);
         std::size_t members = 0;
         for (const auto& group : groups) members += group.size();
         CHECK(members == all.size());
@@ -196,7 +196,7 @@ TEST_CASE("exchanged axes group the operations of forms under matrices, stored e
         const Tape tape = tape::record_tape(form, *find_format("f32"), inverse);
         std::vector<NodeId> members;
         std::size_t of_three = 0;
-        for (const auto& group : exchanged_groups(tape, tape::rounded_operations(tape), like)) {
+        for (const auto& group : find_exchanged_groups(tape, tape::rounded_operations(tape), like)) {
             members.insert(members.end(), group.begin(), group.end());
             of_three += group.size() % 3 == 0;
         }
