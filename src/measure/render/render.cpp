@@ -99,7 +99,7 @@ public:
         points_.assign(pixel_count_, Vec<double>(missing, missing, missing));
         normals_ = points_;
         compute_points();
-        for (const Stage stage : study_.stages) casts_shadows_ |= shade_rule(appearance_, stage).shadows;
+        for (const Stage stage : study_.stages) casts_shadows_ |= shade_rule(appearance_, stage).has_shadows;
         blocker_bits_.assign(pixel_count_, blocked_by_nothing);
         if (casts_shadows_) find_shadows();
         for (const Stage stage : study_.stages) paint_stage(stage);
@@ -250,7 +250,7 @@ private:
     template <class T>
     [[nodiscard]] Vec<T> background_colour(const ShadeRule& rule, std::size_t i) const {
         const Vec<T> unshadowed = lift_vec<T>(inputs_.appearance.background);
-        if (!rule.shadows || blocker_bits_[i] == blocked_by_nothing) return unshadowed;
+        if (!rule.has_shadows || blocker_bits_[i] == blocked_by_nothing) return unshadowed;
         const T factor = static_cast<T>(inputs_.appearance.shadow_on_background);
         return Vec<T>(factor * unshadowed.x, factor * unshadowed.y, factor * unshadowed.z);
     }

@@ -37,7 +37,7 @@ std::uint64_t count_truly_shadowed(const R& r, Receiver receiver) {
 
 template <Receiver receiver, Shadow s>
 double shadow_count(const R& r) {
-    return r.rule.shadows ? to_double(r.count(receiver, s)) : missing;
+    return r.rule.has_shadows ? to_double(r.count(receiver, s)) : missing;
 }
 
 /// True if the true colour of a point is brighter than its ambient light although the point is truly in shadow. The
@@ -97,11 +97,11 @@ constexpr RenderColumn table[] = {
 
     // Light and shadow on spheres
     {"faces_away", "", "same_sphere, on the side away from the light", true,
-     [](const R& r) { return r.rule.diffuse ? to_double(r.faces_away) : missing; }},
+     [](const R& r) { return r.rule.has_diffuse ? to_double(r.faces_away) : missing; }},
     {"surface_lit", "", "same_sphere that faces the light and truly gets it", true,
-     [](const R& r) { return r.rule.shadows ? to_double(count_truly_lit(r, Receiver::sphere)) : missing; }},
+     [](const R& r) { return r.rule.has_shadows ? to_double(count_truly_lit(r, Receiver::sphere)) : missing; }},
     {"surface_shadowed", "", "same_sphere that faces the light, truly blocked by another sphere", true,
-     [](const R& r) { return r.rule.shadows ? to_double(count_truly_shadowed(r, Receiver::sphere)) : missing; }},
+     [](const R& r) { return r.rule.has_shadows ? to_double(count_truly_shadowed(r, Receiver::sphere)) : missing; }},
     {"false_shadow", "", "surface_lit that the form puts in the shadow of another sphere", true,
      shadow_count<Receiver::sphere, Shadow::false_shadow>},
     {"own_shadow", "", "surface_lit that the form puts in the shadow of its own sphere alone: acne", true,
@@ -110,13 +110,13 @@ constexpr RenderColumn table[] = {
      shadow_count<Receiver::sphere, Shadow::false_light>},
     {"own_shadow_fraction", "1", "own_shadow, as a share of surface_lit", false,
      [](const R& r) {
-         return r.rule.shadows
+         return r.rule.has_shadows
                     ? fraction(r.count(Receiver::sphere, Shadow::own_shadow), count_truly_lit(r, Receiver::sphere))
                     : missing;
      }},
     {"flip_fraction", "1", "false_shadow and false_light, as a share of surface_lit and surface_shadowed", false,
      [](const R& r) {
-         if (!r.rule.shadows) return missing;
+         if (!r.rule.has_shadows) return missing;
          return fraction(
              r.count(Receiver::sphere, Shadow::false_shadow) + r.count(Receiver::sphere, Shadow::false_light),
              count_truly_lit(r, Receiver::sphere) + count_truly_shadowed(r, Receiver::sphere));
@@ -124,9 +124,11 @@ constexpr RenderColumn table[] = {
 
     // Light and shadow on the background
     {"background_lit", "", "background that truly gets the light, as seen by both", true,
-     [](const R& r) { return r.rule.shadows ? to_double(count_truly_lit(r, Receiver::background)) : missing; }},
+     [](const R& r) { return r.rule.has_shadows ? to_double(count_truly_lit(r, Receiver::background)) : missing; }},
     {"background_shadowed", "", "background truly in shadow, as seen by both", true,
-     [](const R& r) { return r.rule.shadows ? to_double(count_truly_shadowed(r, Receiver::background)) : missing; }},
+     [](const R& r) {
+         return r.rule.has_shadows ? to_double(count_truly_shadowed(r, Receiver::background)) : missing;
+     }},
     {"background_false_shadow", "", "background_lit that the form puts in shadow", true,
      shadow_count<Receiver::background, Shadow::false_shadow>},
     {"background_false_light", "", "background_shadowed that the form lights", true,
@@ -135,7 +137,9 @@ constexpr RenderColumn table[] = {
     // Appearance of the scene itself
     {"light_in_shadow_fraction", "1",
      "share of the certified picture's points that face the light, are in shadow, and get diffuse light anyway", false,
-     [](const R& r) { return r.rule.shadows ? fraction(r.light_in_true_shadow, r.truly_shadowed_points) : missing; }},
+     [](const R& r) {
+         return r.rule.has_shadows ? fraction(r.light_in_true_shadow, r.truly_shadowed_points) : missing;
+     }},
 };
 
 }  // namespace
@@ -163,12 +167,12 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         // Points and normals
         if (is_same_sphere) {
             if (!std::isnan(band.residual[i])) s.residual.add(band.residual[i]);
-            if (s.rule.diffuse && !std::isnan(band.normal_angle[i])) s.normal_angle.add(band.normal_angle[i]);
-            s.faces_away += s.rule.diffuse && !true_pixel.faces_light;
+            if (s.rule.has_diffuse && !std::isnan(band.normal_angle[i])) s.normal_angle.add(band.normal_angle[i]);
+            s.faces_away += s.rule.has_diffuse && !true_pixel.faces_light;
         }
 
         // Shadows: of the form compared with the truth, then of the truth alone
-        if (!s.rule.shadows) continue;
+        if (!s.rule.has_shadows) continue;
         const Receiver receiver = band.seen[i] == SeenContent::background ? Receiver::background : Receiver::sphere;
         ++s.shadow[static_cast<std::size_t>(receiver)][static_cast<std::size_t>(band.shadow[i])];
         if (band.true_primitive[i] < 0 || !true_pixel.faces_light || true_pixel.shadow != TrueShadow::shadowed ||

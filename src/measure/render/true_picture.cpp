@@ -133,7 +133,7 @@ public:
         }
         for (const Stage stage : stages) {
             rules_.emplace_back(static_cast<std::size_t>(stage), shade_rule(scene.appearance, stage));
-            casts_shadows_ |= rules_.back().second.shadows;
+            casts_shadows_ |= rules_.back().second.has_shadows;
         }
     }
 
@@ -208,7 +208,7 @@ private:
         const E factor = lift<E>(appearance_.shadow_on_background);
         for (const auto& [stage, rule] : rules_) {
             Vec<E> colour = unshadowed;
-            for (int k = 0; rule.shadows && k < 3; ++k)
+            for (int k = 0; rule.has_shadows && k < 3; ++k)
                 colour[k] = select(shadowed, factor * unshadowed[k], unshadowed[k]);
             is_proved &= find_colour(colour, pixel.colours[stage]);
         }

@@ -62,7 +62,7 @@ private:
     /// A sum that has a product as one operand, with the signs of the product and of the other operand.
     struct FusedSum {
         NodeId product, addend;
-        bool minus_product, minus_addend;
+        bool negates_product, negates_addend;
     };
 
     template <class T>
@@ -196,8 +196,8 @@ private:
             const NodeId node = new_node(part);
             return negative ? result_.add(TapeOp::neg, format, -source_[part].value, {node}) : node;
         };
-        const NodeId first = signed_part(product.operands[0], fused.minus_product);
-        const NodeId second = new_node(product.operands[1]), addend = signed_part(fused.addend, fused.minus_addend);
+        const NodeId first = signed_part(product.operands[0], fused.negates_product);
+        const NodeId second = new_node(product.operands[1]), addend = signed_part(fused.addend, fused.negates_addend);
         const NodeId sum = result_.add(TapeOp::fma, format, source_[i].value, {first, second, addend});
         result_[sum].label = source_[i].label.empty() ? product.label : source_[i].label;
         return sum;
