@@ -45,7 +45,7 @@ std::vector<TimedWork> make_timed_work(const Claim& claim, const std::vector<Tim
     for (std::size_t i = 0; i < optional_tasks.size(); ++i) {
         if (!optional_tasks[i])
             scene::toml::fail(claim.where,
-                              "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" +
+                              "no form \"" + std::string(kernels[i].form_name) + "\" in the kernel \"" +
                                   std::string(kernels[i].kernel_name) + "\" for " + subject_name + " in " +
                                   claim.format +
                                   "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "

@@ -184,7 +184,7 @@ public:
                 static_cast<void>(holds(epsilon, start));
             }
 
-            // Each step tries to change the open signs, then moves on to where they change fastest.
+            // Each step tries deviations that change the open signs, then starts half way along the first of them.
             for (int step = 0; step < most_steps; ++step) {
                 std::vector<Near::Deviations> candidates = deviations_to_open_signs();
                 if (candidates.empty()) break;

@@ -381,7 +381,7 @@ StageCounts find_truths_of_rays(const RaysAndPrimitives<S>& problems, ProofLimit
         BlockSearch<S>(problems, limit, begin, end, out, results_by_thread.local()).find();
     };
 
-    // Few rays are not worth a task of their own.
+    // A single block needs no parallel loop.
     if (ray_count <= batch_size) {
         find(0, ray_count);
     } else {

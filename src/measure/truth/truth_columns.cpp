@@ -216,7 +216,7 @@ bool RayTruths::store(std::size_t i, const Truth& truth) {
     touches[i] = truth.touches ? 1 : 0;
     on_surface[i] = truth.on_surface ? 1 : 0;
 
-    // Columns cannot hold a length beyond 2^±900, nor every length that is shorter.
+    // Columns hold no length beyond 2^±900. NaN as the length marks a truth that they do not hold exactly.
     bool is_exact = truth.decision != Truth::Decision::unresolved;
     const auto store_length = [&](const Certified& x, Lengths& lengths) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
