@@ -137,7 +137,7 @@ public:
 
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
-        rays_ = judge(request, measure::repair::comparable_forms(request.tested_form));
+        rays_ = judge(request, measure::repair::list_comparable_forms(request.tested_form));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {

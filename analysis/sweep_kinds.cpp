@@ -122,7 +122,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
             state->floats_tried, float_count, sweep_.id));
-    const auto findings = measure::sweep::findings_of(request_, *state);
+    const auto findings = measure::sweep::collect_findings(request_, *state);
     files->finish(*state, findings);
     if (!others_follow) output::file::remove_result(state_file_.path());
     complete_folder(result_folder);

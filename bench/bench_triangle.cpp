@@ -97,10 +97,11 @@ bool print(const char* name, double distance, Aim aim) {
         other += yes != (hit[i] != 0);
     }
     std::printf("%-8s %-10s %6zu %12.1f %12.1f %12.1f", sizeof(S) == 4 ? "binary32" : "binary64", name, hits,
-                1e9 * measure::trade::timing_of(samples[0]).median, 1e9 * measure::trade::timing_of(samples[1]).median,
-                1e9 * measure::trade::timing_of(samples[2]).median);
+                1e9 * measure::trade::summarise_samples(samples[0]).median,
+                1e9 * measure::trade::summarise_samples(samples[1]).median,
+                1e9 * measure::trade::summarise_samples(samples[2]).median);
     for (const std::size_t rival : {0, 1})
-        std::printf(" %13.2f", measure::trade::ratio_of(samples[rival], samples[2]).median);
+        std::printf(" %13.2f", measure::trade::summarise_ratios(samples[rival], samples[2]).median);
     std::printf("   %llu %llu\n", static_cast<unsigned long long>(truth.stages.binary64),
                 static_cast<unsigned long long>(truth.stages.double_double));
     if (other != 0) std::printf("  %zu decisions differ from those of by_orientations\n", other);

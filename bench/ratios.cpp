@@ -45,24 +45,26 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
     std::printf("%-42s %-7s %9s  %s\n", "kernel", "data", "10^9/s",
                 memory ? "over by hand        GB/s  of the read loop" : "over by hand");
     for (std::size_t k = 0; k < all.size(); ++k) {
-        const double rate = 1e-9 / measure::trade::timing_of(samples[k]).median;
+        const double rate = 1e-9 / measure::trade::summarise_samples(samples[k]).median;
         std::printf("%-42s %-7s %9.3f", all[k].name.c_str(), data.c_str(), rate);
         if (const std::size_t rival = named(all[k].rival); rival < all.size()) {
-            const measure::trade::Timing ratio = measure::trade::ratio_of(samples[rival], samples[k]);
+            const measure::trade::Timing ratio = measure::trade::summarise_ratios(samples[rival], samples[k]);
             std::printf("  %.3f (%.2f-%.2f)", ratio.median, ratio.low_quartile, ratio.high_quartile);
         } else if (memory) {
             std::printf("%19s", "");
         }
         if (memory)
-            std::printf(" %7.2f %8.2f", rate * all[k].bytes,
-                        all[k].bytes / all.back().bytes * measure::trade::ratio_of(samples.back(), samples[k]).median);
+            std::printf(
+                " %7.2f %8.2f", rate * all[k].bytes,
+                all[k].bytes / all.back().bytes * measure::trade::summarise_ratios(samples.back(), samples[k]).median);
         std::printf("\n");
     }
     std::printf("\n");
 }
 
 void print_speedup(const std::string& name, const std::string& data, const measure::trade::WorkOfThread& work) {
-    const measure::trade::Timing speedup = measure::trade::timing_of(measure::trade::thread_speedups(work, {}));
+    const measure::trade::Timing speedup =
+        measure::trade::summarise_samples(measure::trade::measure_thread_speedups(work, {}));
     std::printf("%-42s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(),
                 measure::trade::allowed_processors().size(), speedup.median, speedup.low_quartile,
                 speedup.high_quartile);

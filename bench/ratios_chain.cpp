@@ -71,7 +71,7 @@ void print_rows() {
 void print_tapes() {
     const auto& form = form_named("sphere.schoolbook");
     const Format format = *find_format("f32");
-    const Tape plain = measure::tape::tape_of(form, format);
+    const Tape plain = measure::tape::record_tape(form, format);
     const auto all = measure::tape::rounded_operations(plain);
     const measure::truth::Band band(picture_of_rays());
     const auto inputs = band.inputs(format, {});

@@ -74,9 +74,9 @@ void print_over(const char* rays, std::string_view width, std::string_view forma
     const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 201});
     std::printf("%-10s %-6s %-4s", rays, std::string(width).c_str(), std::string(format).c_str());
     for (std::size_t k = 0; k < all.size(); ++k) {
-        std::printf("  %s %.3f ns", all[k].first.c_str(), 1e9 * measure::trade::timing_of(samples[k]).median);
+        std::printf("  %s %.3f ns", all[k].first.c_str(), 1e9 * measure::trade::summarise_samples(samples[k]).median);
         if (k == 0) continue;
-        const measure::trade::Timing over = measure::trade::ratio_of(samples[0], samples[k]);
+        const measure::trade::Timing over = measure::trade::summarise_ratios(samples[0], samples[k]);
         std::printf(" (x %.2f, %.2f-%.2f)", over.median, over.low_quartile, over.high_quartile);
     }
     std::printf("\n");
@@ -84,7 +84,7 @@ void print_over(const char* rays, std::string_view width, std::string_view forma
 
 template <class S, class Kernel>
 measure::trade::TimedWork work_on(const std::shared_ptr<measure::trade::RayStore<S>>& store, Kernel kernel) {
-    return {[store, kernel] { store->run(kernel); }, store->slice(), true};
+    return {[store, kernel] { store->run(kernel); }, store->rays_per_run(), true};
 }
 
 const intersect::simd::PackedRow& row_of(Isa isa, std::string_view form) {

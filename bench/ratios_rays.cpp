@@ -43,7 +43,7 @@ void add_by_hand(std::vector<Contestant>& all, const std::string& name,
         S* const out[] = {hits.t.data(), hits.near.data(), hits.far.data()};
         loop(in, primitive.numbers.data(), out, hits.hit.data(), rays.size());
     };
-    all.push_back({name, "", bytes_a_ray<S>, {[store, kernel] { store->run(kernel); }, store->slice(), warm}});
+    all.push_back({name, "", bytes_a_ray<S>, {[store, kernel] { store->run(kernel); }, store->rays_per_run(), warm}});
 }
 
 void add_by_hand(std::vector<Contestant>& all, RayWork& work, Shape shape, const std::string& form,

@@ -101,9 +101,10 @@ void print_truth_of_shapes() {
         }
         const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 15});
         std::printf("%-12s", std::string(name_of(own.shape)).c_str());
-        for (const auto& sample : samples) std::printf(" %14.1f", 1e9 * measure::trade::timing_of(sample).median);
+        for (const auto& sample : samples)
+            std::printf(" %14.1f", 1e9 * measure::trade::summarise_samples(sample).median);
         for (const std::size_t k : {0, 1})
-            std::printf(" %14.2f", measure::trade::ratio_of(samples[k + 2], samples[k]).median);
+            std::printf(" %14.2f", measure::trade::summarise_ratios(samples[k + 2], samples[k]).median);
         std::printf("\n");
     }
     std::printf("\n");

@@ -237,9 +237,9 @@ void print_set(const TruthSet& set, bool narrow) {
 #endif
     std::printf("%-28s %-24s %8s %10s %10s\n", "truth", set.name.c_str(), "ns a ray", first, "over Ball");
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        std::printf("%-53s %8.1f", rows[k].name.c_str(), 1e9 * measure::trade::timing_of(samples[k]).median);
+        std::printf("%-53s %8.1f", rows[k].name.c_str(), 1e9 * measure::trade::summarise_samples(samples[k]).median);
         for (const std::size_t rival : {std::size_t{0}, ball})
-            std::printf(" %10.2f", measure::trade::ratio_of(samples[rival], samples[k]).median);
+            std::printf(" %10.2f", measure::trade::summarise_ratios(samples[rival], samples[k]).median);
         std::printf("\n");
     }
     intersect::simd::set_isa(intersect::simd::best_isa());

@@ -117,8 +117,8 @@ private:
             for (const measure::render::RenderSummary& s : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
                            tested_form.form->info->name, tested_form.format.name, s.changed_pixels, s.wrong_pixels(),
-                           s.count(false, measure::render::Shadow::own_shadow), s.flipped_shadows(),
-                           s.colour_error.quantile(0.99), s.unresolved());
+                           s.count(measure::render::Receiver::sphere, measure::render::Shadow::own_shadow),
+                           s.flipped_shadows(), s.colour_error.quantile(0.99), s.unresolved());
         }
     }
 };

@@ -42,7 +42,7 @@ double exact_t(Tape tape) {
 TEST_CASE("drivers: every rewriting is the same formula without rounding", "[external]") {
     std::size_t tried = 0;
     for (const char* const name : {"sphere.schoolbook", "sphere.half_b", "sphere.press", "sphere.unit_half_b"}) {
-        const Tape tape = tape_of(form(name), *find_format("f32"));
+        const Tape tape = record_tape(form(name), *find_format("f32"));
         for (std::size_t k = 0; k < driver_rewriting_names().size(); ++k) {
             std::vector<NodeId> changed;
             const DerivedTape made = rewrite_as_driver(whole(tape), k, nullptr, changed);
@@ -58,7 +58,7 @@ TEST_CASE("drivers: every rewriting is the same formula without rounding", "[ext
 TEST_CASE("drivers: the rewriting and its first operation are found by the answers", "[external]") {
     const Intersector& program = form("sphere.schoolbook");
     const Format& f32 = *find_format("f32");
-    const Tape tape = tape_of(program, f32);
+    const Tape tape = record_tape(program, f32);
     CHECK(driver_difference(program, program).differing_rays == 0);
     for (std::size_t k = 0; k < driver_rewriting_names().size(); ++k) {
         std::vector<NodeId> all;

@@ -70,7 +70,7 @@ TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "
         for (const char* const form_name : forms) {
             if (!is_long() && std::string(form_name) != "sphere.half_b") continue;  // all of them take half a minute
             const auto& form = test::form_named(form_name);
-            const Tape plain = tape::tape_of(form, *find_format("f32"));
+            const Tape plain = tape::record_tape(form, *find_format("f32"));
             for (const auto& [arithmetic, wider] :
                  {std::pair("plain", binary32), std::pair("double", binary64), std::pair("pair", tape::two_floats)}) {
                 for (const int every : {1, 2}) {
@@ -121,13 +121,14 @@ TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "
 
 TEST_CASE("shader bits: a function that GLSL lacks is refused with a replacement", "[shader-device]") {
     const auto& form = test::form_named("sphere.kahan_discriminant");
-    const Tape plain = tape::tape_of(form, *find_format("f32"));
+    const Tape plain = tape::record_tape(form, *find_format("f32"));
     const auto code = [&](const Tape& made) {
         return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head_lines = {}});
     };
     CHECK_THROWS_WITH(code(tape::widen_operations(plain, sample_rays(plain, 1), binary64)),
                       Catch::Contains("fma of doubles"));
-    CHECK_THROWS_WITH(code(tape::tape_of(form, *find_format("f64"))), Catch::Contains("a shader computes in floats"));
+    CHECK_THROWS_WITH(code(tape::record_tape(form, *find_format("f64"))),
+                      Catch::Contains("a shader computes in floats"));
 }
 
 }  // namespace test_mended

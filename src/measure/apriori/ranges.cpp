@@ -213,7 +213,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
                         request.id(), primitive_count, most_primitives));
     const Primitive<double> first = given.primitive(0);
     RangesBound result;
-    result.tape = tape::tape_of(*request.form, request.format, first.placed && first.placed->is_inverse);
+    result.tape = tape::record_tape(*request.form, request.format, first.placed && first.placed->is_inverse);
     result.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
     const TapeBound bound(result.tape);
     std::deque<BoxSubdivision> divided;

@@ -97,8 +97,8 @@ struct RangesBound {
 
 /// Bounds the errors of each primitive of the scene separately. The box of inputs is the bounding box of all rays as
 /// the form receives them; for a step, it encloses the rays of all groups, each of which has its own primitives. Throws
-/// InputError for a form whose operations differ from ray to ray (`tape::tape_of`), for more than 64 primitives, and
-/// for a name that no input has.
+/// InputError for a form whose operations differ from ray to ray (`tape::record_tape`), for more than 64 primitives,
+/// and for a name that no input has.
 RangesBound bound_over_ranges(const RangesRequest& request);
 
 }  // namespace lostbits::measure::apriori

@@ -39,7 +39,7 @@ struct BoxBound {
     double least_t = 0;  ///< lower bound of |t|
 };
 
-/// Bounds the error of a form that performs the same operations for every ray (`tape::tape_of`), over any number of
+/// Bounds the error of a form that performs the same operations for every ray (`tape::record_tape`), over any number of
 /// boxes.
 class TapeBound {
 public:

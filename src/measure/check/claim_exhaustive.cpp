@@ -168,7 +168,7 @@ void measure_range(const RangeClaims& range_claims, truth::ProofLimit limit) {
             find_or_add_tested_form(request.tested_forms, row_in_binary32(subject_claim.claim, range_claims.file)));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
-    const auto findings = sweep::findings_of(request, state);
+    const auto findings = sweep::collect_findings(request, state);
     for (std::size_t k = 0; k < rows.size(); ++k)
         range_claims.claims[k].result = judge_tally(range_claims.claims[k].claim, rows[k], request, findings);
 }

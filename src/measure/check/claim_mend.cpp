@@ -30,11 +30,11 @@ public:
         request_.limit.stop = run.stop;
         judge_.emplace(request_);
         tape_ = find_for_claim(claim, [&] { return repair::record_tape(request_); });
-        own_quality_ = find_for_claim(claim, [&] { return own_quality(request_, tape_, *judge_); });
+        own_quality_ = find_for_claim(claim, [&] { return measure_own_quality(request_, tape_, *judge_); });
     }
 
     /// Most accurate rewriting of the form; empty if no rewriting is more accurate than the form itself.
-    std::optional<repair::Rewritten> best_rewriting() {
+    std::optional<repair::RewrittenForm> best_rewriting() {
         if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_quality_, *judge_);
         return rewriting_->forms.empty() ? std::nullopt : std::optional(rewriting_->forms.front());
     }
@@ -44,10 +44,10 @@ public:
         if (own_quality_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_format(request_.tested_form.format.parameters, false);
         const auto quality_all_wider =
-            judge_->quality_of({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
+            judge_->measure_quality({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
         if (!quality_all_wider.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(
-            smallest_set(tape_, wider, quality_all_wider, request_, *judge_, 0).operations.size());
+            find_smallest_set(tape_, wider, quality_all_wider, request_, *judge_, 0).operations.size());
     }
 
 private:

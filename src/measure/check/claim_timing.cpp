@@ -45,8 +45,9 @@ std::vector<TimedWork> make_timed_work(const Claim& claim, const std::vector<Tim
     for (std::size_t i = 0; i < optional_tasks.size(); ++i) {
         if (!optional_tasks[i])
             scene::toml::fail(claim.where,
-                              "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" +
-                                  std::string(kernels[i].kernel) + "\" for " + subject_name + " in " + claim.format +
+                              "no form \"" + std::string(kernels[i].form_name) + "\" in the kernel \"" +
+                                  std::string(kernels[i].kernel_name) + "\" for " + subject_name + " in " +
+                                  claim.format +
                                   "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "
                                   "boxes in f32; `lostbits list forms` has the forms");
         result.push_back(std::move(*optional_tasks[i]));
@@ -63,7 +64,7 @@ double speed_ratio(const Claim& claim, const TimingSubject& subject, std::size_t
         bytes);
     const auto samples = trade::sample_interleaved(
         work, {.repetitions = trade::fits_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
-    return trade::ratio_of(samples[0], samples[1]).median;
+    return trade::summarise_ratios(samples[0], samples[1]).median;
 }
 
 /// Median of (rate of all allowed processors)/(rate of one · their number); 1 is perfect.
@@ -72,7 +73,7 @@ double speedup_per_processor(const Claim& claim, const TimingSubject& subject, s
     const auto work = [&](std::size_t) {
         return make_timed_work(claim, {{claim.form, subject.kernel, claim.format}}, bytes).front().pass;
     };
-    return trade::timing_of(trade::thread_speedups(work, {.stop = stop})).median /
+    return trade::summarise_samples(trade::measure_thread_speedups(work, {.stop = stop})).median /
            static_cast<double>(trade::allowed_processors().size());
 }
 
@@ -145,7 +146,7 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& baselin
     for (const TestedForm& tested_form : {timeable_form(claim, scene), timeable_form(baseline_claim, scene)})
         work.push_back(scene_work.work_for(tested_form, intersect::simd::packed_kernels(*tested_form.form)));
     const auto samples = trade::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
-    return trade::ratio_of(samples[0], samples[1]).median;
+    return trade::summarise_ratios(samples[0], samples[1]).median;
 }
 
 /// 1 if the claim's form meets the requirement, else 0.

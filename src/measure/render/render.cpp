@@ -47,19 +47,19 @@ SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t prim
 
 /// Returns the angle between n as computed (of any length) and the true unit normal N: atan2(|n × N|, n·N). The
 /// products are in double-double, because the cross product of vectors 2^-53 apart cancels almost completely.
-double angle_between(const Vec<double>& n, const std::array<Tight, 3>& truth) {
+double angle_between(const Vec<double>& n, const std::array<TwoPartNumber, 3>& true_normal) {
     if (!is_finite(n)) return missing;
     const Vec<Ball> a(Ball(n.x), Ball(n.y), Ball(n.z));
-    const auto ball = [](const Tight& x) { return Ball(x.hi, x.lo, 0); };
-    const Vec<Ball> b(ball(truth[0]), ball(truth[1]), ball(truth[2]));
+    const auto ball = [](const TwoPartNumber& x) { return Ball(x.hi, x.lo, 0); };
+    const Vec<Ball> b(ball(true_normal[0]), ball(true_normal[1]), ball(true_normal[2]));
     const Vec<Ball> c = cross<Ball>(a, b);
     const double across = std::sqrt(c.x.hi() * c.x.hi() + c.y.hi() * c.y.hi() + c.z.hi() * c.z.hi());
     return std::atan2(across, dot<Ball>(a, b).hi());
 }
 
-Shadow compare_shadows(TrueShadow truth, std::uint8_t blocked) {
+Shadow compare_shadows(TrueShadow true_shadow, std::uint8_t blocked) {
     const bool is_dark = blocked != blocked_by_nothing;
-    switch (truth) {
+    switch (true_shadow) {
         case TrueShadow::untested: return Shadow::not_compared;
         case TrueShadow::unresolved: return Shadow::unresolved;
         case TrueShadow::lit:
@@ -79,7 +79,7 @@ public:
           row_(tested_form),
           band_(shared.band),
           inputs_(shared.inputs.at(tested_form.format.name)),
-          truth_(shared.truth),
+          true_pixels_(shared.true_pixels),
           appearance_(study.scene.appearance),
           pixel_count_(shared.band.pixels()),
           rays_(inputs_.geometry.rays_for(*tested_form.form->info)),
@@ -87,7 +87,7 @@ public:
                   shared.band.scanlines(),
                   inputs_.geometry.rays.width,
                   answer::evaluate(*tested_form.form, inputs_.geometry),
-                  shared.truth,
+                  shared.true_pixels,
                   std::vector<SeenContent>(pixel_count_),
                   {},
                   std::vector<double>(pixel_count_, missing),
@@ -99,7 +99,7 @@ public:
         points_.assign(pixel_count_, Vec<double>(missing, missing, missing));
         normals_ = points_;
         compute_points();
-        for (const Stage stage : study_.stages) casts_shadows_ |= shade_rule(appearance_, stage).shadows;
+        for (const Stage stage : study_.stages) casts_shadows_ |= shade_rule(appearance_, stage).has_shadows;
         blocker_bits_.assign(pixel_count_, blocked_by_nothing);
         if (casts_shadows_) find_shadows();
         for (const Stage stage : study_.stages) paint_stage(stage);
@@ -117,10 +117,11 @@ private:
     void compute_points() {
         const metric::Metric& residual = *metric::find_metric("residual");
         for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
-            const Truth& truth = band_.truth(i, intersect::Touching::hit);
-            result_.true_primitive[i] = truth.is_hit() ? truth.primitive : -1;
-            result_.seen[i] = content_of(truth, has_hit(i), answers_.t[i], answers_.object[i]);
+            const Truth& ray_truth = band_.truth(i, intersect::Touching::hit);
+            result_.true_primitive[i] = ray_truth.is_hit() ? ray_truth.primitive : -1;
+            result_.seen[i] = content_of(ray_truth, has_hit(i), answers_.t[i], answers_.object[i]);
             if (!has_hit(i)) return;
+
             const Ray<double> ray = rays_[i];
             const Vec<T> point = point_at<T>(lift_ray<T>(ray), static_cast<T>(answers_.t[i]));
             const Primitive<double> primitive_seen = hit_primitive(i);
@@ -129,10 +130,13 @@ private:
             normals_[i] =
                 as_doubles(primitive_seen.placed ? normal_under_matrix<T>(lifted_primitive, ray, answers_.t[i])
                                                  : normal_at<T>(point, lifted_primitive));
+
+            // Errors are measured only where the form sees the true sphere.
             if (result_.seen[i] != SeenContent::same_sphere) return;
             result_.residual[i] = std::fabs(residual.value(
                 {.t = answers_.t[i], .format = &row_.format, .ray = &ray, .primitive = &primitive_seen}));
-            if (truth_[i].has_normal) result_.normal_angle[i] = angle_between(normals_[i], truth_[i].normal);
+            if (true_pixels_[i].has_normal)
+                result_.normal_angle[i] = angle_between(normals_[i], true_pixels_[i].normal);
         });
     }
 
@@ -178,6 +182,7 @@ private:
         return light_ray;
     }
 
+    /// Finds what blocks the light of each point, and compares the shadows with the true ones.
     void find_shadows() {
         std::vector<LightRay> light_rays(pixel_count_);
         const auto has_light_ray = [&](std::size_t i) {
@@ -186,6 +191,8 @@ private:
         for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             if (has_light_ray(i)) light_rays[i] = towards_light<T>(i);
         });
+
+        // Tests only the pixels that have a ray to the light.
         ShadowRays shadow_rays;
         std::vector<std::size_t> ray_pixels;
         for (std::size_t i = 0; i < pixel_count_; ++i) {
@@ -194,16 +201,18 @@ private:
                             has_hit(i) ? answers_.object[i] : -1);
             ray_pixels.push_back(i);
         }
+
         const auto blocked = find_blockers(*row_.form, row_.format, shadow_rays, inputs_.geometry,
                                            appearance_.shadows->tests_departed_sphere);
         for (std::size_t k = 0; k < ray_pixels.size(); ++k) blocker_bits_[ray_pixels[k]] = blocked[k];
 
         result_.shadow.assign(pixel_count_, Shadow::not_compared);
         for (std::size_t i = 0; i < pixel_count_; ++i) {
-            const bool is_compared = result_.seen[i] == SeenContent::background ||
-                                     (result_.seen[i] == SeenContent::same_sphere &&
-                                      (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
-            if (is_compared) result_.shadow[i] = compare_shadows(truth_[i].shadow, blocker_bits_[i]);
+            const bool is_compared =
+                result_.seen[i] == SeenContent::background ||
+                (result_.seen[i] == SeenContent::same_sphere &&
+                 (true_pixels_[i].faces_light || true_pixels_[i].shadow == TrueShadow::unresolved));
+            if (is_compared) result_.shadow[i] = compare_shadows(true_pixels_[i].shadow, blocker_bits_[i]);
         }
     }
 
@@ -211,13 +220,14 @@ private:
         const ShadeRule rule = shade_rule(appearance_, stage);
         auto& picture = result_.painted.emplace_back(pixel_count_);
         for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
-            Painted& painted = picture[i];
+            PaintedPixel& painted = picture[i];
             if (has_hit(i) && std::isnan(answers_.t[i])) painted.colour = Vec<double>(missing, missing, missing);
             else painted.colour = as_doubles(has_hit(i) ? surface_colour<T>(rule, i) : background_colour<T>(rule, i));
-            const TrueColour& truth = truth_[i].colours[static_cast<std::size_t>(stage)];
-            painted.error = truth.is_certain ? 0 : missing;
+
+            const TrueColour& true_colour = true_pixels_[i].colours[static_cast<std::size_t>(stage)];
+            painted.error = true_colour.is_certain ? 0 : missing;
             for (int k = 0; k < 3; ++k) {
-                const Tight& true_channel = truth.channel[static_cast<std::size_t>(k)];
+                const TwoPartNumber& true_channel = true_colour.channel[static_cast<std::size_t>(k)];
                 const double channel_error = 255 * std::fabs((painted.colour[k] - true_channel.hi) - true_channel.lo);
                 painted.error = std::isnan(channel_error) || std::isnan(painted.error)
                                     ? missing
@@ -240,7 +250,7 @@ private:
     template <class T>
     [[nodiscard]] Vec<T> background_colour(const ShadeRule& rule, std::size_t i) const {
         const Vec<T> unshadowed = lift_vec<T>(inputs_.appearance.background);
-        if (!rule.shadows || blocker_bits_[i] == blocked_by_nothing) return unshadowed;
+        if (!rule.has_shadows || blocker_bits_[i] == blocked_by_nothing) return unshadowed;
         const T factor = static_cast<T>(inputs_.appearance.shadow_on_background);
         return Vec<T>(factor * unshadowed.x, factor * unshadowed.y, factor * unshadowed.z);
     }
@@ -249,7 +259,7 @@ private:
     const TestedForm& row_;
     const Band& band_;
     const FormatRenderInputs& inputs_;
-    std::span<const TruePixel> truth_;
+    std::span<const TruePixel> true_pixels_;
     const scene::file::Appearance& appearance_;
     std::size_t pixel_count_;
     const scene::rays::RayBlock& rays_;

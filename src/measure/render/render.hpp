@@ -47,7 +47,10 @@ enum class Shadow : std::uint8_t {
 inline constexpr std::array<std::string_view, 7> shadow_names{
     "not_compared", "both_lit", "both_shadowed", "false_shadow", "own_shadow", "false_light", "unresolved"};
 
-struct Painted {
+/// Content that receives light or shadow.
+enum class Receiver : std::uint8_t { sphere, background };
+
+struct PaintedPixel {
     Vec<double> colour{0, 0, 0};  ///< numbers of the format, not clamped; NaN if the form's t is NaN
     std::array<std::uint8_t, 3> byte{};
     double error = 0;  ///< largest |channel - true channel|, in 8-bit steps; NaN if either is unknown
@@ -61,14 +64,14 @@ std::uint8_t byte_of(double channel);
 struct RenderBand {
     int y0, scanlines, width;
     answer::Answers answers;
-    std::span<const TruePixel> truth;
+    std::span<const TruePixel> true_pixels;
     std::vector<SeenContent> seen;
     std::vector<Shadow> shadow;  ///< empty where no stage casts shadows
     /// Angle between the computed and the true normal, in radians; NaN except on `same_sphere`.
     std::vector<double> normal_angle;
-    std::vector<double> residual;               ///< the metric of that name; NaN except on `same_sphere`
-    std::vector<std::vector<Painted>> painted;  ///< one picture for each stage, in the order of the study
-    std::vector<std::int32_t> true_primitive;   ///< index of the sphere that the ray truly hits; −1: background
+    std::vector<double> residual;                    ///< the metric of that name; NaN except on `same_sphere`
+    std::vector<std::vector<PaintedPixel>> painted;  ///< one picture for each stage, in the order of the study
+    std::vector<std::int32_t> true_primitive;        ///< index of the sphere that the ray truly hits; −1: background
 };
 
 /// Totals of one stage of one row over the whole picture.
@@ -77,19 +80,19 @@ struct RenderSummary {
     ShadeRule rule;
     std::uint64_t pixels = 0;
     std::array<std::uint64_t, seen_names.size()> seen{};
-    /// Counts of shadow decisions: index 0 for points on spheres, 1 for the background.
+    /// Counts of shadow decisions, indexed by `Receiver`.
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
-    std::uint64_t faces_away = 0;   ///< points on the same sphere that truly face away from the light
-    std::uint64_t true_shadow = 0;  ///< points on spheres that face the light and are truly in shadow
-    /// Points of `true_shadow` that have diffuse light in the true picture anyway.
+    std::uint64_t faces_away = 0;             ///< points on the same sphere that truly face away from the light
+    std::uint64_t truly_shadowed_points = 0;  ///< points on spheres that face the light and are truly in shadow
+    /// Those of `truly_shadowed_points` that have diffuse light in the true picture anyway.
     std::uint64_t light_in_true_shadow = 0;
     std::uint64_t changed_pixels = 0;  ///< pixels with a byte that differs from the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
     [[nodiscard]] std::uint64_t count(SeenContent s) const { return seen[static_cast<std::size_t>(s)]; }
-    [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const {
-        return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)];
+    [[nodiscard]] std::uint64_t count(Receiver receiver, Shadow s) const {
+        return shadow[static_cast<std::size_t>(receiver)][static_cast<std::size_t>(s)];
     }
     /// Returns the number of pixels that show the wrong sphere, no sphere where there is one, a sphere where there is
     /// none, or NaN.
@@ -103,10 +106,10 @@ struct RenderSummary {
 /// Lists the fields for shards. The stage and its rule are those of the study, and are left out.
 template <class Bits>
 void fields(Bits& bits, RenderSummary& whole) {
-    auto& [stage, rule, pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed_pixels,
+    auto& [stage, rule, pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
            colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual] = whole;
-    bits(pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed_pixels, colour_unresolved,
-         colour_not_a_number, colour_error, normal_angle, residual);
+    bits(pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
+         colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual);
 }
 
 /// Adds a band to the summary of one stage, pixel by pixel from the top. `stage_index` is the index of the stage in the
@@ -128,7 +131,7 @@ struct FormatRenderInputs {
 /// Inputs that all forms share on a band.
 struct SharedRenderInputs {
     const truth::Band& band;
-    std::vector<TruePixel> truth;
+    std::vector<TruePixel> true_pixels;
     std::map<std::string, FormatRenderInputs> inputs;  ///< by the name of the format
     StoredAppearance<double> appearance;               ///< in binary64
 };

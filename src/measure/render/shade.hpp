@@ -17,8 +17,8 @@ struct Paint {
 
 /// Terms of the shading that are added to the plain colour of a sphere.
 struct ShadeRule {
-    bool diffuse = false, shadows = false, phong = false;
-    bool half_diffuse = false;  ///< in shadow, half of the diffuse light stays
+    bool has_diffuse = false, has_shadows = false, has_phong = false;
+    bool halves_diffuse = false;  ///< in shadow, half of the diffuse light stays
 };
 
 /// Returns the rule that a scene asks for, up to a stage.
@@ -91,18 +91,18 @@ struct DirectionsAt {
 template <Number T>
 Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const DirectionsAt<T>& point) {
     const auto& [n, l, v] = point;
-    if (!rule.diffuse) return paint.colour;
+    if (!rule.has_diffuse) return paint.colour;
     const T zero(0);
     const T facing = dot(n, l);
     T diffuse = paint.diffuse * max(zero, facing);
-    if (rule.shadows) diffuse = select(shadowed, rule.half_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
+    if (rule.has_shadows) diffuse = select(shadowed, rule.halves_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
     const Vec<T>& s = paint.colour;
     Vec<T> colour(paint.ambient * s.x + diffuse * s.x, paint.ambient * s.y + diffuse * s.y,
                   paint.ambient * s.z + diffuse * s.z);
-    if (!rule.phong || !paint.shiny) return colour;
+    if (!rule.has_phong || !paint.shiny) return colour;
     const T highlight = paint.specular * whole_power<T>(max(zero, dot(unit_of<T>(l + v), n)), paint.exponent);
     mask_t<T> dark = facing <= zero;
-    if (rule.shadows) dark = dark || shadowed;
+    if (rule.has_shadows) dark = dark || shadowed;
     const T added = select(dark, zero, highlight);
     return Vec<T>(colour.x + added, colour.y + added, colour.z + added);
 }

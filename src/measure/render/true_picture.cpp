@@ -15,24 +15,27 @@ using truth::Band;
 
 namespace {
 
-bool find_tight(const Ball& x, Tight& tight_value) {
+/// Finds the two parts of a number. Returns false if it is not known to within `picture_tightness`.
+bool find_parts(const Ball& x, TwoPartNumber& parts) {
     if (!x.is_bounded() || x.radius() > picture_tightness) return false;
-    tight_value = {x.hi(), x.lo()};
+    parts = {x.hi(), x.lo()};
     return true;
 }
 
-bool find_tight(const Interval& x, Tight& tight_value) {
+bool find_parts(const Interval& x, TwoPartNumber& parts) {
     if (!x.is_bounded()) return false;
     const long bits = std::max(mpfr_get_prec(x.lower()), mpfr_get_prec(x.upper()));
     mpfr_t work;
     mpfr_init2(work, bits + 64);
     mpfr_sub(work, x.upper(), x.lower(), MPFR_RNDU);
     const bool is_tight = mpfr_cmp_d(work, picture_tightness) <= 0;
+
+    // The middle, rounded to a double, and the rest of it
     mpfr_add(work, x.upper(), x.lower(), MPFR_RNDN);
     mpfr_div_2ui(work, work, 1, MPFR_RNDN);
-    tight_value.hi = mpfr_get_d(work, MPFR_RNDN);
-    mpfr_sub_d(work, work, tight_value.hi, MPFR_RNDN);
-    tight_value.lo = mpfr_get_d(work, MPFR_RNDN);
+    parts.hi = mpfr_get_d(work, MPFR_RNDN);
+    mpfr_sub_d(work, work, parts.hi, MPFR_RNDN);
+    parts.lo = mpfr_get_d(work, MPFR_RNDN);
     mpfr_clear(work);
     return is_tight;
 }
@@ -57,7 +60,7 @@ bool find_colour(const Vec<E>& colour, TrueColour& colour_out) {
     colour_out.is_certain = true;
     for (int i = 0; i < 3; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        if (!find_tight(colour[i], colour_out.channel[k]) ||
+        if (!find_parts(colour[i], colour_out.channel[k]) ||
             !find_byte(colour[i], colour_out.channel[k].hi, colour_out.byte[k]))
             colour_out.is_certain = false;
     }
@@ -130,21 +133,22 @@ public:
         }
         for (const Stage stage : stages) {
             rules_.emplace_back(static_cast<std::size_t>(stage), shade_rule(scene.appearance, stage));
-            casts_shadows_ |= rules_.back().second.shadows;
+            casts_shadows_ |= rules_.back().second.has_shadows;
         }
     }
 
     [[nodiscard]] TruePixel find(std::size_t i) const {
-        const truth::Truth& truth = band_.truth(i, intersect::Touching::hit);
+        const truth::Truth& ray_truth = band_.truth(i, intersect::Touching::hit);
         TruePixel pixel;
-        if (truth.decision == truth::Truth::Decision::unresolved) {
+        if (ray_truth.decision == truth::Truth::Decision::unresolved) {
             if (casts_shadows_) pixel.shadow = TrueShadow::unresolved;
             return pixel;
         }
+
         const auto try_precision = [&]<class E>(int bits) {
             pixel.bits = bits;
-            return truth.is_hit() ? find_surface_pixel<E>(i, static_cast<std::size_t>(truth.primitive), pixel)
-                                  : find_background_pixel<E>(i, pixel);
+            return ray_truth.is_hit() ? find_surface_pixel<E>(i, static_cast<std::size_t>(ray_truth.primitive), pixel)
+                                      : find_background_pixel<E>(i, pixel);
         };
         if (try_precision.template operator()<Ball>(106)) return pixel;
         for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= limit_.max_bits; bits *= 2) {
@@ -162,13 +166,15 @@ private:
         const ObjectQuery<E> query(ray, primitive);
         const truth::Enclosed<E> enclosed = query.enclosed();
         if (!enclosed.hit.is_yes()) return false;
+
         const Vec<E> p = point_at<E>(ray, enclosed.t);
         Vec<E> n = normal_at<E>(primitive.placed ? point_at<E>(query.ray, enclosed.t) : p, query.primitive);
         if (primitive.placed) n = normal_in_world<E>(n, *primitive.placed);
         pixel.has_normal = true;
-        for (int k = 0; k < 3; ++k) pixel.has_normal &= find_tight(n[k], pixel.normal[static_cast<std::size_t>(k)]);
+        for (int k = 0; k < 3; ++k) pixel.has_normal &= find_parts(n[k], pixel.normal[static_cast<std::size_t>(k)]);
         bool is_proved = pixel.has_normal;
 
+        // Directions to the light and to the eye, and the shadow
         Vec<E> l(E(0), E(0), E(0)), v = l;
         Tri shadowed = Tri::no;
         if (has_light_) {
@@ -182,6 +188,7 @@ private:
                 is_proved &= find_shadow(faces_light.is_unknown() ? Tri(Tri::unknown) : shadowed, pixel.shadow);
             }
         }
+
         const Paint<E> paint = lifted(appearance_.paints[primitive_index], lift<E, S>);
         for (const auto& [stage, rule] : rules_)
             is_proved &= find_colour(shade<E>(paint, rule, shadowed, {n, l, v}), pixel.colours[stage]);
@@ -196,11 +203,12 @@ private:
             shadowed = in_shadow<E>(lift_vec<E>(points_[i]), lift_vec<E>(appearance_.light), primitives_.size());
             is_proved &= find_shadow(shadowed, pixel.shadow);
         }
+
         const Vec<E> unshadowed = lift_vec<E>(appearance_.background);
         const E factor = lift<E>(appearance_.shadow_on_background);
         for (const auto& [stage, rule] : rules_) {
             Vec<E> colour = unshadowed;
-            for (int k = 0; rule.shadows && k < 3; ++k)
+            for (int k = 0; rule.has_shadows && k < 3; ++k)
                 colour[k] = select(shadowed, factor * unshadowed[k], unshadowed[k]);
             is_proved &= find_colour(colour, pixel.colours[stage]);
         }

@@ -24,21 +24,21 @@ struct PictureLimit {
 /// Absolute error bound of channels and of components of normals: 2^-72, which is 2^-64 of an 8-bit step.
 inline constexpr double picture_tightness = 0x1p-72;
 /// A number within `picture_tightness` of hi + lo.
-struct Tight {
+struct TwoPartNumber {
     double hi = 0, lo = 0;
 };
 
 struct TrueColour {
-    std::array<Tight, 3> channel;        ///< as computed, not clamped
-    std::array<std::uint8_t, 3> byte{};  ///< 255 times the channel, rounded half up and clamped
-    bool is_certain = false;             ///< the channels are tight and their bytes proved
+    std::array<TwoPartNumber, 3> channel;  ///< as computed, not clamped
+    std::array<std::uint8_t, 3> byte{};    ///< 255 times the channel, rounded half up and clamped
+    bool is_certain = false;               ///< the channels are tight and their bytes proved
 };
 
 /// True shadow of the point at a pixel: whether a sphere other than its own blocks the light.
 enum class TrueShadow : std::uint8_t { untested, lit, shadowed, unresolved };
 
 struct TruePixel {
-    std::array<Tight, 3> normal;
+    std::array<TwoPartNumber, 3> normal;
     bool has_normal = false;  ///< a sphere is seen and its normal is tight
     TrueShadow shadow = TrueShadow::untested;
     bool faces_light = false;  ///< N·L > 0 is proved

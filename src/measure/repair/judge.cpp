@@ -47,7 +47,7 @@ private:
 
 /// Row that runs a tape, with the format and convention of another row.
 TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
-    return {.form = &form.form(), .format = tested_form.format, .touching = tested_form.touching};
+    return {.form = &form.row(), .format = tested_form.format, .touching = tested_form.touching};
 }
 
 /// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one
@@ -56,13 +56,13 @@ TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
 template <class S>
 void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
     constexpr std::size_t rays_per_call = 512;
-    const scene::rays::RayBlock& rays = in.rays_for(*form.form().info);
+    const scene::rays::RayBlock& rays = in.rays_for(*form.row().info);
     answers.claimed.resize(in.candidates->pair_count());
     for (std::size_t begin = 0; begin < rays.size(); begin += rays_per_call) {
         answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_per_call, rays.size()));
         pairs.evaluate_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {
             form.program().run<S>(batch, target, hits);
-            intersect::table::limit_batch_to_range(*form.form().info, form.form().shape, batch, hits);
+            intersect::table::limit_batch_to_range(*form.row().info, form.row().shape, batch, hits);
         });
         pairs.write_to(answers);
     }
@@ -70,7 +70,7 @@ void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, an
 
 std::optional<answer::Answers> evaluate_candidate_pairs(const TapeForm& form, const truth::FormatInputs& in) {
     if (!in.candidates) return std::nullopt;
-    const std::size_t ray_count = in.rays_for(*form.form().info).size();
+    const std::size_t ray_count = in.rays_for(*form.row().info).size();
     answer::Answers answers{std::vector<double>(ray_count), std::vector<std::uint8_t>(ray_count),
                             std::vector<std::int32_t>(ray_count, -1)};
     if (in.format.engine == Format::Engine::native32) evaluate_candidates<float>(form, in, answers);
@@ -86,7 +86,7 @@ struct Comparison {
 Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     const TapeForm tape_form(*request.tested_form.form, request.tested_form.format, tape, "tape", "");
     std::array<AnswerHash, 2> hashes;
-    const auto quality = judge.quality_of({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
+    const auto quality = judge.measure_quality({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
     return {quality.front(), hashes[0] == hashes[1]};
 }
 
@@ -145,16 +145,18 @@ void Judge::for_each_part(const std::function<void(const Part&)>& action) {
     for (std::size_t k = 0; k < bands.size(); ++k) action(Part(request_, bands, k, *culler_));
 }
 
-std::vector<FormQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms,
-                                           const evaluate::ShowForms& show) {
-    return quality_of(tested_forms, show, {});
+std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& tested_forms,
+                                                const evaluate::ShowForms& show) {
+    return measure_quality(tested_forms, show, {});
 }
 
-std::vector<FormQuality> Judge::quality_of(const std::vector<TestedForm>& tested_forms, const evaluate::ShowForms& show,
-                                           const std::vector<std::unique_ptr<TapeForm>>& tapes) {
+std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& tested_forms,
+                                                const evaluate::ShowForms& show,
+                                                const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.requirement.metrics();
     std::vector<evaluate::FormSummary> summaries;
     for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
+
     for_each_part([&](const Part& part) {
         intersect::process::in_parallel(std::size_t{0}, tested_forms.size(), [&](std::size_t r) {
             request_.limit.stop.check();
@@ -166,13 +168,14 @@ std::vector<FormQuality> Judge::quality_of(const std::vector<TestedForm>& tested
             measure_form(row_request, part.rows(), summaries[r]);
         });
     });
+
     std::vector<FormQuality> qualities;
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
         qualities.push_back(choose::quality_of(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
-std::vector<FormQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
+std::vector<FormQuality> Judge::measure_quality(const std::vector<Tape>& tapes) {
     std::vector<FormQuality> qualities;
     for (std::size_t begin = 0; begin < tapes.size(); begin += tapes_per_call) {
         const std::size_t end = std::min(begin + tapes_per_call, tapes.size());
@@ -183,7 +186,8 @@ std::vector<FormQuality> Judge::quality_of(const std::vector<Tape>& tapes) {
                                                        tapes[k], "candidate", ""));
             tested_forms.push_back(make_row(request_.tested_form, *forms.back()));
         }
-        const auto quality = quality_of(tested_forms, {}, forms);
+
+        const auto quality = measure_quality(tested_forms, {}, forms);
         qualities.insert(qualities.end(), quality.begin(), quality.end());
         tried_ += end - begin;
         request_.progress(end - begin);
@@ -203,7 +207,7 @@ bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairR
     return compare_with_tape(form, tape, request, judge).is_same;
 }
 
-FormQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
+FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
     const Comparison comparison = compare_with_tape(request.tested_form, tape, request, judge);
     if (comparison.is_same) return comparison.quality;
     throw InputError(
@@ -212,7 +216,7 @@ FormQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& j
         "form that does the same operations for every ray");
 }
 
-std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& tested_form) {
+std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedForm& tested_form) {
     std::vector<evaluate::TestedForm> tested_forms;
     const auto parts = intersect::transform::transformed_parts_of(*tested_form.form);
     for (const auto& form : intersect::table::catalogue()) {
@@ -226,24 +230,23 @@ std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& t
     return tested_forms;
 }
 
-std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
-    choose::ChoiceRequest choice_request{.scene = request.scene,
-                                         .tested_forms = comparable_forms(request.tested_form),
-                                         .requirement = request.requirement};
+std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request) {
+    choose::ChoiceRequest choice_request{
+        .scene = request.scene, .rows = list_comparable_forms(request.tested_form), .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
-    std::vector<Ranked> ranked;
-    for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.tested_forms[k], quality[k]});
-    std::ranges::stable_sort(ranked, is_more_accurate, &Ranked::quality);
+    std::vector<FormWithQuality> ranked;
+    for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.rows[k], quality[k]});
+    std::ranges::stable_sort(ranked, is_more_accurate, &FormWithQuality::quality);
     return ranked;
 }
 
-std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape) {
+std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& request, const Tape& tape) {
     choose::ChoiceRequest choice_request{
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
     const tape::TapeForm form(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
-    return margins_of(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays);
+    return margins_of(choice_request, {.form = &form.row(), .format = request.tested_form.format}, few_rays);
 }
 
 }  // namespace lostbits::measure::repair

@@ -21,7 +21,7 @@ using choose::Requirement;
 struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
     const choose::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
-    evaluate::TestedForm tested_form;        ///< in f32 or f64
+    evaluate::TestedForm row;                ///< in f32 or f64
     Requirement requirement{};
     bool two_words = false;  ///< wider arithmetic is two floats in place of a double; for double always two doubles
     truth::ProofLimit limit{};
@@ -52,11 +52,11 @@ public:
     Judge& operator=(const Judge&) = delete;
 
     /// Quality of each tape, in the order of the tapes.
-    std::vector<FormQuality> quality_of(const std::vector<Tape>& tapes);
-    /// Quality of forms that have the contract and format of the request's form. `show` receives their answers; it may
-    /// be empty.
-    std::vector<FormQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
-                                        const evaluate::ShowForms& show = {});
+    std::vector<FormQuality> measure_quality(const std::vector<Tape>& tapes);
+    /// Quality of rows that have the contract and format of the request's row. `show` receives their answers; it may be
+    /// empty.
+    std::vector<FormQuality> measure_quality(const std::vector<evaluate::TestedForm>& tested_forms,
+                                             const evaluate::ShowForms& show = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
@@ -65,9 +65,9 @@ public:
 private:
     class Part;
     Judge(const RepairRequest& request, const scene::file::Scene* scene);
-    std::vector<FormQuality> quality_of(const std::vector<evaluate::TestedForm>& tested_forms,
-                                        const evaluate::ShowForms& show,
-                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
+    std::vector<FormQuality> measure_quality(const std::vector<evaluate::TestedForm>& tested_forms,
+                                             const evaluate::ShowForms& show,
+                                             const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void for_each_part(const std::function<void(const Part&)>& action);
 
     const RepairRequest& request_;
@@ -81,7 +81,7 @@ private:
 bool is_more_accurate(const FormQuality& a, const FormQuality& b);
 
 /// Quality of the form itself. Throws InputError if its tape answers differently on some ray.
-FormQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
+FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
 
 /// True if a form with the contract of the request's form has the same answers as a tape, to the bit, on all rays of
 /// the request.
@@ -90,21 +90,21 @@ bool has_answers_of_tape(const evaluate::TestedForm& form, const Tape& tape, con
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is combined with
 /// the transform method of the row, and the form itself with all methods.
-std::vector<evaluate::TestedForm> comparable_forms(const evaluate::TestedForm& tested_form);
+std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedForm& tested_form);
 
 /// Form of the catalogue with its quality.
-struct Ranked {
-    evaluate::TestedForm tested_form;
+struct FormWithQuality {
+    evaluate::TestedForm row;
     FormQuality quality;
 };
-/// The forms of `comparable_forms` with their quality on the request's rays, the most accurate first.
-std::vector<Ranked> rank_catalogue(const RepairRequest& request);
+/// The forms of `list_comparable_forms` with their quality on the request's rays, the most accurate first.
+std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request);
 
-/// Largest number of rays on which `margins_of_tape` and probes measure.
+/// Largest number of rays on which `find_margins_of_tape` and probes measure.
 inline constexpr int few_rays = 4096;
 
 /// Ranges in which the requirement holds for a form that has the contract of the request's form and the operations of
 /// the tape.
-std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape);
+std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& request, const Tape& tape);
 
 }  // namespace lostbits::measure::repair

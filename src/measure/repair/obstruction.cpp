@@ -21,35 +21,43 @@ std::vector<std::vector<double>> normalise_directions(std::vector<std::vector<do
     return rays;
 }
 
+/// Error of t in ulps of the correct t, which may be 0.
+double error_in_ulps(double t, double correct_t, const FloatFormat& format) {
+    if (correct_t == 0) return t == 0 ? 0 : HUGE_VAL;
+    const auto ulp = ulp_exponent(format, std::ilogb(std::fabs(correct_t)));
+    return std::ldexp(t - correct_t, -static_cast<int>(ulp));
+}
+
 }  // namespace
 
-FormQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const {
+FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const {
     FormQuality quality;
     metric::Distribution lost;
     std::uint64_t false_hits = 0;
     const FloatFormat& format = row_.format.parameters;
+
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         const auto& [decision, correct_t, range] = correct_answers_[i];
         if (decision == truth::Truth::Decision::unresolved) continue;
         limit_.stop.check();
         const Tape exact = run_with_inputs(tape, inputs[i], false);
         if (divides_by_zero(exact)) continue;
+
         const double t = exact[exact.outputs.t].value;
         const bool hit = exact[exact.outputs.hit].value != 0 && !range.is_before(t) && !range.is_after(t);
         const bool should_hit = !std::isnan(correct_t);
+
+        // A wrong decision has no error of t.
         ++quality.rays;
         quality.hits += should_hit ? 1 : 0;
         if (hit != should_hit) {
             ++quality.wrong;
             false_hits += hit ? 1 : 0;
         } else if (hit) {
-            const double ulps =
-                correct_t == 0 ? (t == 0 ? 0 : HUGE_VAL)
-                               : std::ldexp(t - correct_t,
-                                            -static_cast<int>(ulp_exponent(format, std::ilogb(std::fabs(correct_t)))));
-            lost.add(truth::lost_bits(ulps, format.precision));
+            lost.add(truth::lost_bits(error_in_ulps(t, correct_t, format), format.precision));
         }
     }
+
     quality.kept_bits = format.precision - lost.quantile(requirement_.quantile);
     const bool are_mostly_false_hits = 2 * false_hits > quality.wrong;
     if (quality.wrong > 0)
@@ -59,12 +67,12 @@ FormQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::ve
 }
 
 Obstruction RaySample::compare_without_rounding(const Tape& tape) const {
-    Obstruction obstruction{.exact = exact_quality(tape, inputs_)};
+    Obstruction obstruction{.exact = measure_exact_quality(tape, inputs_)};
     if (row_.form->info->direction != intersect::Direction::unit) return obstruction;
     for (const auto& inputs : inputs_)
         obstruction.largest_length_error =
             std::max(obstruction.largest_length_error, std::fabs(direction_length(inputs) - 1));
-    obstruction.with_unit_directions = exact_quality(tape, normalise_directions(inputs_));
+    obstruction.with_unit_directions = measure_exact_quality(tape, normalise_directions(inputs_));
     return obstruction;
 }
 

@@ -16,8 +16,8 @@
 #include "intersect/source_text/source_tokens.hpp"
 #include "measure/attribution/operation.hpp"
 #include "measure/choose/candidates.hpp"
+#include "measure/repair/matcher.hpp"
 #include "measure/repair/repair.hpp"
-#include "measure/repair/shared_nodes.hpp"
 #include "measure/repair/source_words.hpp"
 #include "measure/repair/text_change.hpp"
 #include "number/error.hpp"
@@ -34,108 +34,8 @@ using intersect::source_text::TextSpan;
 namespace {
 
 /// Thrown for a change that cannot be written. Its text ends a sentence.
-struct NotWritten : std::runtime_error {
+struct UnwritableChange : std::runtime_error {
     using std::runtime_error::runtime_error;
-};
-
-/// Finds nodes of an old tape whose replacement turns it into a new tape of the same form. Prefers nodes that are far
-/// from the answer.
-class Matcher {
-public:
-    Matcher(const Tape& old_tape, const Tape& new_tape, const std::function<bool(NodeId)>& can_replace)
-        : old_tape_(old_tape),
-          new_tape_(new_tape),
-          can_replace_(can_replace),
-          old_values_(shared_.values_of(old_tape)),
-          new_values_(shared_.values_of(new_tape)) {}
-
-    /// The node of the new tape for each node of the old tape to replace; empty if no such set of nodes is found.
-    std::optional<std::map<NodeId, NodeId>> find_replacements() {
-        for (int round = 0; round < 12; ++round) {
-            replacements_.clear(), failed_pairs_.clear(), matched_pairs_.clear(), step_count_ = 0;
-            const auto &old_outputs = old_tape_.outputs, &new_outputs = new_tape_.outputs;
-            if (!match(old_outputs.t, new_outputs.t) || !match(old_outputs.hit, new_outputs.hit) ||
-                !match(old_outputs.near, new_outputs.near) || !match(old_outputs.far, new_outputs.far))
-                return {};
-            const std::vector<int> changed_values = values_with(replacements_);
-            const NodeId wrong_node = find_wrong_node(changed_values);
-            if (wrong_node == no_node) return replacements_;
-            forbid_below(wrong_node);
-        }
-        return {};
-    }
-    /// The values of the old tape's nodes after the change.
-    [[nodiscard]] std::vector<int> values_with(const std::map<NodeId, NodeId>& replacements) {
-        std::map<NodeId, int> values;
-        for (const auto& [o, n] : replacements) values[o] = value_of_new(n);
-        return shared_.values_of(old_tape_, values);
-    }
-    [[nodiscard]] int value_of_new(NodeId n) const { return new_values_[static_cast<std::size_t>(n)]; }
-    [[nodiscard]] SharedNodes& shared() { return shared_; }
-
-private:
-    /// Matches an old node with a new node, and the operands of both. Where they differ, adds a replacement. Returns
-    /// false if the old node cannot become the new node.
-    bool match(NodeId old_node, NodeId new_node) {
-        if (++step_count_ > 200'000 || failed_pairs_.contains({old_node, new_node})) return false;
-        matched_pairs_.emplace_back(old_node, new_node);
-        if (old_values_[static_cast<std::size_t>(old_node)] == value_of_new(new_node)) return true;
-        if (const auto found = replacements_.find(old_node); found != replacements_.end())
-            return value_of_new(found->second) == value_of_new(new_node);
-        const TapeNode &a = old_tape_[old_node], &b = new_tape_[new_node];
-        const bool same_format =
-            is_decision(a.op) ? is_decision(b.op)
-                              : !is_decision(b.op) && old_tape_.format_of(old_node) == new_tape_.format_of(new_node);
-        if (a.op == b.op && !is_given(a.op) && same_format) {
-            const auto saved_replacements = replacements_;
-            const std::size_t matched_count = matched_pairs_.size();
-            const bool commutes = a.op == TapeOp::add || a.op == TapeOp::mul;
-            for (const bool is_swapped : {false, true}) {
-                if (is_swapped && !commutes) break;
-                bool all_match = true;
-                for (std::size_t k = 0; all_match && k < row_of(a.op).operands; ++k)
-                    all_match = match(a.operands[k], b.operands[is_swapped ? 1 - k : k]);
-                if (all_match) return true;
-                replacements_ = saved_replacements;
-                matched_pairs_.resize(matched_count);
-            }
-        }
-        if (same_format && !forbidden_.contains(old_node) && can_replace_(old_node)) {
-            replacements_[old_node] = new_node;
-            return true;
-        }
-        failed_pairs_.emplace(old_node, new_node);
-        return false;
-    }
-    /// Finds a node that does not have the value of its counterpart in the new tape, because an operation that it uses
-    /// was replaced for another node.
-    [[nodiscard]] NodeId find_wrong_node(const std::vector<int>& changed_values) const {
-        for (const auto& [o, n] : matched_pairs_)
-            if (changed_values[static_cast<std::size_t>(o)] != value_of_new(n)) return o;
-        return no_node;
-    }
-    void forbid_below(NodeId wrong_node) {
-        std::vector<NodeId> pending{wrong_node};
-        std::set<NodeId> visited;
-        while (!pending.empty()) {
-            const NodeId i = pending.back();
-            pending.pop_back();
-            if (!visited.insert(i).second) continue;
-            if (i != wrong_node && replacements_.contains(i)) forbidden_.insert(i);
-            for (const NodeId k : old_tape_.operands_of(i)) pending.push_back(k);
-        }
-        if (replacements_.contains(wrong_node)) forbidden_.insert(wrong_node);
-    }
-
-    SharedNodes shared_;
-    const Tape &old_tape_, &new_tape_;
-    const std::function<bool(NodeId)>& can_replace_;
-    std::vector<int> old_values_, new_values_;
-    std::map<NodeId, NodeId> replacements_;
-    std::set<std::pair<NodeId, NodeId>> failed_pairs_;
-    std::vector<std::pair<NodeId, NodeId>> matched_pairs_;
-    std::set<NodeId> forbidden_;
-    std::size_t step_count_ = 0;
 };
 
 /// Name of a value, valid from the offset `begin` of the text on.
@@ -177,17 +77,17 @@ public:
         Patch patch{.diff = {}, .reason = {}, .file = function_.path};
         try {
             if (function_.language == FileLanguage::other)
-                throw NotWritten("it is not a file of C, C++, Rust, GLSL or HLSL");
+                throw UnwritableChange("it is not a file of C, C++, Rust, GLSL or HLSL");
             const bool is_double = request_.tested_form.format.engine == Format::Engine::native64;
             if (is_double != (function_.bits == 64))
-                throw NotWritten(fmt::format("the function computes in {}, and this is a change in {}",
-                                             is_double ? "float" : "double", request_.tested_form.format.name));
+                throw UnwritableChange(fmt::format("the function computes in {}, and this is a change in {}",
+                                                   is_double ? "float" : "double", request_.tested_form.format.name));
             for (const bool shares_values : {true, false}) {
                 patch.diff = make_diff(new_tape, shares_values);
                 if (!patch.diff.empty()) return patch;
             }
-            throw NotWritten("the changed file does not compute these operations where the old one did");
-        } catch (const NotWritten& reason) {
+            throw UnwritableChange("the changed file does not compute these operations where the old one did");
+        } catch (const UnwritableChange& reason) {
             patch.reason = reason.what();
         }
         return patch;
@@ -215,6 +115,11 @@ private:
     /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
     void locate_nodes() {
         const std::vector<NodeId> tape_nodes = function_.written->nodes_on_tape(request_.tested_form.format);
+        locate_expressions(tape_nodes);
+        locate_variables(tape_nodes);
+    }
+
+    void locate_expressions(const std::vector<NodeId>& tape_nodes) {
         std::map<std::pair<int, int>, std::vector<NodeId>> nodes_by_position;
         for (std::size_t k = 0; k < tape_nodes.size(); ++k) {
             const int place_index = function_.place_of_operation[k];
@@ -224,6 +129,7 @@ private:
             const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
             if (p.column > 0) nodes_by_position[{p.line, p.column}].push_back(tape_nodes[k]);
         }
+
         // rustc gives the beginning of an expression, so several expressions can have the same place. The last one is
         // the whole expression.
         const bool is_begin = function_.language == FileLanguage::rust;
@@ -233,16 +139,23 @@ private:
             computed_[*std::ranges::max_element(nodes)] = {
                 is_begin ? tokens_.expression_from(offset) : tokens_.expression_at(offset), false};
         }
+    }
+
+    void locate_variables(const std::vector<NodeId>& tape_nodes) {
         for (const NamedNumber& named_number : function_.names) {
             if (named_number.operation == no_node) continue;
             const NodeId node = tape_nodes[static_cast<std::size_t>(named_number.operation)];
             const int place_index = outermost_place(named_number.place);
             if (place_index < 0 || node >= old_tape_.size()) continue;
+
+            // The value may be assigned at the place itself, or where the variable is declared.
             const int line = function_.places[static_cast<std::size_t>(place_index)].line;
             std::optional<TextSpan> value;
             for (const int first_line : {line, named_number.declaration_line})
                 if (!value && first_line > 0 && is_identifier(named_number.text))
                     value = tokens_.value_of(named_number.text, line_begin(first_line), line_begin(first_line + 1));
+
+            // A variable holds its value from the end of the assignment on, or from the next line.
             if (value && !is_given(old_tape_[node].op)) computed_[node] = {*value, true};
             stored_nodes_.push_back({value ? value->end : line_begin(line + 1), named_number.text, node});
         }
@@ -250,6 +163,9 @@ private:
 
     std::string make_diff(const Tape& new_tape, bool shares_values);
     void write_expression(NodeId o, NodeId n, bool shares_values);
+    std::string declare_shared_values(NodeId n, const SourceTokens::Statement& statement, bool shares_values);
+    void begin_patch(Matcher& matcher, const Tape& new_tape);
+    void add_visible_names(const std::map<NodeId, NodeId>& replacements);
     void count_uses(const std::map<NodeId, NodeId>& replacements);
     std::vector<NodeId> nodes_needed_by(NodeId n) const;
     std::string operand_text(NodeId n, int precedence) const;
@@ -332,17 +248,17 @@ std::string Patcher::Writer::expression_text(NodeId n, int& precedence) const {
     const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
         const std::string digits = digits_in(function_.language, *x, is_wide);
-        if (digits.empty()) throw NotWritten("it has a number that is not finite");
+        if (digits.empty()) throw UnwritableChange("it has a number that is not finite");
         precedence = digits.starts_with('-') ? 3 : 4;
         return digits;
     }
-    if (node.op == TapeOp::input) throw NotWritten("it needs a number that has no name in the function");
+    if (node.op == TapeOp::input) throw UnwritableChange("it needs a number that has no name in the function");
     const bool is_of_double = is_double(*new_tape_, is_comparison(node.op) ? node.operands[0] : n);
     const SourcePattern source_pattern = node.op == TapeOp::convert
                                              ? conversion_in(function_.language, is_wide)
                                              : pattern_in(function_.language, node.op, is_of_double);
     if (source_pattern.pattern.empty())
-        throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
+        throw UnwritableChange(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
     precedence = source_pattern.precedence;
     return attribution::fill_pattern(source_pattern.pattern,
                                      [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
@@ -380,40 +296,61 @@ void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
     const ComputedText& computed_text = computed_.at(o);
     collect_visible_names(computed_text.span.begin);
     const SourceTokens::Statement statement = tokens_.statement_around(computed_text.span.begin);
-    const std::size_t line = *std::prev(std::ranges::upper_bound(line_begins_, statement.begin));
-    const bool begins_line = statement.before <= line;
-    const std::string indent = text_.substr(line, text_.find_first_not_of(" \t", line) - line);
-    std::string declarations;
-    for (const NodeId i : nodes_needed_by(n)) {
-        const TapeOp op = (*new_tape_)[i].op;
-        if (i == n || uses_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr) continue;
-        int precedence = 4;
-        const std::string value = expression_text(i, precedence), name = make_name(i);
-        const bool is_boolean = is_decision(op);
-        declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +
-                        value + ";" + (begins_line ? "\n" + indent : " ");
-        const int value_index = matcher_->value_of_new(i);
-        names_by_value_[value_index] = name;
-        if (shares_values) visible_names_.push_back({statement.begin, name, value_index});
-    }
+    const std::string declarations = declare_shared_values(n, statement, shares_values);
+
+    // Brackets the expression where the text around it binds more tightly.
     int precedence = 4;
     std::string text = name_of(n) != nullptr ? *name_of(n) : expression_text(n, precedence);
     const int required_precedence =
         computed_text.is_statement ? -2 : pattern_in(function_.language, old_tape_[o].op, false).precedence;
     if (precedence < required_precedence) text = "(" + text + ")";
+
     if (!declarations.empty()) changes_.push_back({{statement.begin, statement.begin}, declarations});
     changes_.push_back({computed_text.span, text});
 }
 
-std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values) {
-    const std::function<bool(NodeId)> can_replace = [this](NodeId o) { return computed_.contains(o); };
-    Matcher matcher(old_tape_, new_tape, can_replace);
-    const auto replacements = matcher.find_replacements();
-    if (!replacements) throw NotWritten("the operations that change are not whole expressions of the function");
-    matcher_ = &matcher, new_tape_ = &new_tape;
-    visible_names_.clear(), changes_.clear(), used_names_.clear();
-    const std::vector<int> values = matcher.values_with(*replacements);
-    SharedNodes& shared = matcher.shared();
+/// Returns the declarations of the values that an expression of node n needs more than once, for the beginning of a
+/// statement. They get a line each if the statement begins its line.
+std::string Patcher::Writer::declare_shared_values(NodeId n, const SourceTokens::Statement& statement,
+                                                   bool shares_values) {
+    const std::size_t line = *std::prev(std::ranges::upper_bound(line_begins_, statement.begin));
+    const bool begins_line = statement.before <= line;
+    const std::string indent = text_.substr(line, text_.find_first_not_of(" \t", line) - line);
+
+    std::string declarations;
+    for (const NodeId i : nodes_needed_by(n)) {
+        const TapeOp op = (*new_tape_)[i].op;
+        if (i == n || uses_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr) continue;
+
+        int precedence = 4;
+        const std::string value = expression_text(i, precedence), name = make_name(i);
+        const bool is_boolean = is_decision(op);
+        declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +
+                        value + ";" + (begins_line ? "\n" + indent : " ");
+
+        // Further expressions use the name; those of later statements only if values are shared.
+        const int value_index = matcher_->value_of_new(i);
+        names_by_value_[value_index] = name;
+        if (shares_values) visible_names_.push_back({statement.begin, name, value_index});
+    }
+    returndeclarations;
+}
+
+/// Begins a new patch, with no changes yet.
+void Patcher::Writer::begin_patch(Matcher& matcher, const Tape& new_tape) {
+    matcher_ = &matcher;
+    new_tape_ = &new_tape;
+    visible_names_.clear();
+    changes_.clear();
+    used_names_.clear();
+}
+
+/// Lists the parameters and variables of the function with the values that they have after the replacements.
+void Patcher::Writer::add_visible_names(const std::map<NodeId, NodeId>& replacements) {
+    const std::vector<int> values = matcher_->values_with(replacements);
+
+    // Parameters hold inputs, or the inverse of an input.
+    SharedNodes& shared = matcher_->shared();
     const FloatFormat& format = old_tape_.format_of(old_tape_.outputs.t);
     for (const NamedNumber& named_number : function_.names) {
         if (named_number.input < 0) continue;
@@ -424,12 +361,28 @@ std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values)
                  ? shared.value_of(TapeOp::div, format, {shared.constant(1, format), input_value, -1})
                  : input_value});
     }
+
+    // Variables hold nodes, from where they get their values on.
     for (const StoredNode& s : stored_nodes_)
         visible_names_.push_back({s.begin, s.text, values[static_cast<std::size_t>(s.node)]});
+}
+
+/// Returns the changes as a diff; empty if the changed file does not answer like the tape.
+std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values) {
+    const std::function<bool(NodeId)> can_replace = [this](NodeId o) { return computed_.contains(o); };
+    Matcher matcher(old_tape_, new_tape, can_replace);
+    const auto replacements = matcher.find_replacements();
+    if (!replacements) throw UnwritableChange("the operations that change are not whole expressions of the function");
+
+    begin_patch(matcher, new_tape);
+    add_visible_names(*replacements);
+
+    // Writes the expressions in the order of the text.
     std::vector<std::pair<NodeId, NodeId>> order(replacements->begin(), replacements->end());
     std::ranges::sort(order, {}, [&](const auto& pair) { return computed_.at(pair.first).span; });
     count_uses(*replacements);
     for (const auto& [o, n] : order) write_expression(o, n, shares_values);
+
     const std::optional<std::string> changed_file = apply_changes(text_, changes_);
     if (!changed_file || !answers_like_tape(*changed_file, new_tape)) return "";
     return unified_diff(function_.path, text_, *changed_file);

@@ -45,9 +45,12 @@ template <class Form, template <class> class S, class T, class F>
         if constexpr (std::same_as<T, F>) *target = value;
         else value.store(target);
     };
+
+    // The numbers of the primitive and its matrix are the same for all rays.
     std::array<T, Affine<T>::numbers> matrix;
     for (std::size_t k = 0; k < matrix.size(); ++k) matrix[k] = T(local.matrix[k]);
     const S<T> primitive = primitive_from<S, T>([&local](std::size_t k) { return T(local.primitive[k]); });
+
     for (std::size_t i = 0; i < local.size; i += sizeof(T) / sizeof(F)) {
         const auto component = [&](std::size_t k) { return load(local.ray[k] + i); };
         const Ray<T> ray{{component(0), component(1), component(2)}, {component(3), component(4), component(5)}};
@@ -58,6 +61,7 @@ template <class Form, template <class> class S, class T, class F>
                 return Form::intersect(ray, primitive, matrix, end);
             }
         }();
+
         store(answer.t, local.results[0] + i);
         store(answer.near, local.results[1] + i);
         store(answer.far, local.results[2] + i);

@@ -42,6 +42,7 @@ void run_kernels(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_
         kernels.packs && simd::current_isa() == kernels.isa ? size / kernels.lanes * kernels.lanes : 0;
     columns.size = packed_size;
     if (packed_size != 0) kernels.packs(&columns);
+
     for (const F*& column : columns.ray) column += packed_size;
     if (columns.tmax) columns.tmax += packed_size;
     for (F*& column : columns.results) column += packed_size;
@@ -118,7 +119,7 @@ std::vector<external::Formula> placed_rows(const fs::path& library_path, const s
             .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
         if (is_double(forms[k])) form.native64 = load_kernel<double>(loaded, name);
         else form.native32 = load_kernel<float>(loaded, name);
-        formulas.push_back({.intersector = form, .packed = {}, .who = nullptr, .first = {}});
+        formulas.push_back({.row = form, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }
@@ -162,6 +163,43 @@ std::string make_library_source(const std::vector<RepairedSource>& forms) {
     return text + "LOSTBITS_FORMULAS(" + names + ")\n";
 }
 
+/// Writes the sources of the forms to a folder and compiles them. Returns the path of the library.
+fs::path compile_library(const RepairRequest& request, const std::vector<RepairedSource>& forms,
+                         const CompilerSetup& setup, const fs::path& folder) {
+    const auto path = [&](const std::string& name) { return (folder / name).string(); };
+    const auto flags_argument = [&](const std::string& name) { return "@" + (setup.flags / name).string(); };
+    for (std::size_t k = 0; k < forms.size(); ++k)
+        write_file(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
+    const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
+                      isa_flags = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
+    write_file(source, make_library_source(forms));
+
+    // The packed kernels have an object file of their own, compiled for the register width of the run.
+    intersect::process::ProgramArguments link{setup.compiler, "-shared", source};
+    if (fs::exists(setup.flags / isa_flags)) {
+        // form.flags names the libraries to link as well; `-c` does not use them.
+        run_compiler(
+            {setup.compiler, "-c", source, "-o", packs, flags_argument("form.flags"), flags_argument(isa_flags)},
+            request);
+        link.push_back(packs);
+    }
+
+    link.insert(link.end(), {"-o", library, flags_argument("form.flags")});
+    run_compiler(link, request);
+    return library;
+}
+
+/// Throws std::logic_error if a compiled form has other answers than its tape on the rays of the request.
+void require_answers_of_tape(const RepairRequest& request, const RepairedSource& source, const Intersector& compiled) {
+    RepairRequest form_request = request;
+    form_request.tested_form = source.original;
+    Judge judge(form_request);
+    const evaluate::TestedForm compiled_row{
+        .form = &compiled, .format = source.original.format, .touching = source.original.touching};
+    if (!has_answers_of_tape(compiled_row, *source.tape, form_request, judge))
+        throw std::logic_error(source.type + ": the compiled form has other answers than its tape");
+}
+
 /// Returns the work with scalar arithmetic. Rows under a matrix use the current register width, so the width is
 /// `scalar` while they run.
 trade::TimedWork in_scalar_arithmetic(trade::TimedWork work) {
@@ -184,36 +222,14 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
                                ": this file is missing; it holds the compiler flags for forms; a build of lostbits has "
                                "it, and an installation has it in lib/lostbits");
     const intersect::device::TemporaryFolder folder("lostbits-mend");
-    const auto path = [&](const std::string& name) { return (folder.path / name).string(); };
-    const auto flags_argument = [&](const std::string& name) { return "@" + (setup.flags / name).string(); };
-    for (std::size_t k = 0; k < forms.size(); ++k)
-        write_file(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
-    const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
-                      isa_flags = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
-    write_file(source, make_library_source(forms));
-    intersect::process::ProgramArguments link{setup.compiler, "-shared", source};
-    if (fs::exists(setup.flags / isa_flags)) {
-        // form.flags names the libraries to link as well; `-c` does not use them.
-        run_compiler(
-            {setup.compiler, "-c", source, "-o", packs, flags_argument("form.flags"), flags_argument(isa_flags)},
-            request);
-        link.push_back(packs);
-    }
-    link.insert(link.end(), {"-o", library, flags_argument("form.flags")});
-    run_compiler(link, request);
+    const fs::path library = compile_library(request, forms, setup, folder.path);
     auto formulas = are_placed(forms)
                         ? load_compiled(library, [&](const fs::path& file) { return placed_rows(file, forms); })
                         : load_compiled(library, external::load_formulas);
+
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const evaluate::TestedForm& original = forms[k].original;
-        RepairRequest form_request = request;
-        form_request.tested_form = original;
-        Judge judge(form_request);
-        const evaluate::TestedForm compiled{
-            .form = &formulas[k].intersector, .format = original.format, .touching = original.touching};
-        if (!has_answers_of_tape(compiled, *forms[k].tape, form_request, judge))
-            throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
-        if (!compiled.form->is_placed) simd::register_packs({{formulas[k].intersector.info, formulas[k].packed}});
+        require_answers_of_tape(request, forms[k], formulas[k].row);
+        if (!formulas[k].row.is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
     }
     return formulas;
 }
@@ -232,9 +248,12 @@ std::vector<Price> measure_prices(const RepairRequest& request, const std::vecto
         work.push_back(work_on_rays.work_for(tested_form, packed_kernels(*tested_form.form, simd::Isa::scalar)));
         if (tested_form.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
     }
+
     const auto times = time_interleaved(work, plan);
-    for (std::size_t k = 0; k < tested_forms.size(); ++k)
-        prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];
+    for (std::size_t k = 0; k < tested_forms.size(); ++k) {
+        prices[k].packed = times[2 * k];
+        prices[k].single = times[2 * k + 1];
+    }
     return prices;
 }
 

@@ -28,7 +28,7 @@ Placement<Real> map_placement(Placement<Real> placement, const Isometry& isometr
         // A column of M, or a row of its linear part.
         const auto entry_index = [&](std::size_t i) { return placement.is_inverse ? 4 * k + i : 4 * i + k; };
         const Vec<Real> v = map_vector({m[entry_index(0)], m[entry_index(1)], m[entry_index(2)]}, isometry);
-        m[entry_index(0)] = v.x, m[entry_index(1)] = v.y, m[entry_index(2)] = v.z;
+        for (std::size_t i = 0; i < 3; ++i) m[entry_index(i)] = v[static_cast<int>(i)];
     }
     return placement;
 }
@@ -68,8 +68,12 @@ std::optional<IdealRays> map_rays(IdealRays ideal, const Isometry& isometry) {
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) {
         const Ray<Real> ray = ideal.rays[i];
         const Vec<Real> o = map_vector(ray.origin, isometry), d = map_vector(ray.direction, isometry);
-        ideal.rays.ox[i] = o.x, ideal.rays.oy[i] = o.y, ideal.rays.oz[i] = o.z;
-        ideal.rays.dx[i] = d.x, ideal.rays.dy[i] = d.y, ideal.rays.dz[i] = d.z;
+        ideal.rays.ox[i] = o.x;
+        ideal.rays.oy[i] = o.y;
+        ideal.rays.oz[i] = o.z;
+        ideal.rays.dx[i] = d.x;
+        ideal.rays.dy[i] = d.y;
+        ideal.rays.dz[i] = d.z;
     }
     for (Primitive<Real>& primitive : ideal.primitives) {
         auto mapped_primitive = map_primitive(primitive, isometry);
@@ -86,7 +90,7 @@ struct RequestRays {
     std::optional<FloatFormat> format;
 };
 
-std::optional<RequestRays> request_rays(const RepairRequest& request, int rays) {
+std::optional<RequestRays> take_request_rays(const RepairRequest& request, int rays) {
     const std::size_t primitives = request.scene                 ? request.scene->primitive_count()
                                    : request.rays->sample.paired ? 1
                                                                  : request.rays->sample.primitives.size();
@@ -110,7 +114,7 @@ std::optional<RequestRays> request_rays(const RepairRequest& request, int rays) 
 
 std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int rays) {
     std::vector<std::unique_ptr<Probe>> probes;
-    const auto originals = request_rays(request, rays);
+    const auto originals = take_request_rays(request, rays);
     if (!originals) return probes;
     for (const Isometry& isometry : isometries) {
         if (isometry.mirrors() && request.tested_form.form->info->facing != intersect::Facing::both) continue;
@@ -153,35 +157,23 @@ public:
     /// Number of each node, with ` inputs` in place of the inputs of the tape.
     std::vector<int> number_expressions(const std::vector<int>& inputs) {
         std::vector<int> ids;
-        std::vector<std::vector<int>> terms_of_node;  // for each term of a sum, 2 · its number, + 1 if subtracted
+        std::vector<std::vector<int>> terms_of_node;
         for (NodeId i = 0; i < tape_.size(); ++i) {
             const TapeNode& n = tape_[i];
-            const auto terms_of_operand = [&](std::size_t k) {
-                return terms_of_node[static_cast<std::size_t>(n.operands[k])];
-            };
             std::vector<int> terms;
             std::vector<int> key{static_cast<int>(n.op), n.format};
             if (n.op == TapeOp::input) key.push_back(inputs.at(static_cast<std::size_t>(n.operands[0])));
             else if (n.op == TapeOp::constant) key.push_back(n.operands[0]);
             else if (n.op == TapeOp::call) key.insert(key.end(), {i, call_count_++});  // equal to nothing
             else if (n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::neg) {
+                // A sum is its terms, however they are bracketed.
                 key[0] = static_cast<int>(TapeOp::add);
-                terms = terms_of_operand(0);
-                if (n.op == TapeOp::neg) negate(terms);
-                else {
-                    auto second_terms = terms_of_operand(1);
-                    if (n.op == TapeOp::sub) negate(second_terms);
-                    terms.insert(terms.end(), second_terms.begin(), second_terms.end());
-                }
-                std::ranges::sort(terms);
+                terms = sum_terms(n, terms_of_node);
                 key.insert(key.end(), terms.begin(), terms.end());
             } else {
-                for (const NodeId operand : tape_.operands_of(i)) key.push_back(ids[static_cast<std::size_t>(operand)]);
-                if (n.op == TapeOp::mul || n.op == TapeOp::fma || n.op == TapeOp::logical_and ||
-                    n.op == TapeOp::logical_or)
-                    if (key[2] > key[3]) std::swap(key[2], key[3]);
-                if (n.op == TapeOp::min || n.op == TapeOp::max) flatten(key);
+                add_operands(key, i, ids);
             }
+
             const int id = ids_.try_emplace(key, static_cast<int>(ids_.size())).first->second;
             if (n.op == TapeOp::min || n.op == TapeOp::max) extremes_[id] = key;
             ids.push_back(id);
@@ -191,6 +183,29 @@ public:
     }
 
 private:
+    /// Terms of a sum, a difference or a negation, sorted: 2 · the number of the term, + 1 if it is subtracted.
+    static std::vector<int> sum_terms(const TapeNode& n, const std::vector<std::vector<int>>& terms_of_node) {
+        const auto terms_of_operand = [&](std::size_t k) {
+            return terms_of_node[static_cast<std::size_t>(n.operands[k])];
+        };
+        std::vector<int> terms = terms_of_operand(0);
+        if (n.op == TapeOp::neg) negate(terms);
+        else {
+            auto second_terms = terms_of_operand(1);
+            if (n.op == TapeOp::sub) negate(second_terms);
+            terms.insert(terms.end(), second_terms.begin(), second_terms.end());
+        }
+        std::ranges::sort(terms);
+        return terms;
+    }
+    /// Adds the numbers of the operands of node i to its key, in one order if the operation commutes.
+    void add_operands(std::vector<int>& key, NodeId i, const std::vector<int>& ids) const {
+        const TapeOp op = tape_[i].op;
+        for (const NodeId operand : tape_.operands_of(i)) key.push_back(ids[static_cast<std::size_t>(operand)]);
+        if (op == TapeOp::mul || op == TapeOp::fma || op == TapeOp::logical_and || op == TapeOp::logical_or)
+            if (key[2] > key[3]) std::swap(key[2], key[3]);
+        if (op == TapeOp::min || op == TapeOp::max) flatten(key);
+    }
     static void negate(std::vector<int>& terms) {
         for (int& term : terms) term ^= 1;
     }
@@ -242,18 +257,22 @@ void merge_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, Di
 
 }  // namespace
 
-std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
-                                                  const Primitive<double>& example) {
+std::vector<std::vector<NodeId>> find_exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
+                                                       const Primitive<double>& example) {
     constexpr Isometry identity{"", "", {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1};
     ValueNumbering expressions(tape);
     const std::vector<int> own_ids = expressions.number_expressions(exchanged_inputs(example, identity));
+
+    // Joins the operations that are one expression.
     std::map<int, NodeId> first_with_id;
     DisjointSets groups(tape.nodes.size());
     for (const NodeId i : operations) {
         const auto [entry, is_new] = first_with_id.try_emplace(own_ids[static_cast<std::size_t>(i)], i);
         if (!is_new) groups.merge(i, entry->second);
     }
-    // y z x and the exchange of x and y generate all six exchanges.
+
+    // Joins each operation with the one that an exchange of axes turns it into. y z x and the exchange of x and y
+    // generate all six exchanges.
     std::set<NodeId> incomplete;
     for (const Isometry* isometry : {&isometries[0], &isometries[2]}) {
         const std::vector<int> exchanged_ids = expressions.number_expressions(exchanged_inputs(example, *isometry));
@@ -264,6 +283,8 @@ std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::v
         }
     }
     merge_partial_sums(tape, incomplete, groups);
+
+    // Lists the groups in the order of their first operations.
     std::map<NodeId, std::vector<NodeId>> members;
     for (const NodeId i : operations) members[groups.root_of(i)].push_back(i);
     std::vector<std::vector<NodeId>> result;

@@ -70,7 +70,7 @@ std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, in
 /// Groups of operations that are the same expression up to an exchange of x, y and z; every operation is in one group.
 /// `example`: a primitive of the form, with its way of storing a matrix. A partial sum that no exchange maps to an
 /// operation is in the group of the whole sum. The order of operands does not matter, nor the brackets of a sum.
-std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
-                                                  const Primitive<double>& example);
+std::vector<std::vector<NodeId>> find_exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
+                                                       const Primitive<double>& example);
 
 }  // namespace lostbits::measure::repair

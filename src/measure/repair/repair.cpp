@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "number/error.hpp"
@@ -51,7 +52,7 @@ public:
             if (binomial(operations_.size(), size) > affordable) break;
             if (auto smaller = find_best_of_size(size)) {
                 result = std::move(*smaller);
-                result.quality_without = quality_without(result.operations);
+                result.quality_without = measure_without_each(result.operations);
                 break;
             }
             result.largest_failing_size = size;
@@ -60,15 +61,15 @@ public:
     }
 
 private:
-    std::vector<FormQuality> quality_of(const std::vector<std::vector<NodeId>>& sets) {
+    std::vector<FormQuality> measure_sets(const std::vector<std::vector<NodeId>>& sets) {
         std::vector<Tape> tapes;
         for (const auto& set : sets) tapes.push_back(tape::widen_operations(tape_, set, wider_));
-        return judge_.quality_of(tapes);
+        return judge_.measure_quality(tapes);
     }
-    std::vector<FormQuality> quality_without(const std::vector<NodeId>& set) {
+    std::vector<FormQuality> measure_without_each(const std::vector<NodeId>& set) {
         std::vector<std::vector<NodeId>> smaller_sets;
         for (std::size_t k = 0; k < set.size(); ++k) smaller_sets.push_back(remove_at(set, k));
-        return quality_of(smaller_sets);
+        return measure_sets(smaller_sets);
     }
 
     /// Removes operations from the set such that the requirement is still met. Returns false if none can be removed;
@@ -76,35 +77,50 @@ private:
     /// removes it. If each of several can be removed, first tries to remove the better half of them together, then the
     /// better quarter, and so on. In the end, removes the operation whose removal costs least.
     bool remove_operations(WiderSet& set) {
-        const std::vector<FormQuality> quality_without_each = quality_without(set.operations);
-        std::vector<std::size_t> removable;
-        for (std::size_t k = 0; k < quality_without_each.size(); ++k)
-            if (quality_without_each[k].meets(request_.requirement)) removable.push_back(k);
+        const std::vector<FormQuality> quality_without_each = measure_without_each(set.operations);
+        const std::vector<std::size_t> removable = sort_removable(quality_without_each);
         if (removable.empty()) {
             set.quality_without = quality_without_each;
             return false;
         }
-        std::ranges::stable_sort(removable, [&](auto a, auto b) {
-            return is_more_accurate(quality_without_each[a], quality_without_each[b]);
-        });
-        std::vector<std::vector<NodeId>> smaller_sets;
-        for (std::size_t n = (removable.size() + 1) / 2; n > 1; n /= 2) {
-            std::vector<NodeId> remaining;
-            for (std::size_t k = 0; k < set.operations.size(); ++k)
-                if (std::find(removable.begin(), removable.begin() + static_cast<std::ptrdiff_t>(n), k) ==
-                    removable.begin() + static_cast<std::ptrdiff_t>(n))
-                    remaining.push_back(set.operations[k]);
-            smaller_sets.push_back(std::move(remaining));
-        }
-        const std::vector<FormQuality> quality = quality_of(smaller_sets);
+
+        // Tries to remove several at once.
+        const std::vector<std::vector<NodeId>> smaller_sets = remove_several(set.operations, removable);
+        const std::vector<FormQuality> quality = measure_sets(smaller_sets);
         for (std::size_t k = 0; k < smaller_sets.size(); ++k) {
             if (!quality[k].meets(request_.requirement)) continue;
             set = {.operations = smaller_sets[k], .quality = quality[k]};
             return true;
         }
+
         set = {.operations = remove_at(set.operations, removable.front()),
                .quality = quality_without_each[removable.front()]};
         return true;
+    }
+
+    /// Indices of the operations that can be removed alone, the one whose removal costs least first.
+    [[nodiscard]] std::vector<std::size_t> sort_removable(const std::vector<FormQuality>& quality_without_each) const {
+        std::vector<std::size_t> removable;
+        for (std::size_t k = 0; k < quality_without_each.size(); ++k)
+            if (quality_without_each[k].meets(request_.requirement)) removable.push_back(k);
+        std::ranges::stable_sort(removable, [&](auto a, auto b) {
+            return is_more_accurate(quality_without_each[a], quality_without_each[b]);
+        });
+        return removable;
+    }
+    /// The set without the first half of `removable`, without the first quarter, and so on, as long as at least two
+    /// operations are removed.
+    static std::vector<std::vector<NodeId>> remove_several(const std::vector<NodeId>& set,
+                                                           const std::vector<std::size_t>& removable) {
+        std::vector<std::vector<NodeId>> smaller_sets;
+        for (std::size_t n = (removable.size() + 1) / 2; n > 1; n /= 2) {
+            const std::span removed = std::span(removable).first(n);
+            std::vector<NodeId> remaining;
+            for (std::size_t k = 0; k < set.size(); ++k)
+                if (std::ranges::find(removed, k) == removed.end()) remaining.push_back(set[k]);
+            smaller_sets.push_back(std::move(remaining));
+        }
+        return smaller_sets;
     }
 
     /// Finds the most accurate of all sets of `size` operations that meet the requirement; empty if none does.
@@ -116,7 +132,8 @@ private:
             std::vector<NodeId>& set = sets.emplace_back();
             for (const std::size_t k : indices) set.push_back(operations_[k]);
         } while (next_choice(indices, operations_.size()));
-        const std::vector<FormQuality> quality = quality_of(sets);
+
+        const std::vector<FormQuality> quality = measure_sets(sets);
         std::optional<WiderSet> best;
         for (std::size_t k = 0; k < sets.size(); ++k) {
             if (quality[k].meets(request_.requirement) && (!best || is_more_accurate(quality[k], best->quality)))
@@ -145,15 +162,15 @@ Scene change_pixels(Scene scene) {
 
 /// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
 /// if it widens fewer operations than the set that was found for the original form, if there is one.
-void widen_where_needed(Rewritten& rewritten, const RepairResult& result, const RepairRequest& request, Judge& judge,
-                        std::uint64_t affordable) {
+void widen_where_needed(RewrittenForm& rewritten, const RepairResult& result, const RepairRequest& request,
+                        Judge& judge, std::uint64_t affordable) {
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape unwidened = rewritten.tape;
     const FormQuality all_wider_quality =
-        judge.quality_of({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
+        judge.measure_quality({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
             .front();
     if (!all_wider_quality.meets(request.requirement)) return;
-    auto set = smallest_set(unwidened, result.wider, all_wider_quality, request, judge, affordable);
+    auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, judge, affordable);
     if (result.wider_set && set.operations.size() >= result.wider_set->operations.size()) return;
     rewritten.tape = tape::widen_operations(unwidened, set.operations, result.wider);
     rewritten.quality = set.quality;
@@ -163,24 +180,24 @@ void widen_where_needed(Rewritten& rewritten, const RepairResult& result, const 
 /// True if a tape meets the requirement on a list of probes.
 bool passes_probes(const Tape& tape, const std::vector<Probe*>& probes, const Requirement& requirement) {
     return std::ranges::all_of(
-        probes, [&](Probe* probe) { return probe->judge().quality_of({tape}).front().meets(requirement); });
+        probes, [&](Probe* probe) { return probe->judge().measure_quality({tape}).front().meets(requirement); });
 }
 
-std::vector<FormQuality> quality_on_probes(const Tape& tape, const std::vector<std::unique_ptr<Probe>>& probes) {
+std::vector<FormQuality> measure_on_probes(const Tape& tape, const std::vector<std::unique_ptr<Probe>>& probes) {
     std::vector<FormQuality> qualities;
-    for (const auto& probe : probes) qualities.push_back(probe->judge().quality_of({tape}).front());
+    for (const auto& probe : probes) qualities.push_back(probe->judge().measure_quality({tape}).front());
     return qualities;
 }
 
-/// Searches for the set of `exchanged_groups` with the fewest operations that meets the requirement on the scene and on
-/// probes.
+/// Searches for the set of `find_exchanged_groups` with the fewest operations that meets the requirement on the scene
+/// and on probes.
 class SymmetricSearch {
 public:
     SymmetricSearch(const RepairResult& result, const RepairRequest& request, Judge& judge, std::vector<Probe*> probes)
         : result_(result), request_(request), judge_(judge), probes_(std::move(probes)) {
         const auto example = request.scene ? scene::rays::shared_primitives(*request.scene).front()
                                            : request.rays->sample.primitives.front();
-        groups_ = exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
+        groups_ = find_exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
     }
 
     /// Tries all sets if there are at most `affordable`. Otherwise starts from all groups and removes one after the
@@ -205,7 +222,7 @@ private:
     std::optional<SymmetricSet> find_first_passing(const std::vector<Groups>& sets) {
         std::vector<Tape> tapes;
         for (const Groups& set : sets) tapes.push_back(widen_operations(result_, operations_in(set)));
-        const auto quality = judge_.quality_of(tapes);
+        const auto quality = judge_.measure_quality(tapes);
         for (std::size_t k = 0; k < sets.size(); ++k) {
             if (!quality[k].meets(request_.requirement) || !passes_probes(tapes[k], probes_, request_.requirement))
                 continue;
@@ -254,43 +271,84 @@ private:
     Groups last_passed_;  ///< the last set that passed
 };
 
-/// Measures on the probes the repairs that were found. If the set fails on exact probes on which the form passes with
-/// every operation wider, searches for a symmetric set.
-void measure_probes(RepairResult& result, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
+using Probes = std::vector<std::unique_ptr<Probe>>;
+
+/// Operations that the repaired form does wider: those of its set, or without a set all of them.
+std::vector<NodeId> operations_to_widen(const RepairResult& result) {
+    return result.wider_set ? result.wider_set->operations : tape::rounded_operations(result.tape);
+}
+
+/// Searches for a symmetric set if the set fails on an exact probe on which the form passes with every operation wider.
+void find_symmetric_set(RepairResult& result, const RepairRequest& request, Judge& judge, const Probes& probes,
+                        std::uint64_t affordable) {
     const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
-    const auto& rewritten_forms = result.rewriting.forms;
-    if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &Rewritten::quality)) return;
-    const auto probes = make_probes(request);
-    const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
-    for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
-    if (!probes.empty()) result.probed_rays = probes.front()->judge().rays();
-    result.own_probed = quality_on_probes(result.tape, probes);
-    result.set_probed = quality_on_probes(
-        widen_operations(result, result.wider_set ? result.wider_set->operations : all_operations), probes);
-    for (Rewritten& rewritten : result.rewriting.forms) rewritten.probed = quality_on_probes(rewritten.tape, probes);
-    if (!result.wider_set || result.wider_set->operations.empty()) return;
+    const auto set_fails_exact_probe = [&](std::size_t k) {
+        return probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
+    };
+
+    // Avoids the probes with every operation wider if the set fails nowhere.
     bool fails_exact_probe = false;
-    for (std::size_t k = 0; k < probes.size(); ++k)
-        fails_exact_probe |= probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
+    for (std::size_t k = 0; k < probes.size(); ++k) fails_exact_probe |= set_fails_exact_probe(k);
     if (!fails_exact_probe) return;
-    const auto all_wider_qualities = quality_on_probes(widen_operations(result, all_operations), probes);
+
+    // Drops the probes that no set can pass.
+    const auto all_wider_qualities =
+        measure_on_probes(widen_operations(result, tape::rounded_operations(result.tape)), probes);
     std::vector<Probe*> passable;
     fails_exact_probe = false;
     for (std::size_t k = 0; k < probes.size(); ++k) {
         if (!meets(all_wider_qualities[k])) continue;
         passable.push_back(probes[k].get());
-        fails_exact_probe |= probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
+        fails_exact_probe |= set_fails_exact_probe(k);
     }
     if (!fails_exact_probe) return;
+
     result.symmetric = SymmetricSearch(result, request, judge, passable).search(affordable);
     if (result.symmetric)
-        result.symmetric->probed = quality_on_probes(widen_operations(result, result.symmetric->operations), probes);
+        result.symmetric->probed = measure_on_probes(widen_operations(result, result.symmetric->operations), probes);
+}
+
+/// Measures on the probes the repairs that were found, and finds a symmetric set if the probes call for one.
+void measure_probes(RepairResult& result, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
+    const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
+    const auto& rewritten_forms = result.rewriting.forms;
+    if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &RewrittenForm::quality)) return;
+
+    const Probes probes = make_probes(request);
+    for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
+    if (!probes.empty()) result.probed_rays = probes.front()->judge().rays();
+
+    result.own_probed = measure_on_probes(result.tape, probes);
+    result.set_probed = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);
+    for (RewrittenForm& rewritten : result.rewriting.forms)
+        rewritten.probed = measure_on_probes(rewritten.tape, probes);
+
+    if (!result.wider_set || result.wider_set->operations.empty()) return;
+    find_symmetric_set(result, request, judge, probes, affordable);
+}
+
+/// Measures the form and its repairs on rays that were not searched on: the scene in other pixels, or all rays of the
+/// files.
+void measure_held_out(RepairResult& result, const RepairRequest& request) {
+    std::vector<Tape> tapes{result.tape, widen_operations(result, operations_to_widen(result))};
+    for (const RewrittenForm& r : result.rewriting.forms) tapes.push_back(r.tape);
+    if (result.symmetric) tapes.push_back(widen_operations(result, result.symmetric->operations));
+
+    if (request.scene) result.held_out_scene = change_pixels(*request.scene);
+    const auto held_out_quality = request.scene ? Judge(request, result.held_out_scene).measure_quality(tapes)
+                                                : request.quality_on_all_rays(tapes);
+
+    result.own_held_out = held_out_quality[0];
+    result.set_held_out = held_out_quality[1];
+    for (std::size_t k = 0; k < result.rewriting.forms.size(); ++k)
+        result.rewriting.forms[k].held_out = held_out_quality[k + 2];
+    if (result.symmetric) result.symmetric->held_out = held_out_quality.back();
 }
 
 }  // namespace
 
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
-                      const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
+WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
+                           const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     return WiderSearch(tape, wider, request, judge).smallest(all_wider_quality, affordable);
 }
 
@@ -310,7 +368,7 @@ bool are_matrices_inverse(const RepairRequest& request) {
 }
 
 Tape record_tape(const RepairRequest& request) {
-    return tape::tape_of(*request.tested_form.form, request.tested_form.format, are_matrices_inverse(request));
+    return tape::record_tape(*request.tested_form.form, request.tested_form.format, are_matrices_inverse(request));
 }
 
 Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& operations) {
@@ -322,33 +380,28 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
                         .wider = tape::wider_format(request.tested_form.format.parameters, request.two_words)};
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
     result.operations = all_operations.size();
+
     Judge judge(request);
-    result.own_quality = own_quality(request, result.tape, judge);
-    result.all_wider_quality = judge.quality_of({widen_operations(result, all_operations)}).front();
+    result.own_quality = measure_own_quality(request, result.tape, judge);
+    result.all_wider_quality = judge.measure_quality({widen_operations(result, all_operations)}).front();
+
+    // The fewest operations to do wider: none if the form meets the requirement as it is.
     if (result.own_quality.meets(request.requirement))
         result.wider_set = WiderSet{.operations = {}, .quality = result.own_quality};
     else if (result.all_wider_quality.meets(request.requirement))
         result.wider_set =
-            smallest_set(result.tape, result.wider, result.all_wider_quality, request, judge, affordable);
+            find_smallest_set(result.tape, result.wider, result.all_wider_quality, request, judge, affordable);
+
+    // Other ways of writing the form, wider where they still need it.
     if (!result.own_quality.meets(request.requirement))
         result.rewriting = rewrite(request, result.tape, result.own_quality, judge);
-    for (Rewritten& rewritten : result.rewriting.forms)
+    for (RewrittenForm& rewritten : result.rewriting.forms)
         widen_where_needed(rewritten, result, request, judge, affordable);
+
     measure_probes(result, request, judge, affordable);
     if (!result.wider_set) result.obstruction = RaySample(request, few_rays).compare_without_rounding(result.tape);
     result.tried = judge.tried();
-    std::vector<Tape> tapes{result.tape,
-                            widen_operations(result, result.wider_set ? result.wider_set->operations : all_operations)};
-    for (const Rewritten& r : result.rewriting.forms) tapes.push_back(r.tape);
-    if (result.symmetric) tapes.push_back(widen_operations(result, result.symmetric->operations));
-    if (request.scene) result.held_out_scene = change_pixels(*request.scene);
-    const auto held_out_quality =
-        request.scene ? Judge(request, result.held_out_scene).quality_of(tapes) : request.quality_on_all_rays(tapes);
-    result.own_held_out = held_out_quality[0];
-    result.set_held_out = held_out_quality[1];
-    for (std::size_t k = 0; k < result.rewriting.forms.size(); ++k)
-        result.rewriting.forms[k].held_out = held_out_quality[k + 2];
-    if (result.symmetric) result.symmetric->held_out = held_out_quality.back();
+    measure_held_out(result, request);
     return result;
 }
 

@@ -25,12 +25,12 @@ struct WiderSet {
 /// Starts from all operations done wider, which meets the requirement. Removes one operation after the other, each time
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
 /// long as there are at most `affordable` sets of one size.
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
-                      const RepairRequest& request, Judge& judge, std::uint64_t affordable);
+WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
+                           const RepairRequest& request, Judge& judge, std::uint64_t affordable);
 
 using identity::Rule;
 
-/// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
+/// Set of operations done wider that treats x, y and z alike: groups of `find_exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
     FormQuality quality{}, held_out{};       ///< quality on the scene, and on rays that were not searched on
@@ -39,8 +39,8 @@ struct SymmetricSet {
     bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
 };
 
-/// Rewritten form, equal to the original in real arithmetic.
-struct Rewritten {
+/// RewrittenForm form, equal to the original in real arithmetic.
+struct RewrittenForm {
     Tape tape;
     std::vector<const Rule*> rules;     ///< the rules that were applied, in order
     FormQuality quality{}, held_out{};  ///< quality on the scene, and on rays that were not searched on
@@ -55,7 +55,7 @@ struct Rewriting {
     /// Forms that meet the requirement and that no other candidate beats in both accuracy and work (`estimated_work`),
     /// the most accurate first. If no form meets the requirement, the list holds only the most accurate form, and only
     /// if that is more accurate than the original form, or as accurate with less work.
-    std::vector<Rewritten> forms;
+    std::vector<RewrittenForm> forms;
     std::uint64_t tried = 0;    ///< candidates tried, each on all rays
     std::uint64_t refused = 0;  ///< candidates not tried, because they differ in real arithmetic on some ray
 };
@@ -116,8 +116,8 @@ struct RepairResult {
     std::optional<Obstruction> obstruction = {};
 };
 
-/// Repairs the form of a request. `affordable` is that of `smallest_set`. Throws InputError for a form whose operations
-/// are not the same for every ray of the scene: its tape then has other answers than the form.
+/// Repairs the form of a request. `affordable` is that of `find_smallest_set`. Throws InputError for a form whose
+/// operations are not the same for every ray of the scene: its tape then has other answers than the form.
 RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable = 600);
 
 /// True if the primitives' matrices are stored as inverses (world to object); false without matrices. Throws InputError
@@ -157,7 +157,8 @@ private:
         double t;
         Range<double> range;
     };
-    [[nodiscard]] FormQuality exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const;
+    [[nodiscard]] FormQuality measure_exact_quality(const Tape& tape,
+                                                    const std::vector<std::vector<double>>& inputs) const;
 
     evaluate::TestedForm row_;
     Requirement requirement_;

@@ -65,15 +65,19 @@ private:
             for (Candidate& candidate : rewrite_candidate(candidates_[k]))
                 new_candidates.push_back(std::move(candidate));
         }
+
+        // Drops those that differ from the form in real arithmetic.
         std::vector<Tape> tapes;
         std::erase_if(new_candidates, [&](Candidate& candidate) {
             const Tape tape = terms_.tape(candidate.outputs);
             candidate.work = estimated_work(tape);
-            if (!sample_.have_same_answers(form_, tape)) return ++refused_, true;
-            tapes.push_back(tape);
-            return false;
+            const bool is_refused = !sample_.have_same_answers(form_, tape);
+            if (is_refused) ++refused_;
+            else tapes.push_back(tape);
+            return is_refused;
         });
-        const auto quality = judge_.quality_of(tapes);
+
+        const auto quality = judge_.measure_quality(tapes);
         for (std::size_t k = 0; k < new_candidates.size(); ++k) new_candidates[k].quality = quality[k];
         std::ranges::move(new_candidates, std::back_inserter(candidates_));
         return !new_candidates.empty();
@@ -93,9 +97,13 @@ private:
         for (std::size_t k = 0; k < candidates_.size(); ++k)
             if (!candidates_[k].is_expanded) unexpanded.push_back(k);
         std::ranges::stable_sort(unexpanded, [&](auto a, auto b) { return is_better(candidates_[a], candidates_[b]); });
+
+        // The most accurate ones.
         std::vector<std::size_t> selected(
             unexpanded.begin(),
             unexpanded.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam_width, unexpanded.size())));
+
+        // Those that meet the requirement with least work.
         std::ranges::stable_sort(unexpanded, [&](auto a, auto b) {
             return std::pair(!meets(candidates_[a]), candidates_[a].work) <
                    std::pair(!meets(candidates_[b]), candidates_[b].work);
@@ -113,10 +121,12 @@ private:
         const std::vector<int> culprits = sample_.count_culprits(tape);
         std::map<NodeId, int> losses;
         for (std::size_t k = 0; k < origins.size(); ++k) losses[origins[k]] = culprits[k];
+
         auto rewrites = rewrites_of(terms_, parent.outputs, unit_);
         std::vector<std::pair<int, std::size_t>> order;
         for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-largest_loss(rewrites[k], losses), k);
         std::ranges::stable_sort(order, {}, [](const auto& x) { return x.first; });
+
         std::vector<Candidate> children;
         for (const auto& [loss, k] : order) {
             if (children.size() == limit_.max_children) break;
@@ -137,11 +147,11 @@ private:
 
     /// Candidates that meet the requirement and that no other candidate beats in both accuracy and work. If no
     /// candidate meets the requirement, the most accurate one.
-    [[nodiscard]] std::vector<Rewritten> best_candidates() const {
+    [[nodiscard]] std::vector<RewrittenForm> best_candidates() const {
         std::vector<const Candidate*> order;
         for (const Candidate& candidate : candidates_) order.push_back(&candidate);
         std::ranges::stable_sort(order, [](auto a, auto b) { return is_better(*a, *b); });
-        std::vector<Rewritten> best;
+        std::vector<RewrittenForm> best;
         std::size_t least_work = SIZE_MAX;
         for (const Candidate* candidate : order) {
             // No candidate after the form itself, which has no rules, is more accurate, or as accurate with less work.

@@ -25,7 +25,8 @@ public:
     template <class Run>
     bool holds_in_all(const Run& run, int most_runs) {
         most_runs_ = most_runs;
-        answers_.clear(), contradiction_.clear();
+        answers_.clear();
+        contradiction_.clear();
         runs_ = 0;
         Near::OpenComparisons* const outer_open = Near::open_comparisons;
         Near::open_comparisons = this;
@@ -69,8 +70,10 @@ private:
 
     template <class Run>
     bool holds_in_remaining_cases(const Run& run) {
-        used_answers_ = 0, is_open_ = false;
-        known_.clear(), watched_.clear();
+        used_answers_ = 0;
+        is_open_ = false;
+        known_.clear();
+        watched_.clear();
         const bool is_last_run = ++runs_ > most_runs_;
         const auto [known, expected] = run();
         if (known && expected) return true;

@@ -29,8 +29,11 @@ private:
             return rounding::add(rounding::mul(dx(0), x(1), format), rounding::mul(x(0), dx(1), format), format);
         };
         switch (node.op) {
+            // Numbers that do not depend on the input
             case TapeOp::input:
             case TapeOp::constant: return 0;
+
+            // Operations that round
             case TapeOp::add: return rounding::add(dx(0), dx(1), format);
             case TapeOp::sub: return rounding::add(dx(0), -dx(1), format);
             case TapeOp::mul: return product();
@@ -39,6 +42,9 @@ private:
                                      format);
             case TapeOp::sqrt: return rounding::div(dx(0), rounding::add(node.value, node.value, format), format);
             case TapeOp::fma: return rounding::add(product(), dx(2), format);
+            case TapeOp::convert: return rounding::to_format(dx(0), 0, format);
+
+            // Operations whose result is an operand, or has its size
             case TapeOp::neg: return -dx(0);
             case TapeOp::abs:
             case TapeOp::copysign: return std::signbit(node.value) == std::signbit(x(0)) ? dx(0) : -dx(0);
@@ -47,7 +53,7 @@ private:
             case TapeOp::select: return at(attribution::chosen_side(tape_, i));
             case TapeOp::next_up:
             case TapeOp::next_down: return dx(0);
-            case TapeOp::convert: return rounding::to_format(dx(0), 0, format);
+
             case TapeOp::call: return std::numeric_limits<double>::quiet_NaN();
             default: return 0;  // decisions have no derivative
         }

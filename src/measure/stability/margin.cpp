@@ -158,8 +158,10 @@ public:
                                                             epsilon < most_tight && start.scale == 0 ? 24 : 8);
                              },
                              start);
-        if (!is_same) open_signs_ = cases_.contradiction(), tried_epsilon_ = epsilon;
-        return is_same;
+        if (is_same) return true;
+        open_signs_ = cases_.contradiction();
+        tried_epsilon_ = epsilon;
+        return false;
     }
     /// An ε at which, to first order, all signs are known that the last `holds` could not prove; 0 if there is none.
     [[nodiscard]] double guess() const {
@@ -181,12 +183,15 @@ public:
                 start = {random_deviations(start_index), epsilon / 2};
                 static_cast<void>(holds(epsilon, start));
             }
+
+            // Each step tries deviations that change the open signs, then starts half way along the first of them.
             for (int step = 0; step < most_steps; ++step) {
                 std::vector<Near::Deviations> candidates = deviations_to_open_signs();
                 if (candidates.empty()) break;
                 for (const Near::Deviations& deviations : candidates)
                     if (changes_decision({deviations, epsilon})) return Change{deviations, epsilon};
                 if (exact_count_ >= most_exact) return std::nullopt;
+
                 start = {candidates.front(), epsilon / 2};
                 static_cast<void>(holds(epsilon, start));
             }
@@ -238,8 +243,10 @@ private:
             for (const int wanted_sign : {-1, 1}) {
                 if (sign * wanted_sign < 0 || middle * wanted_sign > threshold) continue;
                 Near::Deviations deviations = x.steepest_deviations();
-                for (std::size_t i = 0; i < deviations.size(); ++i)
-                    deviations[i] *= wanted_sign, mean_deviations[i] += deviations[i];
+                for (std::size_t i = 0; i < deviations.size(); ++i) {
+                    deviations[i] *= wanted_sign;
+                    mean_deviations[i] += deviations[i];
+                }
                 candidates.push_back(deviations);
             }
         }
@@ -270,8 +277,8 @@ private:
 
 }  // namespace
 
-Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted, Perturbed perturbed,
-                 intersect::Convention convention, Range<double> range) {
+Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
+                   Perturbed perturbed, intersect::Convention convention, Range<double> range) {
     if (!is_valid(ray) || !is_valid(primitive)) return {0, 0};
     const MarginQuestion question(ray, primitive, perturbed, convention, range);
     Decision decision(question, counted);
@@ -325,7 +332,10 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
         if (least < HUGE_VAL && decision.holds(least)) continue;
         const double margin =
             largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
-        if (margin < least) least = margin, nearest = i;
+        if (margin < least) {
+            least = margin;
+            nearest = i;
+        }
     }
     return nearest;
 }
@@ -353,7 +363,7 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
 
 double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
                        Perturbed perturbed, intersect::Convention convention, Range<double> range) {
-    const Margin margin = margin_of(ray, primitive, counted, perturbed, convention, range);
+    const Margin margin = find_margin(ray, primitive, counted, perturbed, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }
 

@@ -86,8 +86,10 @@ public:
     /// Encloses all problems within ε of the problem after the change `start`.
     [[nodiscard]] Enclosures enclose_problems(double epsilon, const Change& start = {}) const {
         std::array<double, most_inputs> steps{}, middle = numbers_;
-        for (std::size_t i = 0; i < number_count_; ++i)
-            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += start.scale * sizes_[i] * start.deviations[i];
+        for (std::size_t i = 0; i < number_count_; ++i) {
+            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40);
+            middle[i] += start.scale * sizes_[i] * start.deviations[i];
+        }
         const Near::Vectors vectors = is_normwise_ ? Near::Vectors(vector_ends_).first(vector_count_) : Near::Vectors();
         const auto number = [&](std::size_t k) { return Near(middle[k], k, steps[k], underflow_[k], vectors); };
         Enclosures enclosures{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
@@ -119,7 +121,8 @@ public:
         const Amounts added = amounts(change);
         const auto apply_change = [&](const auto& ray, const auto& primitive, auto& to_ray, auto& to_primitive) {
             using N = std::decay_t<decltype(to_ray.origin.x)>;
-            to_ray = lift_ray<N>(ray), to_primitive = lift_primitive<N>(primitive);
+            to_ray = lift_ray<N>(ray);
+            to_primitive = lift_primitive<N>(primitive);
             const auto shift = [&](N& number, std::size_t i) { number = number + N(added[i]); };
             for (std::size_t i = 0; i < 3; ++i) {
                 shift(to_ray.origin[static_cast<int>(i)], i);
@@ -129,10 +132,13 @@ public:
             for (std::size_t i = matrix_begin_; i < number_count_; ++i)
                 shift(to_primitive.placed->matrix[place_in_matrix(i - matrix_begin_)], i);
         };
+
+        // Doubles are enough to tell whether the changed problem is proper.
         Ray<double> double_ray;
         Primitive<double> double_primitive;
         apply_change(ray_, primitive_, double_ray, double_primitive);
         if (!is_valid(double_ray) || !is_valid(double_primitive)) return {};
+
         Ray<E> to_ray;
         Primitive<E> to_primitive;
         apply_change(ray_, primitive_, to_ray, to_primitive);
@@ -176,7 +182,8 @@ public:
         if (convention.endless) range.tmax = HUGE_VAL;
         convention_ = convention_in(range, convention.of(primitive.shape));
         range_in_world_ = range;
-        range.tmin = to_problem_units(range.tmin), range.tmax = to_problem_units(range.tmax);
+        range.tmin = to_problem_units(range.tmin);
+        range.tmax = to_problem_units(range.tmax);
         range_ = range_over<Near, double>(range);
     }
 

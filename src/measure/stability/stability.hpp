@@ -38,9 +38,9 @@ struct Margin {
 
 /// Relative change within which the answer is the same, for every problem: each number x of ray and primitive changes
 /// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). `proved` is at most 1/2.
-Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive,
-                 CountedChange counted = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
-                 intersect::Convention convention = {}, Range<double> range = {});
+Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive,
+                   CountedChange counted = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
+                   intersect::Convention convention = {}, Range<double> range = {});
 
 /// The proved margin; NaN if it is below 2^-10 and no change of at most twice its size is found that changes the
 /// answer.

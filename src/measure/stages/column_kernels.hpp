@@ -35,8 +35,10 @@ template <class P, std::size_t count, bool all_move>
 class ColumnCursor {
 public:
     ColumnCursor(double* scratch, const ColumnOperand* operands) {
-        for (std::size_t k = 0; k < count; ++k)
-            columns_[k] = scratch + operands[k].offset, steps_[k] = operands[k].step;
+        for (std::size_t k = 0; k < count; ++k) {
+            columns_[k] = scratch + operands[k].offset;
+            steps_[k] = operands[k].step;
+        }
     }
     void move_to(std::size_t pack) { pack_ = pack; }
 
@@ -80,6 +82,8 @@ struct WordStep {
         using enum ColumnOperation;
         using lostbits::abs;
         using lostbits::max;
+
+        // Arithmetic
         if constexpr (operation == add) c.store(2, c.word(0) + c.word(1));
         else if constexpr (operation == subtract) c.store(2, c.word(0) - c.word(1));
         else if constexpr (operation == multiply) c.store(2, c.word(0) * c.word(1));
@@ -89,15 +93,21 @@ struct WordStep {
         else if constexpr (operation == maximum) c.store(2, max(c.word(0), c.word(1)));
         else if constexpr (operation == ColumnOperation::power_at_most) c.store(1, binade(c.word(0)));
         else if constexpr (operation == choose) c.store(3, select(c.mask(0), c.word(1), c.word(2)));
+
+        // Decisions
         else if constexpr (operation == less) c.store(2, c.word(0) < c.word(1));
         else if constexpr (operation == at_most) c.store(2, c.word(0) <= c.word(1));
         else if constexpr (operation == mask_and) c.store(2, c.mask(0) && c.mask(1));
         else if constexpr (operation == mask_or) c.store(2, c.mask(0) || c.mask(1));
         else if constexpr (operation == mask_not) c.store(1, !c.mask(0));
+
+        // Operations of the stages
         else if constexpr (operation == order_of_first_words) {
             const auto order = certain_order(c.word(0), c.word(1), c.word(2));
-            c.store(3, order.less.yes()), c.store(4, order.less.no());
-            c.store(5, order.at_most.yes()), c.store(6, order.at_most.no());
+            c.store(3, order.less.yes());
+            c.store(4, order.less.no());
+            c.store(5, order.at_most.yes());
+            c.store(6, order.at_most.no());
         } else if constexpr (operation == first_root_of_quartic) {
             const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
             c.store(6, approximate_first_root(chain, c.word(4), c.word(5), newton_steps));
@@ -139,7 +149,8 @@ struct BoundedOperands {
     }
     template <class Cursor>
     [[gnu::always_inline]] static void store(const Cursor& c, const TriMask<mask_t<P>>& x) {
-        c.store(index_of(count), x.yes()), c.store(index_of(count) + 1, x.no());
+        c.store(index_of(count), x.yes());
+        c.store(index_of(count) + 1, x.no());
     }
 };
 

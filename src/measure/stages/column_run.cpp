@@ -23,10 +23,10 @@ constexpr std::size_t column_step = block_size + 8;
 constexpr std::size_t most_lanes = 8;
 
 double* scratch_of_thread(std::size_t doubles) {
-    struct Free {
+    struct AlignedDeleter {
         void operator()(double* p) const { ::operator delete[](p, std::align_val_t{64}); }
     };
-    thread_local std::unique_ptr<double[], Free> scratch;
+    thread_local std::unique_ptr<double[], AlignedDeleter> scratch;
     thread_local std::size_t size = 0;
     if (size < doubles) {
         scratch.reset(static_cast<double*>(::operator new[](doubles * sizeof(double), std::align_val_t{64})));
@@ -99,9 +99,11 @@ private:
         if (column.is_shared) {
             column.offset = take_shared_offset();
         } else if (!free_offsets_.empty()) {
-            column.offset = free_offsets_.back(), free_offsets_.pop_back();
+            column.offset = free_offsets_.back();
+            free_offsets_.pop_back();
         } else {
-            column.offset = static_cast<std::uint32_t>(size_), size_ += column_step;
+            column.offset = static_cast<std::uint32_t>(size_);
+            size_ += column_step;
         }
     }
     void release(ColumnIndex column_index, std::ptrdiff_t index) {
@@ -131,7 +133,8 @@ private:
 ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t shared_inputs)
     : kernels_(&kernels) {
     Layout layout(program, kernels.lanes, shared_inputs);
-    std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operands;
+
+    // Constants and inputs have columns from the start.
     for (std::size_t k = 0; k < program.constants.size(); ++k)
         constants_.emplace_back(program.constants[k],
                                 layout.operand(static_cast<ColumnIndex>(-1 - static_cast<int>(k))).offset);
@@ -140,6 +143,9 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
         (layout.is_shared(k) ? shared_inputs_ : ray_inputs_)
             .push_back({k, layout.operand(static_cast<ColumnIndex>(k)).offset});
     }
+
+    // Places the columns of the results. The steps point into `operands_`, so they are made when it is complete.
+    std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operands;
     std::ptrdiff_t index = 0;
     for (const ColumnInstruction& instruction : program.instructions) {
         first_operands.emplace_back(operands_.size(), &instruction);
@@ -149,6 +155,7 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
         for (std::size_t k = 0; k < instruction.output_count; ++k)
             operands_.push_back(layout.operand(instruction.out[k]));
     }
+
     for (const auto& [first_operand, instruction] : first_operands) {
         const bool is_gate = instruction->operation == ColumnOperation::gate,
                    is_shared = !is_gate && layout.is_shared(*instruction);
@@ -158,6 +165,7 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
             .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],
                         acts_on_masks(instruction->operation)});
     }
+
     for (const ColumnIndex column_index : program.outputs) outputs_.push_back(layout.operand(column_index));
     scratch_size_ = layout.size();
 }
@@ -178,15 +186,20 @@ void ColumnRun::run(const RawProblems<S>& p) const {
             else kernels_->load_doubles(column(input_column.input), first, scratch + input_column.offset, packs);
         }
     };
+
+    // Constants, and the steps that are the same for all rays, are done once.
     double* const scratch = scratch_of_thread(scratch_size_);
     const std::size_t lanes = kernels_->lanes;
     for (const auto& [value, offset] : constants_) kernels_->repeat(value, scratch + offset);
     load(shared_inputs_, scratch, 0, 1);
     for (const Step& step : shared_steps_) step.kernel(scratch, step.operands, 1);
+
     for (std::size_t first = 0; first < p.size; first += block_size) {
         const std::size_t packs = std::min(block_size, p.size - first) / lanes;
         load(ray_inputs_, scratch, first, packs);
         run_block(scratch, packs);
+
+        // Decisions are stored for every ray, lengths only where the ray hits.
         const auto cells = [&](std::size_t output) {
             return ColumnCells{scratch + outputs_[output].offset, outputs_[output].step};
         };

@@ -20,6 +20,8 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
             if (terms.two_words) return E(W(x, word(low)), P(input_error) * abs(x));
         return E(W(x));
     };
+
+    // Reads the problem as it is stored.
     const auto ray_number = [&](std::size_t k) { return number(input_of_ray + k, input_of_ray_low + k); };
     const auto primitive_number = [&](std::size_t k) {
         return number(input_of_primitive + k, input_of_primitive_low + k);
@@ -28,6 +30,8 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
     problem.ray = {{ray_number(0), ray_number(1), ray_number(2)}, {ray_number(3), ray_number(4), ray_number(5)}};
     problem.d2 = square(problem.ray.direction);
     for (std::size_t k = 0; k < numbers_of<Shape>; ++k) problem.primitive[k] = primitive_number(k);
+
+    // Takes it to the object space of a matrix.
     if (terms.matrix.placed) {
         const auto map = Affine<E>::of([&](std::size_t k) { return primitive_number(most_numbers + k); });
         const auto object_map = ObjectSpaceMap<Shape, E>::of(problem.primitive, map, terms.matrix);
@@ -35,6 +39,7 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
     } else {
         problem.proper = is_proper<Shape>(problem.primitive);
     }
+
     const auto range = [&](mask_t<P>& proper) {
         return range_of<E>(word(input_of_tmin), word(input_of_tmax), terms.open, proper);
     };

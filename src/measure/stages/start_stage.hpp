@@ -64,9 +64,12 @@ void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, co
                 Polynomial<Running<TwoWords<P>>>& g) {
     if (!any_of(value || slope)) return;
     bool is_selected[P::lanes], with_slope[P::lanes];
-    (value || slope).store(is_selected), slope.store(with_slope);
+    (value || slope).store(is_selected);
+    slope.store(with_slope);
     double numbers[count][P::lanes], words[2][3][P::lanes] = {};
     for (std::size_t k = 0; k < count; ++k) problems[k].store(numbers[k]);
+
+    // Computes lane by lane.
     for (std::size_t lane = 0; lane < P::lanes; ++lane) {
         if (!is_selected[lane]) continue;
         std::array<double, count> problem;
@@ -76,6 +79,7 @@ void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, co
         for (std::size_t power = 0; power < 2; ++power)
             for (std::size_t k = 0; k < 3; ++k) words[power][k][lane] = exact[power][k];
     }
+
     for (std::size_t power = 0; power < 2; ++power) {
         const auto word = [&](std::size_t k) { return P::load(words[power][k]); };
         g.c[power] = select(power == 0 ? value : slope, Running<TwoWords<P>>(TwoWords<P>(word(0), word(1)), word(2)),
@@ -104,9 +108,12 @@ public:
     /// All roots lie within ±`length`.
     RootsFromStart(const Polynomial<E>& g, const P& length) : g_(g), slope_(g.slope()) {
         const E zero(0);
-        g0_positive_ = (g.c[0] > zero).yes(), g0_negative_ = (g.c[0] < zero).yes();
-        g1_positive_ = (g.c[1] > zero).yes(), g1_negative_ = (g.c[1] < zero).yes();
-        g2_positive_ = (g.c[2] > zero).yes(), g2_negative_ = (g.c[2] < zero).yes();
+        g0_positive_ = (g.c[0] > zero).yes();
+        g0_negative_ = (g.c[0] < zero).yes();
+        g1_positive_ = (g.c[1] > zero).yes();
+        g1_negative_ = (g.c[1] < zero).yes();
+        g2_positive_ = (g.c[2] > zero).yes();
+        g2_negative_ = (g.c[2] < zero).yes();
         const P bent = bent_reach(), steady = steady_reach(length);
         const auto is_bent = (g2_positive_ || g2_negative_) && is_within(bent, 2),
                    is_steady = (g1_positive_ || g1_negative_) && is_within(steady, 1);
@@ -227,6 +234,7 @@ template <template <class> class ShapeOver, class P, std::size_t count>
     using W = TwoWords<P>;
     using E = Running<W>;
     using lostbits::abs;
+
     std::array<P, 6 + count> problems;
     for (std::size_t k = 0; k < problems.size(); ++k) problems[k] = k < 6 ? ray[k] : primitive[k - 6];
     std::array<E, count> numbers;

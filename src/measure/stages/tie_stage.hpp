@@ -74,6 +74,8 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
                          const RequestedResults& requested) {
     using E = Multiple<P>;
     using BoundedWords = Running<TwoWords<P>>;
+
+    // Exact multiples of two units, one of points and one of directions
     const Grid<P> point_grid =
         std::apply([&](const auto&... p) { return Grid<P>::of(bits_of_points, ray[0], ray[1], ray[2], p...); }, points);
     const Grid<P> direction_grid = Grid<P>::of(bits_of_directions, ray[3], ray[4], ray[5]);
@@ -82,12 +84,15 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
         primitive_from<ShapeOver, E>([&](std::size_t k) {
             return E(points[k], point_grid);
         }).span({{ray_number(0), ray_number(1), ray_number(2)}, {ray_number(3), ray_number(4), ray_number(5)}});
+
     const E zero(0);
     auto hit = span.closed.yes() && (span.at.n >= zero).yes();
     const auto missed = span.closed.no() || (span.at.n < zero).yes(), at_origin = (span.at.n <= zero).yes();
     const Enclosure<P> no_length{{P(0), P(0)}, P(0)};
     TieFinding<P> tie{{missed, hit, no_length, no_length}, hit && span.open.no(), hit && at_origin};
     if (!any_of(hit)) return tie;
+
+    // Lengths of the hits; lanes that miss divide by 1.
     const BoundedWords n = span.at.n.running(), m = select(hit, span.at.m.running(), BoundedWords(1));
     const ExactLength<P> t(n / m, n, m);
     if (requested.t) tie.found.t = accepted_length(t.length, at_origin, at_origin || t.is_exact, hit);
@@ -95,6 +100,8 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
         const ExactLength<P> distance = t.times_root(span.d2.running());
         tie.found.distance = accepted_length(distance.length, at_origin, at_origin || distance.is_exact, hit);
     }
+
+    // `accepted_length` drops the hits whose lengths are not known closely enough.
     tie.found.settled = hit || missed;
     tie.found.hit = hit;
     return tie;

@@ -22,12 +22,18 @@ std::uint64_t FloatTally::wrong() const {
 }
 
 void FloatTally::add(std::uint32_t float_index, answer::Outcome outcome, double ulps) {
-    const bool is_first = ++outcomes[static_cast<std::size_t>(outcome)] == 1, is_worse = std::fabs(ulps) > error_bound;
+    const bool is_first = ++outcomes[static_cast<std::size_t>(outcome)] == 1;
+    const bool is_worse = std::fabs(ulps) > error_bound;
     if (answer::is_wrong(outcome)) {
         if (!first_wrong) first_wrong = {float_index, outcome};
         last_wrong = {float_index, outcome};
     }
-    if (is_worse) worst = {float_index, ulps}, error_bound = std::fabs(ulps);
+    if (is_worse) {
+        worst = {float_index, ulps};
+        error_bound = std::fabs(ulps);
+    }
+
+    // An event can first happen only at a new outcome or a new worst error.
     if (!is_first && !is_worse) return;
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         const auto& [event, bits] = first_events[e];
@@ -63,7 +69,7 @@ struct Block {
 
 /// Blocks of a share. A binade is always cut at the same floats, because the cuts may decide which float is found as
 /// the worst, within 2^-20 of its error. The 2^32 floats make a little more than 2^16 blocks.
-std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
+std::vector<Block> cut_into_blocks(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
     for (std::size_t b = 0; b < binades.size(); ++b) {
         const FloatRange& binade_floats = binades[b].floats;
@@ -77,6 +83,34 @@ std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Shar
         return blocks.begin() + static_cast<std::ptrdiff_t>(unit);
     };
     return {block_of_unit(units.first), block_of_unit(units.last)};
+}
+
+/// Index of the first block that a stopped run has not tried.
+std::size_t find_next_block(const std::vector<Block>& blocks, std::uint64_t floats_tried) {
+    std::size_t next_block = 0;
+    for (std::uint64_t floats_before = 0; next_block < blocks.size() && floats_before < floats_tried; ++next_block)
+        floats_before += blocks[next_block].floats.size();
+    return next_block;
+}
+
+/// Tries blocks in parallel, and appends their results to the state in order.
+void run_blocks(const ExhaustiveRequest& request, std::span<const Block> blocks, ExhaustiveState& state) {
+    const std::size_t rays = request.sweep.rays.size(), rows = request.tested_forms.size();
+    std::vector<std::vector<FloatTally>> block_tallies(blocks.size() * rays);
+    std::vector<truth::StageCounts> stages(block_tallies.size());
+    intersect::process::in_parallel(std::size_t{0}, block_tallies.size(), [&](std::size_t k) {
+        const Block& block = blocks[k / rays];
+        block_tallies[k] = try_floats({request, k % rays, block.floats}, stages[k]);
+        request.progress(block.floats.size() * rows);
+    });
+
+    for (std::size_t k = 0; k < block_tallies.size(); ++k) {
+        const std::size_t tally_index = request.tally_index(blocks[k / rays].binade, k % rays, 0);
+        for (std::size_t form_index = 0; form_index < rows; ++form_index)
+            state.tallies[tally_index + form_index].append(block_tallies[k][form_index]);
+        state.stages += stages[k];
+    }
+    for (const Block& block : blocks) state.floats_tried += block.floats.size();
 }
 
 }  // namespace
@@ -99,7 +133,7 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
 
 std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
     std::uint64_t sum = 0;
-    for (const Block& block : blocks_of(binades_of(sweep), share)) sum += block.floats.size();
+    for (const Block& block : cut_into_blocks(binades_of(sweep), share)) sum += block.floats.size();
     return sum;
 }
 
@@ -121,30 +155,13 @@ void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
-    const std::vector<Block> all_blocks = blocks_of(binades, request.share);
-    const std::size_t rays = request.sweep.rays.size(), rows = request.tested_forms.size();
-    state.tallies.resize(binades.size() * rays * rows);
-    std::size_t next_block = 0;
-    for (std::uint64_t floats_before = 0; next_block < all_blocks.size() && floats_before < state.floats_tried;
-         ++next_block)
-        floats_before += all_blocks[next_block].floats.size();
-    while (next_block < all_blocks.size()) {
+    const std::vector<Block> all_blocks = cut_into_blocks(binades, request.share);
+    state.tallies.resize(binades.size() * request.sweep.rays.size() * request.tested_forms.size());
+
+    for (std::size_t next_block = find_next_block(all_blocks, state.floats_tried); next_block < all_blocks.size();) {
         const std::span blocks =
             std::span(all_blocks).subspan(next_block, std::min(blocks_per_state, all_blocks.size() - next_block));
-        std::vector<std::vector<FloatTally>> block_tallies(blocks.size() * rays);
-        std::vector<truth::StageCounts> stages(block_tallies.size());
-        intersect::process::in_parallel(std::size_t{0}, block_tallies.size(), [&](std::size_t k) {
-            const Block& block = blocks[k / rays];
-            block_tallies[k] = try_floats({request, k % rays, block.floats}, stages[k]);
-            request.progress(block.floats.size() * rows);
-        });
-        for (std::size_t k = 0; k < block_tallies.size(); ++k) {
-            const std::size_t tally_index = request.tally_index(blocks[k / rays].binade, k % rays, 0);
-            for (std::size_t form_index = 0; form_index < rows; ++form_index)
-                state.tallies[tally_index + form_index].append(block_tallies[k][form_index]);
-            state.stages += stages[k];
-        }
-        for (const Block& block : blocks) state.floats_tried += block.floats.size();
+        run_blocks(request, blocks, state);
         next_block += blocks.size();
         request.store_state(state);
     }
@@ -156,7 +173,7 @@ std::optional<std::uint32_t> RangeFinding::float_before(std::uint32_t float_inde
     return floats.at(steps - 1);
 }
 
-std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state) {
+std::vector<RangeFinding> collect_findings(const ExhaustiveRequest& request, const ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
     std::vector<RangeFinding> findings;
     for (std::size_t form_index = 0; form_index < request.tested_forms.size(); ++form_index) {

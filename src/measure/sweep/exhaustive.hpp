@@ -42,16 +42,16 @@ inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
 /// (scene/sweep/float_order).
 struct FloatTally {
     /// Float with an error of the form.
-    struct Worst {
+    struct WorstError {
         std::uint32_t float_index;
         double ulps;  ///< (t − t*)/ulp(t*), signed
-        friend bool operator==(const Worst&, const Worst&) = default;
+        friend bool operator==(const WorstError&, const WorstError&) = default;
     };
     /// Float with a wrong decision of the form.
-    struct Wrong {
+    struct WrongDecision {
         std::uint32_t float_index;
         answer::Outcome outcome;
-        friend bool operator==(const Wrong&, const Wrong&) = default;
+        friend bool operator==(const WrongDecision&, const WrongDecision&) = default;
     };
 
     /// A missed hit, and the padding of tmax, in u, with which the form would find it.
@@ -63,10 +63,10 @@ struct FloatTally {
 
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
     /// First float with the largest |error| among the floats where form and truth hit; see `try_floats`.
-    std::optional<Worst> worst;
+    std::optional<WorstError> worst;
     /// Upper bound of |error| over all floats; −1 if there is no float where form and truth both hit.
     double error_bound = -1;
-    std::optional<Wrong> first_wrong, last_wrong;
+    std::optional<WrongDecision> first_wrong, last_wrong;
     /// Index of the float where each of `first_events` first happens.
     std::array<std::optional<std::uint32_t>, first_events.size()> first_floats;
     /// For a form that tests a box: among the hits that it misses, the first with the largest gap between slabs; empty
@@ -136,7 +136,7 @@ struct RangeFinding {
 };
 
 /// Findings by row, ray and range.
-std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state);
+std::vector<RangeFinding> collect_findings(const ExhaustiveRequest& request, const ExhaustiveState& state);
 
 /// Number of floats in a share.
 std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);

@@ -52,6 +52,8 @@ private:
         const auto& counts = ulps_.counts();
         const auto occurs = [&](Outcome o) { return counts[static_cast<std::size_t>(o)] > 0; };
         if (!occurs(Outcome::false_hit) && !occurs(Outcome::false_miss) && !occurs(Outcome::not_a_number)) return;
+
+        // The first float of each wrong decision.
         for (std::size_t e = 0; e < first_events.size(); ++e) {
             const Outcome o = first_events[e].outcome;
             if (first_events[e].lost_bits > 0 || !is_of_one_primitive(first_events[e]) || tally_.first_floats[e] ||
@@ -61,6 +63,8 @@ private:
             while (ulps_.outcome(i) != o) ++i;
             tally_.first_floats[e] = floats_.at(i);
         }
+
+        // The first and the last wrong float.
         std::size_t first = 0, last = ulps_.size() - 1;
         if (!tally_.first_wrong) {
             while (!answer::is_wrong(ulps_.outcome(first))) ++first;
@@ -107,6 +111,7 @@ private:
         } else if (ulps_.largest_lower_bound() > worse_threshold()) {
             replace_worst_if_worse(first_largest(candidates));
         }
+
         double bound = candidates.empty() ? std::min(ulps_.largest_upper_bound(), worse_threshold()) : -1;
         for (const std::size_t i : candidates) bound = std::max(bound, ulps_.upper_bound(i));
         tally_.error_bound = std::max(tally_.error_bound, bound);
@@ -123,12 +128,15 @@ private:
     void add_threshold_crossing(std::size_t event) {
         const double bits = first_events[event].lost_bits, threshold = std::exp2(bits - 1);
         if (ulps_.largest_upper_bound() < threshold) return;
+
+        // Floats before the first one that certainly crosses the threshold may cross it.
         std::vector<std::size_t> undecided;
         std::size_t first_certain = 0;
         for (; first_certain < ulps_.size() && ulps_.lower_bound(first_certain) < threshold; ++first_certain) {
             if (ulps_.upper_bound(first_certain) >= threshold) undecided.push_back(first_certain);
         }
         if (undecided.size() > max_single_floats) ulps_.refine(undecided);
+
         for (const std::size_t i : undecided) {
             const bool crosses =
                 ulps_.lower_bound(i) >= threshold ||
@@ -203,42 +211,74 @@ std::vector<FormsWithTruth> group_rows_by_truth(const ExhaustiveRequest& request
     return groups;
 }
 
+/// Runs the rows of a request on one ray, chunk by chunk, and keeps the columns of a chunk for the next one.
+class ChunkRunner {
+public:
+    ChunkRunner(const ExhaustiveRequest& request, std::size_t ray)
+        : request_(request),
+          columns_(request.sweep, ray, chunk_size),
+          values_(chunk_size),
+          form_t_(chunk_size),
+          form_hit_(chunk_size),
+          groups_(group_rows_by_truth(request)),
+          boxes_(request.tested_forms.begin(), request.tested_forms.end()),
+          tallies_(request.tested_forms.size()),
+          refinements_left_(request.tested_forms.size(), max_refined_floats) {
+        for (const FormsWithTruth& group : groups_) ulps_.emplace_back(columns_, group.terms);
+    }
+
+    /// Adds the floats of the next chunk to the tallies. The truth is found once for all rows that share it.
+    void run(const scene::sweep::FloatRange& chunk, truth::StageCounts& stages) {
+        const std::size_t count = chunk.size();
+        for (std::size_t i = 0; i < count; ++i) values_[i] = scene::sweep::float_at(chunk.at(i));
+        columns_.set_values(std::span(values_).first(count));
+
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            request_.limit.stop.check();
+            find_truth_columns(columns_.problems(), groups_[g].terms, truths_);
+            stages += truths_.stages;
+            for (const std::size_t form_index : groups_[g].rows) add_answers(form_index, ulps_[g], chunk);
+        }
+    }
+    std::vector<FloatTally> take_tallies() { return std::move(tallies_); }
+
+private:
+    /// Runs a row on the floats of a chunk, compares it with `truths_`, and adds the results to its tally.
+    void add_answers(std::size_t form_index, UlpColumns& ulps, const scene::sweep::FloatRange& chunk) {
+        const std::span<float> t = std::span(form_t_).first(chunk.size());
+        const std::span<std::uint8_t> hit = std::span(form_hit_).first(chunk.size());
+        columns_.answer(request_.tested_forms[form_index], t, hit);
+        ulps.compare(t, hit, truths_);
+
+        ChunkTally tally(ulps, chunk, tallies_[form_index], refinements_left_[form_index]);
+        tally.add();
+        if (boxes_[form_index].has_box())
+            tally.add_padding([&](std::size_t i) { return boxes_[form_index].padding(columns_, i); });
+    }
+
+    const ExhaustiveRequest& request_;
+    AxisColumns columns_;
+    std::vector<float> values_, form_t_;
+    std::vector<std::uint8_t> form_hit_;
+    truth::TruthColumns truths_;
+    std::vector<FormsWithTruth> groups_;
+    std::vector<UlpColumns> ulps_;  ///< for each group
+    std::vector<TestedBox> boxes_;
+    std::vector<FloatTally> tallies_;
+    std::vector<std::size_t> refinements_left_;
+};
+
 }  // namespace
 
 std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::StageCounts& stages) {
     const auto& [request, ray, floats] = floats_on_ray;
     if (request.sweep.mesh) return try_floats_as_rays(floats_on_ray, stages);
-    AxisColumns columns(request.sweep, ray, chunk_size);
-    std::vector<float> values(chunk_size), form_t(chunk_size);
-    std::vector<std::uint8_t> form_hit(chunk_size);
-    truth::TruthColumns truths;
-    const std::vector<FormsWithTruth> groups = group_rows_by_truth(request);
-    std::vector<UlpColumns> ulps;
-    for (const FormsWithTruth& group : groups) ulps.emplace_back(columns, group.terms);
-    std::vector<TestedBox> boxes(request.tested_forms.begin(), request.tested_forms.end());
-    std::vector<FloatTally> tallies(request.tested_forms.size());
-    std::vector<std::size_t> refinements_left(request.tested_forms.size(), max_refined_floats);
+    ChunkRunner runner(request, ray);
     for (std::uint64_t begin = 0; begin < floats.size(); begin += chunk_size) {
         const std::uint64_t count = std::min<std::uint64_t>(chunk_size, floats.size() - begin);
-        const scene::sweep::FloatRange chunk{floats.at(begin), floats.at(begin + count - 1)};
-        for (std::size_t i = 0; i < count; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
-        columns.set_values(std::span(values).first(count));
-        for (std::size_t g = 0; g < ulps.size(); ++g) {
-            request.limit.stop.check();
-            find_truth_columns(columns.problems(), groups[g].terms, truths);
-            stages += truths.stages;
-            for (const std::size_t form_index : groups[g].rows) {
-                columns.answer(request.tested_forms[form_index], std::span(form_t).first(count),
-                               std::span(form_hit).first(count));
-                ulps[g].compare(std::span(form_t).first(count), std::span(form_hit).first(count), truths);
-                ChunkTally tally(ulps[g], chunk, tallies[form_index], refinements_left[form_index]);
-                tally.add();
-                if (boxes[form_index].has_box())
-                    tally.add_padding([&](std::size_t i) { return boxes[form_index].padding(columns, i); });
-            }
-        }
+        runner.run({floats.at(begin), floats.at(begin + count - 1)}, stages);
     }
-    return tallies;
+    return runner.take_tallies();
 }
 
 double padding_max(const evaluate::TestedForm& tested_form, const FloatTally& tally) {

@@ -216,12 +216,15 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     low_.resize(n);
     high_.resize(n);
     classify(hit, truth);
+
     largest_low_ = largest_high_ = -1;
     if (counts_[static_cast<std::size_t>(Outcome::agree_hit)] == 0) {
         std::ranges::fill(low_, -1.0);
         std::ranges::fill(high_, -1.0);
         return;
     }
+
+    // Bounds the errors of all floats in one loop without branches, then drops those that are not both hits.
     constexpr auto both_hit = static_cast<std::uint8_t>(Outcome::agree_hit);
     const double *const hi = truth.hi.data(), *const lo = truth.lo.data(), *const bound = truth.bound.data();
     const float* const answer = t.data();
@@ -236,12 +239,14 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
             if (outcome_[i] != both_hit) low[i] = high[i] = -1;
         }
     }
+
     // Columns cannot hold a length beyond 2^±900.
     for (const auto& [i, complete_truth] : truth.single_truths) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
         const auto& length = terms_.length == truth::Length::parameter ? complete_truth.t : complete_truth.distance;
         set_exact_error(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
     }
+
     largest_low_ = largest_element(low_);
     largest_high_ = largest_element(high_);
 }

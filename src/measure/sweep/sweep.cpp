@@ -42,11 +42,9 @@ bool measures_transform_step(const Metric& m) {
     return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude;
 }
 
-std::vector<Event> list_events(const TestedForm& tested_form, const std::vector<const Metric*>& metrics) {
-    const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits"),
-                      stop_index = metric::index_of(metrics, "stop");
-    std::vector<Event> events;
-    const double precision = tested_form.format.parameters.precision;
+/// Adds a loss of 1, 4 and 8 bits, of half and of all bits, for each quantile.
+void add_losses(std::vector<Event>& events, double precision, const std::vector<const Metric*>& metrics) {
+    const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, precision / 2, precision}) {
             if (bits > precision) continue;
@@ -55,16 +53,27 @@ std::vector<Event> list_events(const TestedForm& tested_form, const std::vector<
                               }});
         }
     }
+}
+
+/// Adds a median loss of one ulp in each transform step.
+void add_step_losses(std::vector<Event>& events, const std::vector<const Metric*>& metrics) {
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (!measures_transform_step(*metrics[m])) continue;
         events.push_back({std::string(metrics[m]->name), "p50", 1,
                           [m](const FormSummary& s) { return metric::quantiles.front().of(s.metrics[m]); }});
     }
+}
+
+/// Adds each wrong decision, from one ray on.
+void add_wrong_decisions(std::vector<Event>& events) {
     for (const Outcome o : evaluate::wrong_decisions) {
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
-    if (is_primitive(tested_form.form->shape) || stop_index == metrics.size()) return events;
+}
+
+/// Adds each reason for which a march stops other than a hit, from one ray on.
+void add_stops(std::vector<Event>& events, std::size_t stop_index) {
     for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto stop_category = static_cast<std::size_t>(stop_reason);
         events.push_back({std::string(intersect::stop_names[stop_category]), "count", 1,
@@ -72,6 +81,15 @@ std::vector<Event> list_events(const TestedForm& tested_form, const std::vector<
                               return static_cast<double>(summary.categories[stop_index][stop_category]);
                           }});
     }
+}
+
+std::vector<Event> list_events(const TestedForm& tested_form, const std::vector<const Metric*>& metrics) {
+    std::vector<Event> events;
+    add_losses(events, tested_form.format.parameters.precision, metrics);
+    add_step_losses(events, metrics);
+    add_wrong_decisions(events);
+    const std::size_t stop_index = metric::index_of(metrics, "stop");
+    if (!is_primitive(tested_form.form->shape) && stop_index != metrics.size()) add_stops(events, stop_index);
     return events;
 }
 
@@ -134,10 +152,12 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
     std::size_t good_index = steps.size() - 1;
     while (good_index > bad_index && !event.is_good(steps[good_index]->summaries[onset.form_index])) --good_index;
     if (good_index == bad_index) return;
+
     onset.recovers = true;
     onset.good_at_end = good_index + 1 == steps.size();
     onset.last_good_after = steps[good_index]->values.front();
     if (onset.good_at_end) return;
+
     onset.bad_again = steps[good_index + 1]->values.front();
     narrow_bracket(
         request.sweep.axes.front(), onset.last_good_after, onset.bad_again, evaluator,
@@ -152,12 +172,15 @@ Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::siz
     const auto first_bad_step =
         std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->summaries[form_index]); });
     if (first_bad_step == steps.end()) return onset;
+
     onset.found = true;
     onset.first_bad = (*first_bad_step)->values.front();
     onset.value_at_first_bad = event.value((*first_bad_step)->summaries[form_index]);
     if (request.recoveries)
         find_recovery(request, steps, static_cast<std::size_t>(first_bad_step - steps.begin()), event, evaluator,
                       onset);
+
+    // Locates the onset between the last good step and the first bad one.
     if (first_bad_step == steps.begin()) {
         onset.from_start = true;
         return onset;
@@ -222,6 +245,8 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     if (request.sweep.axes.size() != 1) return {};
     std::vector<Onset> onsets = find_onsets_of_draw(request, steps);
     if (!request.sweep.has_random_rays()) return onsets;
+
+    // Repeats the search on other random rays, to see how far the onsets scatter.
     for (int draw = 1; draw <= request.further_draws; ++draw) {
         const scene::sweep::SweepFile sweep_of_draw = request.sweep.with_seed_offset(draw);
         const SweepRequest draw_request{.sweep = sweep_of_draw,
@@ -231,6 +256,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
                                         .wanted_onsets = request.wanted_onsets,
                                         .limit = request.limit,
                                         .progress = request.progress};
+
         const std::vector<Onset> draw_onsets = find_onsets_of_draw(draw_request, run_sweep(draw_request));
         for (Onset& onset : onsets) {
             const auto match =
@@ -288,6 +314,7 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> rows_by_format;
     for (std::size_t form_index = 0; form_index < request.tested_forms.size(); ++form_index)
         rows_by_format[request.tested_forms[form_index].format.name].push_back(form_index);
+
     const auto units = request.share.unit_range(request.file.size());
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
@@ -296,6 +323,7 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
             std::vector<evaluate::TestedForm> tested_forms;
             for (const std::size_t form_index : rows_of_format)
                 tested_forms.push_back(request.tested_forms[form_index]);
+
             auto summaries =
                 evaluate::measure_groups(request.file.rays(units.first + i, tested_forms.front().format.parameters),
                                          tested_forms, request.metrics, request.limit);

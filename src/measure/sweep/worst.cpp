@@ -182,7 +182,9 @@ private:
             if (d == 0) continue;
             entry = std::max(entry, (p.numbers[(d > 0 ? 6 : 9) + k] - o) / d);
             const double exit_of_axis = (p.numbers[(d > 0 ? 9 : 6) + k] - o) / d;
-            if (exit_of_axis < exit) exit = exit_of_axis, leave = k;
+            if (!(exit_of_axis < exit)) continue;
+            exit = exit_of_axis;
+            leave = k;
         }
         const double d = p.numbers[3 + leave];
         p.numbers[leave] =

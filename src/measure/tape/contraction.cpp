@@ -62,7 +62,7 @@ private:
     /// A sum that has a product as one operand, with the signs of the product and of the other operand.
     struct FusedSum {
         NodeId product, addend;
-        bool minus_product, minus_addend;
+        bool negates_product, negates_addend;
     };
 
     template <class T>
@@ -96,7 +96,7 @@ private:
             .first->second;
     }
 
-    /// Lists the users of each operation ( the operations that have it as an operand, once for each such operand), from
+    /// Lists the users of each operation (the operations that have it as an operand, once for each such operand), from
     /// the answers backwards.
     void find_users() {
         std::vector<bool> needed(source_.nodes.size());
@@ -134,9 +134,9 @@ private:
         return order;
     }
 
-    /// Fuses ` sum` with `product`; `part`, which is the product or its negative, is an operand of the sum. Returns
+    /// Fuses `sum` with `product`; `part`, which is the product or its negative, is an operand of the sum. Returns
     /// nothing if `sum` is not a sum in the product's format, if both operands are the same, or if it is fused already.
-    [[nodiscard]] std::optional<FusedSum> fused_sum_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
+    [[nodiscard]] std::optional<FusedSum> find_fused_sum(NodeId sum, NodeId part, NodeId product, bool negative) const {
         const TapeNode& n = source_[sum];
         if (!is_sum(n.op) || n.format != source_[product].format || fused_sums_.contains(sum)) return std::nullopt;
         const NodeId a = first_equal(n.operands[0]), b = first_equal(n.operands[1]);
@@ -151,6 +151,8 @@ private:
         if (is_answer(product)) return;
         std::vector<std::pair<NodeId, FusedSum>> sums;
         std::vector<NodeId> negatives;
+
+        // Finds the sums, behind a negation where there is one.
         for (const NodeId user : users_[static_cast<std::size_t>(product)]) {
             const bool negates = source_[user].op == TapeOp::neg;
             NodeId sum = user;
@@ -160,11 +162,12 @@ private:
                 sum = users_of_negative.front();
                 negatives.push_back(user);
             }
-            const auto part = fused_sum_of(sum, user == sum ? product : user, product, negates);
+            const auto part = find_fused_sum(sum, user == sum ? product : user, product, negates);
             if (!part) return;
             sums.emplace_back(sum, *part);
         }
         if (sums.empty()) return;
+
         fused_sums_.insert(sums.begin(), sums.end());
         removed_nodes_.insert(product);
         removed_nodes_.insert(negatives.begin(), negatives.end());
@@ -193,8 +196,8 @@ private:
             const NodeId node = new_node(part);
             return negative ? result_.add(TapeOp::neg, format, -source_[part].value, {node}) : node;
         };
-        const NodeId first = signed_part(product.operands[0], fused.minus_product);
-        const NodeId second = new_node(product.operands[1]), addend = signed_part(fused.addend, fused.minus_addend);
+        const NodeId first = signed_part(product.operands[0], fused.negates_product);
+        const NodeId second = new_node(product.operands[1]), addend = signed_part(fused.addend, fused.negates_addend);
         const NodeId sum = result_.add(TapeOp::fma, format, source_[i].value, {first, second, addend});
         result_[sum].label = source_[i].label.empty() ? product.label : source_[i].label;
         return sum;
@@ -220,7 +223,7 @@ struct ContractedForm {
         std::array<std::shared_ptr<const WrittenFormula>, 2> lists;
         const auto make = [&](const Format& format, std::unique_ptr<TapeForm>& tape_form, auto& list) {
             if (!form.exists_in(format)) return;
-            const Tape tape = contract_tape(tape_of(form, format));
+            const Tape tape = contract_tape(record_tape(form, format));
             tape_form = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
             list = std::make_shared<const WrittenFormula>(intersect::table::formula_from_tape(tape, form.shape, name));
         };
@@ -262,7 +265,7 @@ const Intersector& contracted_form(const Intersector& form) {
                          std::string(contracted_suffix) + "@TRANSFORM");
     if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
     try {
-        if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // throws the reason
+        if (!has_tape(form)) static_cast<void>(record_tape(form, *find_format("f32")));  // throws the reason
     } catch (const InputError& reason) {
         throw InputError(fmt::format("{}{}: its operations cannot be contracted: {}", form.info->name,
                                      contracted_suffix, reason.what()));
@@ -277,7 +280,7 @@ FormOperation operation_before_contraction(const Intersector& contracted, const 
     const Format f32 = *find_format("f32"), f64 = *find_format("f64");
     const bool is_from_f64 = !form.exists_in(f32) || (format.engine == Format::Engine::native64 && form.exists_in(f64));
     const Format& tape_format = is_from_f64 ? f64 : f32;
-    const Tape tape = tape_of(form, tape_format);
+    const Tape tape = record_tape(form, tape_format);
     Contraction contraction(tape);
     const auto list = std::make_shared<const WrittenFormula>(
         intersect::table::formula_from_tape(contraction.contract(), form.shape, std::string(contracted.info->name)));

@@ -37,6 +37,7 @@ S flush_subnormal(S x) {
 double compute_rounded(TapeOp op, double a, double b, double c, bool is_float) {
     const auto round_result = [&](double x) { return is_float ? static_cast<double>(static_cast<float>(x)) : x; };
     switch (op) {
+        // Operations that round
         case TapeOp::add: return round_result(a + b);
         case TapeOp::sub: return round_result(a - b);
         case TapeOp::mul: return round_result(a * b);
@@ -45,13 +46,17 @@ double compute_rounded(TapeOp op, double a, double b, double c, bool is_float) {
         case TapeOp::fma:
             return is_float ? std::fma(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c))
                             : std::fma(a, b, c);
+        case TapeOp::convert: return round_result(a);
+
+        // Operations whose result is an operand, or has its size
         case TapeOp::neg: return -a;
         case TapeOp::abs: return std::fabs(a);
         case TapeOp::copysign: return std::copysign(a, b);
         case TapeOp::min: return a < b ? a : b;
         case TapeOp::max: return a > b ? a : b;
         case TapeOp::select: return a != 0 ? b : c;
-        case TapeOp::convert: return round_result(a);
+
+        // Decisions
         case TapeOp::less: return a < b;
         case TapeOp::less_equal: return a <= b;
         case TapeOp::greater: return a > b;
@@ -60,6 +65,7 @@ double compute_rounded(TapeOp op, double a, double b, double c, bool is_float) {
         case TapeOp::logical_or: return a != 0 || b != 0;
         case TapeOp::logical_not: return a == 0;
         case TapeOp::any: return a;
+
         default: return NAN;
     }
 }
@@ -69,7 +75,8 @@ struct Answer {
     float t;
 };
 
-Answer answer_of(const Suspect& suspect, const RandomRays<float>& rays, std::size_t ray, std::vector<double>& values) {
+Answer compute_answer(const Suspect& suspect, const RandomRays<float>& rays, std::size_t ray,
+                      std::vector<double>& values) {
     const Tape& tape = suspect.program.tape;
     values.resize(tape.nodes.size());
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -77,12 +84,15 @@ Answer answer_of(const Suspect& suspect, const RandomRays<float>& rays, std::siz
         const auto operand_value = [&](std::size_t k) {
             return node.operands[k] == no_node ? 0 : values[static_cast<std::size_t>(node.operands[k])];
         };
+
         double value = 0;
         if (node.op == TapeOp::input) value = rays.input(ray, static_cast<std::size_t>(node.operands[0]));
         else if (node.op == TapeOp::constant) value = node.operands[0];
         else
             value = compute_rounded(node.op, operand_value(0), operand_value(1), operand_value(2),
                                     tape.format_of(i) == binary32);
+
+        // The deviations of the suspected driver
         if (suspect.flushes_subnormals && tape.format_of(i) == binary32)
             value = flush_subnormal(static_cast<float>(value));
         if (i == suspect.inexact_operation)
@@ -108,6 +118,9 @@ public:
         std::iota(rewriting_sets.begin(), rewriting_sets.end(), 0U);
         std::ranges::stable_sort(rewriting_sets, {},
                                  [](unsigned rewriting_set) { return std::popcount(rewriting_set); });
+
+        // From the simplest explanation to the others: rewritings everywhere, rewritings of some operations, and an
+        // operation that is not rounded correctly.
         for (const unsigned rewriting_set : rewriting_sets) {
             SitesByRewriting sites;
             if (const auto suspect = rewrite(rewriting_set, nullptr, &sites); suspect && explains_all_rays(*suspect))
@@ -137,7 +150,7 @@ private:
         return suspect;
     }
     bool has_drivers_bits(const Suspect& s, std::size_t ray) {
-        const Answer answer = answer_of(s, rays_, ray, values_);
+        const Answer answer = compute_answer(s, rays_, ray, values_);
         return FormAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.t[ray]);
     }
     bool explains_all_rays(const Suspect& s) {
@@ -154,6 +167,8 @@ private:
         for (std::size_t k = 0; k < all_sites.size(); ++k)
             for (const NodeId i : all_sites[k]) sites.emplace_back(k, i);
         if (sites.size() > most_sites) return false;
+
+        // Tries the subsets, the small ones first.
         std::vector<unsigned> masks(std::size_t{1} << sites.size());
         std::iota(masks.begin(), masks.end(), 0U);
         std::ranges::stable_sort(masks, {}, [](unsigned mask) { return std::popcount(mask); });
@@ -161,8 +176,10 @@ private:
             SitesByRewriting subset(all_sites.size());
             for (std::size_t j = 0; j < sites.size(); ++j)
                 if ((mask >> j & 1U) != 0) subset[sites[j].first].push_back(sites[j].second);
-            if (const auto suspect = rewrite(rewriting_set, &subset, nullptr); suspect && explains_all_rays(*suspect))
-                return report_minimal(rewriting_set, subset, difference), true;
+            const auto suspect = rewrite(rewriting_set, &subset, nullptr);
+            if (!suspect || !explains_all_rays(*suspect)) continue;
+            report_minimal(rewriting_set, subset, difference);
+            return true;
         }
         return false;
     }
@@ -190,26 +207,29 @@ private:
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].op != TapeOp::div && tape[i].op != TapeOp::sqrt) continue;
             suspect->inexact_operation = i;
-            int largest_ulps = 0;
-            const bool is_explained = [&] {
-                for (std::size_t ray = 0; ray < ray_count; ++ray) {
-                    const int ulps = ulps_at(*suspect, ray);
-                    if (ulps > most_ulps) return false;
-                    largest_ulps = std::max(largest_ulps, ulps);
-                }
-                return true;
-            }();
-            if (!is_explained) continue;
+            const auto largest_ulps = find_largest_ulps(*suspect);
+            if (!largest_ulps) continue;
             for (std::size_t k = 0; k < names_.size(); ++k)
                 if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
-            difference.inexact_operation = suspect->program.origins[static_cast<std::size_t>(i)],
-            difference.ulps = largest_ulps;
+            difference.inexact_operation = suspect->program.origins[static_cast<std::size_t>(i)];
+            difference.ulps = *largest_ulps;
             return true;
         }
         return false;
     }
-    /// The least error of the inexact operation that gives the driver's bits; more than `most_ulps` if no error does.
-    int ulps_at(Suspect& s, std::size_t ray) {
+    /// Finds the largest error that the inexact operation needs on any ray; empty if no error explains some ray.
+    std::optional<int> find_largest_ulps(Suspect& s) {
+        int largest_ulps = 0;
+        for (std::size_t ray = 0; ray < ray_count; ++ray) {
+            const int ulps = find_least_ulps(s, ray);
+            if (ulps > most_ulps) return std::nullopt;
+            largest_ulps = std::max(largest_ulps, ulps);
+        }
+        return largest_ulps;
+    }
+    /// Finds the least error of the inexact operation that gives the driver's bits; more than `most_ulps` if no error
+    /// does.
+    int find_least_ulps(Suspect& s, std::size_t ray) {
         for (int magnitude = 0; magnitude <= most_ulps; ++magnitude)
             for (const int sign : {1, -1}) {
                 s.ulps = sign * magnitude;
@@ -243,7 +263,7 @@ DriverDifference driver_difference(const Intersector& driver, const Intersector&
     for (std::size_t i = 0; i < ray_count; ++i)
         difference.differing_rays += driver_answers.are_same(program_answers, i) ? 0 : 1;
     if (difference.differing_rays > 0)
-        Search(tape_of(program, *find_format("f32")), rays, driver_answers).find(difference);
+        Search(record_tape(program, *find_format("f32")), rays, driver_answers).find(difference);
     return difference;
 }
 

@@ -150,8 +150,12 @@ DerivedTape rewrite_as_driver(const DerivedTape& source, std::size_t rewriting, 
         const bool is_selected = sites == nullptr || std::ranges::find(*sites, origin) != sites->end();
         const auto rewritten =
             is_selected && !is_given(source.tape[i].op) ? driver_rows.at(rewriting).rewrite(copy, i) : std::nullopt;
-        if (rewritten) copy.append_copy(*rewritten), changed.push_back(origin);
-        else copy.copy_node(i);
+        if (!rewritten) {
+            copy.copy_node(i);
+            continue;
+        }
+        copy.append_copy(*rewritten);
+        changed.push_back(origin);
     }
     return copy.finish();
 }

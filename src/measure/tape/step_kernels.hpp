@@ -91,6 +91,7 @@ private:
     template <class N>
     void compute(const TapeStep& step) const {
         switch (step.op) {
+            // Operations that round
             case TapeOp::add: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a + b; });
             case TapeOp::sub: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a - b; });
             case TapeOp::mul: return run_operation<N, 2>(step, [](const N& a, const N& b) { return a * b; });
@@ -98,6 +99,8 @@ private:
             case TapeOp::sqrt: return run_operation<N, 1>(step, [](const N& a) { return sqrt(a); });
             case TapeOp::fma:
                 return run_operation<N, 3>(step, [](const N& a, const N& b, const N& c) { return fma(a, b, c); });
+
+            // Operations that do not round
             case TapeOp::neg: return run_operation<N, 1>(step, [](const N& a) { return -a; });
             case TapeOp::abs: return run_operation<N, 1>(step, [](const N& a) { return abs(a); });
             case TapeOp::copysign:
@@ -109,10 +112,13 @@ private:
             case TapeOp::select: return run_select<N>(step);
             case TapeOp::next_up: return run_operation<N, 1>(step, [](const N& a) { return next_up(a); });
             case TapeOp::next_down: return run_operation<N, 1>(step, [](const N& a) { return next_down(a); });
+
+            // Comparisons
             case TapeOp::less: return run_comparison<N>(step, [](const N& a, const N& b) { return a < b; });
             case TapeOp::less_equal: return run_comparison<N>(step, [](const N& a, const N& b) { return a <= b; });
             case TapeOp::greater: return run_comparison<N>(step, [](const N& a, const N& b) { return a > b; });
             case TapeOp::greater_equal: return run_comparison<N>(step, [](const N& a, const N& b) { return a >= b; });
+
             default: return;  // no other operation computes numbers
         }
     }

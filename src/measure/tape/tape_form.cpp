@@ -126,7 +126,7 @@ std::string refusal_of_tape(const Intersector& form) {
 
 bool has_tape(const Intersector& form) { return refusal_of_tape(form).empty(); }
 
-Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
+Tape record_tape(const Intersector& form, const Format& format, bool from_inverse) {
     if (const std::string reason = refusal_of_tape(form); !reason.empty())
         throw InputError(std::string(form.info->name) + ": " + reason);
     const Ray<double> sample_ray{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};

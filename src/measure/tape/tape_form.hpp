@@ -13,8 +13,8 @@ namespace lostbits::measure::tape {
 /// the same for all rays if the form itself has no branches on its values. Throws InputError for a form whose
 /// operations are not visible, for one that marches, and for a set of forms. `from_inverse` is true if the primitives'
 /// matrices are stored as inverses (world to object).
-Tape tape_of(const intersect::table::Intersector& form, const Format& format, bool from_inverse = false);
-/// True if `tape_of` returns a tape for this form.
+Tape record_tape(const intersect::table::Intersector& form, const Format& format, bool from_inverse = false);
+/// True if `record_tape` returns a tape for this form.
 bool has_tape(const intersect::table::Intersector& form);
 
 /// Returns the inputs of a form's tape, in the order of `input_names`. `ray_of` and `primitive_of` convert them back to

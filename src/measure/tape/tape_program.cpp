@@ -146,14 +146,17 @@ TapeProgram::TapeProgram(const Tape& tape) {
     ColumnPool pool;
     std::vector<std::uint16_t> columns_of_nodes(tape.nodes.size());
     const auto column_of = [&](NodeId i) -> std::uint16_t& { return columns_of_nodes[static_cast<std::size_t>(i)]; };
+
+    // Inputs and constants are kept for all rays, so their columns are never released.
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
         if (node.op == TapeOp::input) ++input_count_;
         if (last_use[static_cast<std::size_t>(i)] == no_node || !is_given(node.op)) continue;
-        column_of(i) = pool.acquire(node_arithmetic(i));  // never released: inputs and constants are kept for all rays
+        column_of(i) = pool.acquire(node_arithmetic(i));
         if (node.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(node.operands[0]), column_of(i)});
         else constants_.push_back({node_arithmetic(i), node.value, column_of(i)});
     }
+
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
         if (last_use[static_cast<std::size_t>(i)] == no_node || is_given(node.op)) continue;
@@ -164,6 +167,8 @@ TapeProgram::TapeProgram(const Tape& tape) {
                       .out = 0};
         for (std::size_t k = 0; k < 3; ++k)
             if (node.operands[k] != no_node) step.operands[k] = column_of(node.operands[k]);
+
+        // The result may take the column of an operand that no later step reads.
         for (std::size_t k = 0; k < 3; ++k) {
             const NodeId operand = node.operands[k];
             const bool is_repeated =
@@ -175,6 +180,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
         step.out = column_of(i) = pool.acquire(step.arithmetic);
         steps_.push_back(step);
     }
+
     column_counts_ = pool.counts;
     outputs_ = {column_of(tape.outputs.hit), column_of(tape.outputs.t), column_of(tape.outputs.near),
                 column_of(tape.outputs.far)};
@@ -184,6 +190,7 @@ template <class S>
 void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
     const std::array ray_columns{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
     Columns columns(column_counts_);
+
     // Columns whose numbers are the same for all rays are filled only as far as there are rays, because some callers
     // run one ray at a time.
     columns.rays = std::min(batch_rays, rays.size());
@@ -200,6 +207,8 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
         if (input.index == tmax_index && rays.tmax.empty())
             columns.fill(ray_arithmetic, input.out, std::numeric_limits<double>::infinity());
     }
+
+    // Runs all steps on one batch of rays after the other.
     for (std::size_t begin = 0; begin < rays.size(); begin += batch_rays) {
         columns.rays = std::min(batch_rays, rays.size() - begin);
         for (const Input& input : inputs_) {
@@ -213,7 +222,9 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
                 for (std::size_t i = 0; i < columns.rays; ++i)
                     out[i] = primitive_number(target.primitives[begin + i], input.index - 6);
         }
+
         columns.run(steps_);
+
         const auto copy_out = [&](const auto* source, const auto& destination) {
             std::copy_n(source, columns.rays, destination.begin() + static_cast<std::ptrdiff_t>(begin));
         };

@@ -22,7 +22,7 @@ void compiler_barrier() { asm volatile("" ::: "memory"); }
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_of(const TimedWork& work, std::uint64_t passes) {
+double measure_seconds(const TimedWork& work, std::uint64_t passes) {
     const auto begin = Clock::now();
     for (std::uint64_t i = 0; i < passes; ++i) {
         work.pass();
@@ -32,10 +32,10 @@ double seconds_of(const TimedWork& work, std::uint64_t passes) {
 }
 
 /// Returns the number of passes that last `least_seconds` seconds, found by doubling.
-std::uint64_t passes_for(const TimedWork& work, double least_seconds) {
+std::uint64_t find_passes(const TimedWork& work, double least_seconds) {
     work.pass();
     for (std::uint64_t passes = 1;; passes *= 2) {
-        const double seconds = seconds_of(work, passes);
+        const double seconds = measure_seconds(work, passes);
         if (seconds < least_seconds / 4) continue;
         return std::max<std::uint64_t>(
             1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * least_seconds / seconds)));
@@ -83,7 +83,7 @@ int own_processor() {
 
 /// Returns the passes per second, measured for `seconds`. The clock is read after each batch of passes; batches double
 /// until a sixteenth of the time has passed.
-double rate_of(const std::function<void()>& pass, double seconds) {
+double measure_rate(const std::function<void()>& pass, double seconds) {
     const auto seconds_since = [](Clock::time_point start) {
         return std::chrono::duration<double>(Clock::now() - start).count();
     };
@@ -101,8 +101,8 @@ double rate_of(const std::function<void()>& pass, double seconds) {
 }
 
 /// Returns the sum of the rates of all threads, which start together, thread i on `processors[i]`.
-double total_rate(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
-                  double seconds) {
+double measure_total_rate(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
+                          double seconds) {
     std::vector<double> rates(passes.size());
     std::barrier ready(static_cast<std::ptrdiff_t>(passes.size()));
     std::vector<std::jthread> threads;
@@ -111,7 +111,7 @@ double total_rate(const std::vector<std::function<void()>>& passes, const std::v
             pin_to({processors[i]});
             passes[i]();
             ready.arrive_and_wait();
-            rates[i] = rate_of(passes[i], seconds);
+            rates[i] = measure_rate(passes[i], seconds);
         });
     }
     threads.clear();
@@ -148,20 +148,20 @@ std::string processor_name() {
     return {};
 }
 
-Timing timing_of(std::vector<double> samples) {
+Timing summarise_samples(std::vector<double> samples) {
     std::ranges::sort(samples);
-    const auto quantile = [&](double share) {
-        const double rank = share * static_cast<double>(samples.size() - 1);
+    const auto quantile = [&](double level) {
+        const double rank = level * static_cast<double>(samples.size() - 1);
         const auto below = static_cast<std::size_t>(rank), above = std::min(below + 1, samples.size() - 1);
         return std::lerp(samples[below], samples[above], rank - static_cast<double>(below));
     };
     return {quantile(0.5), quantile(0.25), quantile(0.75)};
 }
 
-Timing ratio_of(std::span<const double> a, std::span<const double> b) {
+Timing summarise_ratios(std::span<const double> a, std::span<const double> b) {
     std::vector<double> quotients(a.size());
     std::ranges::transform(a, b, quotients.begin(), std::divides<>());
-    return timing_of(std::move(quotients));
+    return summarise_samples(std::move(quotients));
 }
 
 std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> work, const TimingPlan& plan) {
@@ -169,8 +169,10 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
     std::vector<std::uint64_t> passes;
     for (const TimedWork& w : work) {
         plan.stop.check();
-        passes.push_back(passes_for(w, plan.least_seconds));
+        passes.push_back(find_passes(w, plan.least_seconds));
     }
+
+    // Runs all work in each round, in a new order.
     std::vector<std::vector<double>> samples(work.size());
     std::vector<std::size_t> order(work.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -180,7 +182,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
         for (const std::size_t i : order) {
             plan.stop.check();
             if (work[i].warms_up) work[i].pass();
-            samples[i].push_back(seconds_of(work[i], passes[i]) / static_cast<double>(passes[i] * work[i].items));
+            samples[i].push_back(measure_seconds(work[i], passes[i]) / static_cast<double>(passes[i] * work[i].items));
             plan.progress(1);
         }
     }
@@ -189,7 +191,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
 
 std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan) {
     std::vector<Timing> timings;
-    for (auto& s : sample_interleaved(work, plan)) timings.push_back(timing_of(std::move(s)));
+    for (auto& s : sample_interleaved(work, plan)) timings.push_back(summarise_samples(std::move(s)));
     return timings;
 }
 
@@ -198,7 +200,7 @@ std::vector<int> allowed_processors() {
     return processors.empty() ? std::vector{0} : processors;
 }
 
-std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan) {
+std::vector<double> measure_thread_speedups(const WorkOfThread& work, const ThreadPlan& plan) {
     const auto allowed = allowed_processors();
     const std::size_t count = plan.threads == 0 ? allowed.size() : plan.threads;
     std::vector<int> processors;
@@ -207,12 +209,13 @@ std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& 
         processors.push_back(allowed[i % allowed.size()]);
         passes.push_back(work(i));
     }
+
     std::vector<double> quotients;
     for (int round = 0; round < plan.repetitions; ++round) {
         plan.stop.check();
         const std::size_t single = static_cast<std::size_t>(round) % count;
-        const double single_rate = total_rate({passes[single]}, {processors[single]}, plan.least_seconds);
-        quotients.push_back(total_rate(passes, processors, plan.least_seconds) / single_rate);
+        const double single_rate = measure_total_rate({passes[single]}, {processors[single]}, plan.least_seconds);
+        quotients.push_back(measure_total_rate(passes, processors, plan.least_seconds) / single_rate);
     }
     return quotients;
 }

@@ -68,11 +68,11 @@ std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const Timi
 
 /// Returns median and quartiles, interpolated between two samples if the rank falls between them. Needs at least one
 /// sample.
-Timing timing_of(std::vector<double> samples);
+Timing summarise_samples(std::vector<double> samples);
 
 /// Returns the timing of the quotients a[i]/b[i] within a round: a disturbance of a round slows both. Both spans have
 /// the same size, at least one.
-Timing ratio_of(std::span<const double> a, std::span<const double> b);
+Timing summarise_ratios(std::span<const double> a, std::span<const double> b);
 
 /// Processors that the calling thread may use; {0} if the system does not report them.
 std::vector<int> allowed_processors();
@@ -90,6 +90,6 @@ using WorkOfThread = std::function<std::function<void()>(std::size_t thread)>;
 /// Measures the speedup by threads: the passes per second of all threads together, each on a processor of its own,
 /// divided by the passes per second of a single thread. Returns one quotient per repetition. The single thread runs on
 /// each processor in turn. Perfect scaling is the number of threads. Uses steady_clock.
-std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
+std::vector<double> measure_thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
 
 }  // namespace lostbits::measure::trade

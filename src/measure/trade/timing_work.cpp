@@ -43,7 +43,7 @@ TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd
 
 template <class S, class Kernel>
 TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warms_up) {
-    return {[store, kernel] { store->run(kernel); }, store->slice(), warms_up};
+    return {[store, kernel] { store->run(kernel); }, store->rays_per_run(), warms_up};
 }
 
 }  // namespace
@@ -58,19 +58,22 @@ RayPool ray_pool(Shape shape) {
 }
 
 template <class S>
-RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed)
+RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t rays_per_run,
+                      std::uint64_t seed)
     : primitive_(lift_primitive<S>(pool.primitive)),
       rays_(std::max(bytes / bytes_per_ray / ray_granularity, std::size_t{1}) * ray_granularity),
-      slice_(slice == 0 ? rays_ : std::min(rays_, (slice + ray_granularity - 1) / ray_granularity * ray_granularity)) {
+      rays_per_run_(rays_per_run == 0
+                        ? rays_
+                        : std::min(rays_, (rays_per_run + ray_granularity - 1) / ray_granularity * ray_granularity)) {
     constexpr std::size_t cache_line = 64, stagger = 5 * cache_line;
     const std::size_t column = (rays_ * sizeof(S) + stagger + cache_line - 1) / cache_line * cache_line;
-    memory_.resize(numbers * column + rays_ + cache_line);
+    memory_.resize(numbers_per_ray * column + rays_ + cache_line);
     void* start = memory_.data();
     std::size_t space = memory_.size();
     std::align(cache_line, memory_.size() - cache_line, start, space);
     auto* const first = static_cast<std::byte*>(start);
-    for (std::size_t c = 0; c < numbers; ++c) columns_[c] = reinterpret_cast<S*>(first + c * column);
-    hit_ = reinterpret_cast<std::uint8_t*>(first + numbers * column);
+    for (std::size_t c = 0; c < numbers_per_ray; ++c) columns_[c] = reinterpret_cast<S*>(first + c * column);
+    hit_ = reinterpret_cast<std::uint8_t*>(first + numbers_per_ray * column);
     fill(pool, hit_rate, seed);
 }
 
@@ -90,7 +93,7 @@ void RayStore<S>::fill(const RayPool& pool, double hit_rate, std::uint64_t seed)
 }
 
 template <class S>
-double RayStore<S>::hit_share() const {
+double RayStore<S>::hit_fraction() const {
     return static_cast<double>(std::count(hit_, hit_ + rays_, std::uint8_t{1})) / static_cast<double>(rays_);
 }
 
@@ -99,16 +102,18 @@ template class RayStore<double>;
 
 template <class S>
 BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1), S(-0.25), S(0.125)}} {
-    constexpr std::size_t cache_line = 64, stagger = 5 * cache_line, numbers = 7;
-    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers * sizeof(S)) / 64) * 64,
+    constexpr std::size_t cache_line = 64, stagger = 5 * cache_line, numbers_per_box = 7;
+    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers_per_box * sizeof(S)) / 64) * 64,
                       column = boxes * sizeof(S) + stagger;
-    memory_.resize(numbers * column + cache_line);
+    memory_.resize(numbers_per_box * column + cache_line);
     void* start = memory_.data();
     std::size_t space = memory_.size();
-    std::align(cache_line, numbers * column, start, space);
+    std::align(cache_line, numbers_per_box * column, start, space);
     const auto span_of = [&](std::size_t c) {
         return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes);
     };
+
+    // Random boxes around the ray
     std::mt19937 engine(2);
     std::uniform_real_distribution<float> position(-2, 2), side(0.1F, 1);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -119,6 +124,7 @@ BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1),
             columns[axis + 3][i] = columns[axis][i] + S(side(engine));
         }
     }
+
     t = span_of(6);
     std::ranges::fill(t, std::numeric_limits<S>::infinity());
 }
@@ -156,34 +162,40 @@ const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_stru
 
 std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
     const bool warms_up = fits_in_cache(bytes_);
-    const intersect::simd::PlainRow* const plain =
-        k.kernel.starts_with("plain-") && k.format == "f32" ? row_of(intersect::simd::plain_rows(), k.form) : nullptr;
-    if (plain && k.kernel == "plain-256")
+
+    // Loops as other projects write them
+    const intersect::simd::PlainRow* const plain = k.kernel_name.starts_with("plain-") && k.format_name == "f32"
+                                                       ? row_of(intersect::simd::plain_rows(), k.form_name)
+                                                       : nullptr;
+    if (plain && k.kernel_name == "plain-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
                              loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
                          },
                          f32()->t.size(), warms_up};
-    if (plain && k.kernel == "plain-structs-256")
+    if (plain && k.kernel_name == "plain-structs-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = box_structs(), loop = plain->structs] {
                              loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
                          },
                          f32()->t.size(), warms_up};
-    const auto isa = intersect::simd::find_isa(k.kernel);
-    const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
-    if (row && row->takes_tmax && row->f32 && k.format == "f32") return packed_work(f32(), row->f32, warms_up);
-    if (row && row->takes_tmax && row->f64 && k.format == "f64") return packed_work(f64(), row->f64, warms_up);
+
+    // Kernels of the forms
+    const auto isa = intersect::simd::find_isa(k.kernel_name);
+    const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form_name) : nullptr;
+    if (row && row->takes_tmax && row->f32 && k.format_name == "f32") return packed_work(f32(), row->f32, warms_up);
+    if (row && row->takes_tmax && row->f64 && k.format_name == "f64") return packed_work(f64(), row->f64, warms_up);
     return std::nullopt;
 }
 
 std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
-    const auto isa = intersect::simd::find_isa(k.kernel);
-    const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
+    const auto isa = intersect::simd::find_isa(k.kernel_name);
+    const intersect::simd::PackedRow* const row =
+        isa ? row_of(intersect::simd::packed_rows(*isa), k.form_name) : nullptr;
     if (!row) return std::nullopt;
     const bool warms_up = fits_in_cache(bytes_);
     const Shape shape =
         intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
-    if (row->f32 && k.format == "f32") return packed_work(f32(shape), row->f32, warms_up);
-    if (row->f64 && k.format == "f64") return packed_work(f64(shape), row->f64, warms_up);
+    if (row->f32 && k.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
+    if (row->f64 && k.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);
     return std::nullopt;
 }
 

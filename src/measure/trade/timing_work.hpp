@@ -36,40 +36,40 @@ RayPool ray_pool(Shape shape);
 template <class S>
 class RayStore {
 public:
-    /// The share of hits is exact to one ray; hits and misses are shuffled. A kernel gets `slice` rays at once; 0 means
-    /// all of them.
-    RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed);
+    /// The fraction of hits is exact to one ray; hits and misses are shuffled. A kernel gets `rays_per_run` rays at
+    /// once; 0 means all of them.
+    RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t rays_per_run, std::uint64_t seed);
     RayStore(const RayStore&) = delete;
     RayStore& operator=(const RayStore&) = delete;
 
     [[nodiscard]] std::size_t rays() const { return rays_; }
-    [[nodiscard]] std::size_t slice() const { return slice_; }
+    [[nodiscard]] std::size_t rays_per_run() const { return rays_per_run_; }
     [[nodiscard]] std::size_t bytes() const { return rays_ * bytes_per_ray; }
 
-    /// Runs the kernel on the next slice; after the last one, starts again at the first.
+    /// Runs the kernel on the next `rays_per_run` rays; after the last ones, starts again at the first.
     template <class Kernel>
     void run(const Kernel& kernel) {
-        const auto input = [this](std::size_t c) { return std::span<const S>(columns_[c] + next_ray_, slice_); };
-        const auto output = [this](std::size_t c) { return std::span<S>(columns_[c] + next_ray_, slice_); };
+        const auto input = [this](std::size_t c) { return std::span<const S>(columns_[c] + next_ray_, rays_per_run_); };
+        const auto output = [this](std::size_t c) { return std::span<S>(columns_[c] + next_ray_, rays_per_run_); };
         kernel(intersect::table::RayBatch<S>{input(0), input(1), input(2), input(3), input(4), input(5)}, primitive_,
-               intersect::table::HitBatch<S>{output(6), output(7), output(8), {hit_ + next_ray_, slice_}});
-        next_ray_ += slice_;
-        if (next_ray_ + slice_ > rays_) next_ray_ = 0;
+               intersect::table::HitBatch<S>{output(6), output(7), output(8), {hit_ + next_ray_, rays_per_run_}});
+        next_ray_ += rays_per_run_;
+        if (next_ray_ + rays_per_run_ > rays_) next_ray_ = 0;
     }
-    /// Share of the rays that hit in the last pass over all of them.
-    [[nodiscard]] double hit_share() const;
+    /// Fraction of the rays that hit in the last pass over all of them.
+    [[nodiscard]] double hit_fraction() const;
 
 private:
-    static constexpr std::size_t numbers = 9;  ///< numbers of one ray: origin, direction; t, near, far
-    static constexpr std::size_t bytes_per_ray = numbers * sizeof(S) + 1;
+    static constexpr std::size_t numbers_per_ray = 9;  ///< origin, direction; t, near, far
+    static constexpr std::size_t bytes_per_ray = numbers_per_ray * sizeof(S) + 1;
     static constexpr std::size_t ray_granularity = 64;  ///< a multiple of the number of rays that any register holds
 
     void fill(const RayPool& pool, double hit_rate, std::uint64_t seed);
 
     Primitive<S> primitive_;
-    std::size_t rays_, slice_, next_ray_ = 0;
+    std::size_t rays_, rays_per_run_, next_ray_ = 0;
     std::vector<std::byte> memory_;
-    std::array<S*, numbers> columns_{};
+    std::array<S*, numbers_per_ray> columns_{};
     std::uint8_t* hit_ = nullptr;
 };
 
@@ -111,7 +111,7 @@ std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
 /// A form in a kernel. `scalar`, `128`, `256`, `512` are those of `Isa`. `plain-256` and `plain-structs-256` are the
 /// loops of `PlainRow`, which exist only for one ray against many boxes in float.
 struct TimedKernel {
-    std::string_view form, kernel, format;
+    std::string_view form_name, kernel_name, format_name;
 };
 
 /// Object that is created at its first use.

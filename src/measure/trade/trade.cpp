@@ -17,7 +17,8 @@ using intersect::table::Intersector;
 
 namespace {
 
-constexpr std::size_t slice_in_memory = std::size_t{1} << 14;  // rays: about 600 kB a call
+/// About 600 kB for each call of a kernel.
+constexpr std::size_t rays_per_run_in_memory = std::size_t{1} << 14;
 
 /// Arrays of a load in both formats; null for a format that is not timed.
 struct Stores {
@@ -27,7 +28,7 @@ struct Stores {
 
 template <class S, class Kernel>
 TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warms_up) {
-    return {[&store, kernel] { store.run(kernel); }, store.slice(), warms_up};
+    return {[&store, kernel] { store.run(kernel); }, store.rays_per_run(), warms_up};
 }
 
 /// Fills `times`: every kernel on rays of the scene, interleaved.
@@ -42,21 +43,29 @@ void time_on_scene(const TradeRequest& request, TradeResult& result) {
                                  scene_work.hit_rate(), scene_work.primitives()}});
 }
 
-/// Fills `times`: every kernel on every load, interleaved.
-void time_on_loads(const TradeRequest& request, TradeResult& result) {
+/// Makes the arrays of each load, in the formats of the kernels.
+std::vector<Stores> make_stores(const TradeRequest& request) {
     const RayPool pool = ray_pool(request.shape);
     const bool has_f32 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f32 != nullptr; });
     const bool has_f64 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f64 != nullptr; });
     std::vector<Stores> stores;
     for (const TradeLoad& load : request.loads) {
-        const std::size_t slice = load.working_set == "memory" ? slice_in_memory : 0;
+        const std::size_t rays_per_run = load.working_set == "memory" ? rays_per_run_in_memory : 0;
         Stores store;
         if (has_f32)
-            store.f32 = std::make_unique<RayStore<float>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
+            store.f32 =
+                std::make_unique<RayStore<float>>(pool, load.bytes, load.hit_rate, rays_per_run, request.plan.seed);
         if (has_f64)
-            store.f64 = std::make_unique<RayStore<double>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
+            store.f64 =
+                std::make_unique<RayStore<double>>(pool, load.bytes, load.hit_rate, rays_per_run, request.plan.seed);
         stores.push_back(std::move(store));
     }
+    return stores;
+}
+
+/// Fills `times`: every kernel on every load, interleaved.
+void time_on_loads(const TradeRequest& request, TradeResult& result) {
+    const std::vector<Stores> stores = make_stores(request);
     std::vector<TimedWork> work;
     result.times.resize(request.kernels.size());
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
@@ -70,13 +79,14 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
             result.times[k].push_back({{}, bytes, rays, request.loads[l].hit_rate});
         }
     }
+
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t i = 0; i < timings.size(); ++i)
         result.times[i / stores.size()][i % stores.size()].timing = timings[i];
 }
 
-/// Measures accuracy, once for all kernels of a row.
-void measure_all(const TradeRequest& request, TradeResult& result) {
+/// Measures the accuracy of each row once, for all its kernels.
+void measure_accuracy(const TradeRequest& request, TradeResult& result) {
     std::vector<TestedForm> tested_forms;
     for (const TradeKernel& k : request.kernels) {
         const auto found = std::ranges::find_if(tested_forms, [&k](const TestedForm& r) {
@@ -96,7 +106,8 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
             evaluate::measure_groups(set.groups(), tested_forms, request.metrics, request.limit));
 }
 
-void count_all(const TradeRequest& request, TradeResult& result) {
+/// Counts the operations of each kernel on a ray that hits.
+void count_operations(const TradeRequest& request, TradeResult& result) {
     const RayPool pool = ray_pool(request.shape);
     const Ray<double>& hit = pool.hits.front();
     const auto to_float = [](const Vec<double>& v) {
@@ -175,8 +186,8 @@ std::uint64_t trade_units(const TradeRequest& request) {
 
 TradeResult run_trade(const TradeRequest& request) {
     TradeResult result;
-    measure_all(request, result);
-    count_all(request, result);
+    measure_accuracy(request, result);
+    count_operations(request, result);
     if (request.scene) time_on_scene(request, result);
     else time_on_loads(request, result);
     return result;

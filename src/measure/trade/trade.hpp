@@ -62,13 +62,13 @@ std::uint64_t trade_units(const TradeRequest& request);
 
 /// Results of each kernel, in the request's order.
 struct TradeResult {
-    struct Timed {
+    struct KernelTime {
         Timing timing;  ///< seconds a ray, on a scene for one ray and one primitive
         std::size_t bytes, rays;
         double hit_rate;  ///< hit rate of these rays
         std::size_t primitives = 1;
     };
-    std::vector<std::vector<Timed>> times;                      ///< [kernel][load]
+    std::vector<std::vector<KernelTime>> times;                 ///< [kernel][load]
     std::vector<OperationCounts> operations;                    ///< [kernel]
     std::vector<std::size_t> form_indices;                      ///< [kernel]: index of the row with its accuracy
     std::vector<std::vector<evaluate::FormSummary>> summaries;  ///< [ray set][tested form]

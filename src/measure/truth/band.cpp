@@ -145,6 +145,7 @@ Truth find_candidate_truth(Candidates candidates, std::size_t i, const Ray<S>& r
         if (primitives.all_listed()) return find_truth(ray, primitives.listed(), limit, convention, range);
         return find_truth(ray, std::span<const Primitive<S>>(primitives.all()), limit, convention, range);
     }
+
     thread_local std::vector<std::uint32_t> indices;
     thread_local std::vector<Primitive<S>> candidate_primitives;
     index->find_candidates(to_double_ray(ray), indices);
@@ -202,14 +203,18 @@ bool Band::may_differ(std::size_t i, Convention convention) const {
 bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     if (convention.by_shape)
         return std::ranges::any_of(all_shapes, [&](Shape shape) { return may_differ(i, convention.of(shape)); });
+
     const bool has_ranges = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && has_ranges) return true;
     if (convention.at_origin == AtOrigin::exit && truths_.on_surface[i] != 0) return true;
+
     // A ray that misses from both sides misses from one side. If the first hit is on a side that counts, it stays the
     // first hit, unless another property of the convention excludes it.
     if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss &&
         (truths_.may_differ(i, convention) || !first_hit_faces(i, convention.facing)))
         return true;
+
+    // Only a ray that starts inside a primitive has another answer.
     if (convention.inside == Inside::usual) return false;
     if (has_ranges) return true;  // the ray may begin elsewhere than at its origin
     if (ideal_ || !shared_primitives_.all_listed() || (culler_ && culler_->index_for_truth())) return true;
@@ -227,6 +232,8 @@ Truth Band::truth(std::size_t i, Convention convention) const {
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     FormatInputs in{.format = format, .paired = paired_, .stop = limit_.stop};
     const FloatFormat& parameters = format.parameters;
+
+    // Rounds the rays and primitives, and finds out whether the format rounds any number at all.
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, parameters);
         in.primitives = round_primitives(ideal_primitives_, parameters);
@@ -240,14 +247,18 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     }
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, parameters);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, parameters);
+
     // Ray generators end with directions of length one, up to their rounding.
     const bool rays_are_unit = ideal_ && ideal_->made;
     if (needs.unit_rays) in.unit_rays = rays_are_unit ? in.rays : normalise_rays(in.rays, parameters, limit_.stop);
+
+    // What the forms are tested against: an index, or lists of candidates made with it
     if (const auto index =
             culler_ && !needs.without_forms ? culler_->index_for_forms(parameters, in.primitives) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
+
     find_reach(in, needs);
     if (needs.stored_truth && !in.is_ideal) {
         if (culler_) in.truth_index = culler_->index_for_stored_truth(parameters, in.primitives);

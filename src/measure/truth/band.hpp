@@ -103,10 +103,10 @@ private:
     [[nodiscard]] bool first_hit_faces(std::size_t i, intersect::Facing facing) const;
 
     [[nodiscard]] Truth find_ray_truth(std::size_t i, intersect::Convention convention) const;
-    [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int primitive_index,
-                                      intersect::Convention convention) const;
-    [[nodiscard]] double reach_of(std::size_t i, const Truth& ray_truth, intersect::Convention convention,
-                                  Length length, const FloatFormat& format, Perturbed perturbed) const;
+    [[nodiscard]] double measure_condition(std::size_t i, Truth::Decision decision, int primitive_index,
+                                           intersect::Convention convention) const;
+    [[nodiscard]] double measure_reach(std::size_t i, const Truth& ray_truth, intersect::Convention convention,
+                                       Length length, const FloatFormat& format, Perturbed perturbed) const;
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;

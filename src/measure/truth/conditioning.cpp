@@ -40,14 +40,14 @@ struct FlatProblem {
 /// Number with enough derivatives for any primitive. If each shape had its own count, the code would be compiled once
 /// for each.
 template <class E>
-using Sensitive = Dual<E, 6 + most_stored>;
+using DualEnclosure = Dual<E, 6 + most_stored>;
 
 /// Problem in which each number is an input that t is differentiated by.
 template <class E>
 struct Problem {
     std::vector<E> inputs;
-    Ray<Sensitive<E>> ray;
-    Primitive<Sensitive<E>> primitive;
+    Ray<DualEnclosure<E>> ray;
+    Primitive<DualEnclosure<E>> primitive;
 
     explicit Problem(const FlatProblem& flat) : primitive(flat.shape) {
         const auto lift_all = [&](const auto& numbers) {
@@ -55,12 +55,18 @@ struct Problem {
         };
         std::visit(lift_all, flat.numbers);
         std::size_t i = 0;
-        const auto next_input = [&] { return ++i, Sensitive<E>::input(inputs[i - 1], i - 1, inputs.size()); };
-        for (auto* const v : {&ray.origin, &ray.direction})
-            v->x = next_input(), v->y = next_input(), v->z = next_input();
+        const auto next_input = [&] {
+            ++i;
+            return DualEnclosure<E>::input(inputs[i - 1], i - 1, inputs.size());
+        };
+        for (auto* const v : {&ray.origin, &ray.direction}) {
+            v->x = next_input();
+            v->y = next_input();
+            v->z = next_input();
+        }
         for (auto& element : primitive.shape_numbers()) element = next_input();
         if (!flat.placed) return;
-        primitive.placed = transformed(*flat.placed, [](int) { return Sensitive<E>(0); });
+        primitive.placed = transformed(*flat.placed, [](int) { return DualEnclosure<E>(0); });
         for (auto& element : primitive.placed->matrix) element = next_input();
     }
 };
@@ -80,7 +86,7 @@ std::optional<Sensitivity<E>> find_sensitivity(const FlatProblem& flat, Conventi
                                                const Range<double>& ray_range) {
     using Kind = typename Sensitivity<E>::Kind;
     const Problem<E> problem(flat);
-    const auto range = range_over<Sensitive<E>, E>(ray_range);
+    const auto range = range_over<DualEnclosure<E>, E>(ray_range);
     const auto enclosed = enclose(problem.ray, problem.primitive, range ? &*range : nullptr, convention);
     if (enclosed.hit.is_no()) return Sensitivity<E>{Kind::miss};
     if (!enclosed.hit.is_yes()) return std::nullopt;
@@ -172,6 +178,7 @@ typename Query::Answer answer_query(const Ray<S>& ray, const Primitive<S>& primi
         if (const auto answer = query_answer<Query>(find_sensitivity<Interval>(flat, convention, range)))
             return *answer;
     }
+
     // If no precision settles a problem, its formula divides by a square root that is exactly zero: the line is a
     // tangent.
     return Query::answer_for_infinite();
@@ -197,12 +204,13 @@ void Band::find_condition() {
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             limit_.stop.check();
-            condition_[i] = condition_of(i, truths_.decision[i], truths_.primitive[i], {});
+            condition_[i] = measure_condition(i, truths_.decision[i], truths_.primitive[i], {});
         }
     });
 }
 
-double Band::condition_of(std::size_t i, Truth::Decision decision, int primitive_index, Convention convention) const {
+double Band::measure_condition(std::size_t i, Truth::Decision decision, int primitive_index,
+                               Convention convention) const {
     if (decision != Truth::Decision::hit) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = primitives[static_cast<std::size_t>(primitive_index)];
@@ -213,19 +221,20 @@ double Band::condition_of(std::size_t i, Truth::Decision decision, int primitive
 double Band::condition(std::size_t i, Convention convention) const {
     if (convention.is_special() && needs_special_truth(i, convention)) {
         const Truth truth = find_ray_truth(i, convention);
-        return condition_of(i, truth.decision, truth.primitive, convention);
+        return measure_condition(i, truth.decision, truth.primitive, convention);
     }
     if (!truths_.may_differ(i, convention)) return condition_[i];
     const std::size_t key = convention_key(i, convention);
     const auto entry = special_conditions_.find(key);
     if (entry != special_conditions_.end()) return entry->second;
     const Truth& truth = special_truth(i, convention);
-    return special_conditions_.emplace(key, condition_of(i, truth.decision, truth.primitive, plain_part(convention)))
+    return special_conditions_
+        .emplace(key, measure_condition(i, truth.decision, truth.primitive, plain_part(convention)))
         .first->second;
 }
 
-double Band::reach_of(std::size_t i, const Truth& ray_truth, Convention convention, Length length,
-                      const FloatFormat& format, Perturbed perturbed) const {
+double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention convention, Length length,
+                           const FloatFormat& format, Perturbed perturbed) const {
     if (!ray_truth.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = primitives[static_cast<std::size_t>(ray_truth.primitive)];
@@ -246,7 +255,7 @@ double Band::reach(std::size_t i, Convention convention, intersect::Direction di
     const bool has_closed_reach = !closed_reaches.empty() && !may_differ(i, convention);
     return has_closed_reach
                ? closed_reaches[i]
-               : reach_of(i, truth(i, convention), convention, length, inputs.format.parameters, perturbed);
+               : measure_reach(i, truth(i, convention), convention, length, inputs.format.parameters, perturbed);
 }
 
 void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
@@ -259,7 +268,7 @@ void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
             intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
                 limit_.stop.check();
                 for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    reaches[i] = reach_of(i, truths_[i], {}, length, in.format.parameters, perturbed);
+                    reaches[i] = measure_reach(i, truths_[i], {}, length, in.format.parameters, perturbed);
             });
         }
     }

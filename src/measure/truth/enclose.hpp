@@ -150,12 +150,16 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* ra
     const Fraction<E> exit = smallest_exit(slabs);
     const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
+
+    // Hits at the start of the ray
     const auto hit_at_begin = [&] { return enclose_begin(slabs.d2, range); };
     const bool runs_along = touching && leaving.is_no();
     if ((entered.is_no() || runs_along) && convention.at_origin == AtOrigin::hit) return hit_at_begin();
     const bool exit_counts = convention.inside == Inside::exit || entered.is_no();
     if (leaving.is_yes()) return exit_counts && convention.at_origin != AtOrigin::miss ? hit_at_begin() : miss;
     if (convention.inside != Inside::exit && !runs_along) return miss;
+
+    // Hit at the exit
     if (range) {
         const Tri in_range = is_before_range_end(order_of(exit, range->end), *range);
         if (!in_range.is_yes()) return {in_range};
@@ -242,13 +246,17 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
         const Tri at_begin = to_begin.at_most;
         if (ahead.is_no()) continue;
         if (ahead.is_unknown() || at_begin.is_unknown() || Tri(crossing.open).is_unknown()) return {Tri::unknown};
+
+        // The convention may ignore a touch, or a crossing at the start.
         const bool touching = Tri(crossing.open).is_no(), is_exit = i + 1 == S::crossings;
         const bool is_ignored_start = at_begin.is_yes() && (convention.at_origin == AtOrigin::miss ||
                                                             (convention.at_origin == AtOrigin::exit && !is_exit));
         if (is_ignored_start || (touching && convention.touching == Touching::miss)) {
-            miss.touching |= touching, miss.on_surface |= at_begin.is_yes();
+            miss.touching |= touching;
+            miss.on_surface |= at_begin.is_yes();
             continue;
         }
+
         if (at_begin.is_yes() && (begin.n <= zero).is_yes()) return enclose_begin(s.d2, range, touching, true);
         return enclose_crossing<E>(s, i, touching, at_begin.is_yes());
     }
@@ -281,6 +289,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Span
     const bool on_surface = touching || entered.is_no() || leaving.is_yes();
     const Enclosed<E> miss{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
     const bool ignores_exits = convention.inside == Inside::miss && !touching;
+
     if (on_surface) {
         const bool start_counts =
             convention.at_origin == AtOrigin::hit || (convention.at_origin == AtOrigin::exit && leaving.is_yes());
@@ -291,6 +300,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Span
     } else if (ignores_exits) {
         return miss;
     }
+
     if (range) {
         const Tri in_range = is_before_range_end(s.compare_exit(range->end), *range);
         if (!in_range.is_yes()) return in_range.is_no() ? miss : Enclosed<E>{Tri::unknown};

@@ -37,16 +37,21 @@ public:
             if constexpr (std::is_same_v<S, double>) {
                 words[k] = numbers;
             } else {
-                buffers_[k].resize(numbers.size()), buffers_[k + 6].resize(numbers.size());
+                // First words in the first six buffers, second words in the others
+                buffers_[k].resize(numbers.size());
+                buffers_[k + 6].resize(numbers.size());
                 std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return word_of(x); });
                 std::ranges::transform(numbers, buffers_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
-                words[k] = buffers_[k], low[k] = buffers_[k + 6];
+                words[k] = buffers_[k];
+                low[k] = buffers_[k + 6];
             }
         }
+
         const auto block_part = [&](const std::vector<double>& column) {
             return column.empty() ? std::span(column) : std::span(column).subspan(begin, end - begin);
         };
-        tmin = block_part(rays.tmin), tmax = block_part(rays.tmax);
+        tmin = block_part(rays.tmin);
+        tmax = block_part(rays.tmax);
     }
     SixColumns words;     ///< first words of the origin and the direction
     SixColumns low = {};  ///< second words; empty for double
@@ -115,7 +120,8 @@ struct GatheredProblems {
                                   std::size_t lanes) {
         const std::size_t padded_size = (indices.size() + lanes - 1) / lanes * lanes;
         auto raw = stages::raw_problems<S>(padded_size, findings.raw());
-        raw.open = p.open, raw.matrix = p.matrix;
+        raw.open = p.open;
+        raw.matrix = p.matrix;
         S* target = numbers[0];
         for_each_column(p, raw, [&](std::span<const From> source, stages::RawColumn<S>& column, From default_number) {
             column = {target, source.size() <= 1 ? std::size_t{0} : std::size_t{1}};
@@ -181,6 +187,8 @@ public:
         const std::size_t whole_count = count - count % lanes, rest_count = count - whole_count;
         if (whole_count > 0) stage(raw_at(begin, whole_count, found));
         if (rest_count == 0) return;
+
+        // Copies the rest into whole registers, runs the stage there, and copies its findings back.
         std::array<std::size_t, most_lanes> rest_indices;
         std::iota(rest_indices.begin(), rest_indices.end(), begin + whole_count);
         auto& gathered = GatheredProblems<S>::for_thread();
@@ -189,22 +197,28 @@ public:
         if (!found.t.hi) raw.out.t = {};
         if (!found.distance.hi) raw.out.distance = {};
         stage(raw);
+
         const auto copy_rest = [&](const auto* source, auto* target) {
             std::copy_n(source, rest_count, target + whole_count);
         };
         const auto copy_length = [&](const stages::RawLength& source, const stages::RawLength& target) {
-            if (target.hi)
-                copy_rest(source.hi, target.hi), copy_rest(source.lo, target.lo), copy_rest(source.bound, target.bound);
+            if (!target.hi) return;
+            copy_rest(source.hi, target.hi);
+            copy_rest(source.lo, target.lo);
+            copy_rest(source.bound, target.bound);
         };
-        copy_rest(gathered.findings.settled, found.settled), copy_rest(gathered.findings.hit, found.hit);
-        copy_length(raw.out.t, found.t), copy_length(raw.out.distance, found.distance);
+        copy_rest(gathered.findings.settled, found.settled);
+        copy_rest(gathered.findings.hit, found.hit);
+        copy_length(raw.out.t, found.t);
+        copy_length(raw.out.distance, found.distance);
     }
 
 private:
     /// Returns `size` problems from `begin` on, in whole registers.
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
-        raw.open = problems_.open, raw.matrix = problems_.matrix;
+        raw.open = problems_.open;
+        raw.matrix = problems_.matrix;
         raw.has_ranges = has_ranges_;
         const S* repeated = repeated_[0];
         for_each_column(problems_, raw, [&](std::span<const S> source, stages::RawColumn<S>& column, S) {

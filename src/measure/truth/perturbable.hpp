@@ -25,9 +25,9 @@ inline constexpr int exponent_of_zero = -1000000;
 inline constexpr double underflow_loss = std::numeric_limits<double>::denorm_min();
 
 /// Number with a bound of its error.
-using WithinErrors = Bounded<double>;
+using BoundedDouble = Bounded<double>;
 /// Number with a derivative for each number of a problem of any shape.
-using Differentiated = Dual<WithinErrors, 6 + most_stored>;
+using DualNumber = Dual<BoundedDouble, 6 + most_stored>;
 
 inline double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
 inline double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
@@ -48,92 +48,76 @@ inline double length_of(std::span<const double> x, std::size_t first, std::size_
 }
 
 /// Interval of all values that a number may have.
-struct AllValues {
+struct ValueInterval {
     double low, high;
 
-    explicit AllValues(const WithinErrors& x)
+    explicit ValueInterval(const BoundedDouble& x)
         : low(std::nextafter(x.value() - x.error(), -unbounded)),
           high(std::nextafter(x.value() + x.error(), unbounded)) {}
     /// Largest and least absolute values in the interval.
     [[nodiscard]] double largest_magnitude() const { return std::max(std::fabs(low), std::fabs(high)); }
     [[nodiscard]] double least_magnitude() const { return std::max({0.0, low, -high}); }
-    void extend(const AllValues& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
+    void extend(const ValueInterval& x) {
+        low = std::min(low, x.low);
+        high = std::max(high, x.high);
+    }
 };
 
 /// Numbers of a problem (of the origin, the direction, the primitive and its matrix) and the error bound of each. The
-/// units of the numbers make the largest length and the largest component of d about 1. Under a matrix A, the lengths
-/// of the primitive have a unit of their own, its directions have another unit, and the unit of A is the quotient of
-/// two units. So no number is above 1, and nothing overflows. The bounds include the losses of small numbers to
-/// underflow.
+/// units of the numbers make the largest length and the largest component of d about 1. The primitive's directions have
+/// a unit of their own. Under a matrix A there are two more units: for the primitive's lengths, and for A (the quotient
+/// of the result's and the source's unit of length). So no number is above 1, and nothing overflows. The bounds include
+/// the losses of small numbers to underflow.
 class ProblemNumbers {
 public:
     template <class S>
     ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbation,
                    Length length)
-        : matrix_begin_(6 + row_of(s.shape).numbers),
+        : matrix_begin_(primitive_begin + row_of(s.shape).numbers),
           count_(matrix_begin_ + (s.placed ? Affine<S>::numbers : 0)),
           shape_(s.shape),
           is_normwise_(perturbation == Perturbed::normwise),
           is_distance_(length == Length::distance) {
         const auto number = [&](std::size_t i) {
-            return i < 3               ? r.origin[static_cast<int>(i)]
-                   : i < 6             ? r.direction[static_cast<int>(i - 3)]
-                   : i < matrix_begin_ ? s.numbers[i - 6]
-                                       : s.placed->matrix[place_in_matrix(i - matrix_begin_)];
+            return i < direction_begin   ? r.origin[static_cast<int>(i)]
+                   : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
+                   : i < matrix_begin_   ? s.numbers[i - primitive_begin]
+                                         : s.placed->matrix[place_in_matrix(i - matrix_begin_)];
         };
         if (s.placed) placed_ = transformed(*s.placed, [](const S&) { return 0; });
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
-            std::fill_n(&is_direction_[6 + k], key.count(), key.kind == Key::Kind::direction);
+            std::fill_n(&is_direction_[primitive_begin + k], key.count(), key.kind == Key::Kind::direction);
         });
-        std::array<int, capacity> exponents{};
-        for (std::size_t i = 0; i < count_; ++i) {
-            exponents[i] = binary_exponent(number(i));
-            int& unit = units_[unit_index(i)];
-            unit = std::max(unit, exponents[i]);
-        }
-        if (placed_) set_units_of_matrix();
-        for (int* const unit : {&units_[0], &units_[1]}) {  // the units of lengths and directions
-            if (placed_) break;
-            *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // zeros get emin
-        }
-        for (std::size_t i = 0; i < count_; ++i) {
-            numbers_[i] = scaled(number(i), -unit_of(i));
-            if (S(ldexp(S(numbers_[i]), unit_of(i))) != number(i))
-                rounding_error_[i] = std::fabs(numbers_[i]) * 0x1p-53 + underflow_loss;
-            input_error_[i] =
-                scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + underflow_loss;
-        }
-        if (is_normwise_)
-            for_each_vector([&](std::size_t first, std::size_t end) {
-                std::fill(&input_error_[first], &input_error_[first] + (end - first),
-                          scaled(length_of(numbers_, first, end), -format.precision) + underflow_loss);
-            });
-        for (std::size_t i = 0; i < count_; ++i)
-            total_error_[i] = (input_error_[i] + rounding_error_[i]) * rounding_factor + underflow_loss;
+
+        choose_units(number, format);
+        scale_numbers<S>(number);
+        bound_errors(number, format);
     }
 
     [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
     [[nodiscard]] Shape shape() const { return shape_; }
     /// Number i with the largest error that it may have.
-    [[nodiscard]] WithinErrors perturbed(std::size_t i) const { return {numbers_[i], total_error_[i]}; }
+    [[nodiscard]] BoundedDouble perturbed(std::size_t i) const { return {numbers_[i], total_error_[i]}; }
     /// Number i as it is stored, without an error of the input. The bound is 0 if a double holds the number in its
     /// unit. If the number underflows to 0 in its unit, the bound is above 0.
-    [[nodiscard]] WithinErrors stored(std::size_t i) const { return {numbers_[i], rounding_error_[i]}; }
+    [[nodiscard]] BoundedDouble stored(std::size_t i) const { return {numbers_[i], rounding_error_[i]}; }
     /// log2 of the unit of t, or of the distance.
-    [[nodiscard]] int unit_exponent() const { return is_distance_ ? units_[0] : units_[0] - units_[1]; }
+    [[nodiscard]] int unit_exponent() const {
+        return is_distance_ ? unit(UnitKind::length) : unit(UnitKind::length) - unit(UnitKind::direction);
+    }
     /// t, or the distance, in its unit.
-    [[nodiscard]] WithinErrors in_units(const Certified& t) const {
+    [[nodiscard]] BoundedDouble in_units(const Certified& t) const {
         const auto e = std::clamp<std::int64_t>(t.exponent - unit_exponent(), -5000, 5000);
         const double value = std::ldexp(t.hi, static_cast<int>(e));
-        return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + underflow_loss);
+        return BoundedDouble(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + underflow_loss);
     }
 
     /// Bound of |f(x') − f(x)|: Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem);
     /// for vectors, Σ hᵥ |∇ᵥ f|.
-    [[nodiscard]] double bound_change(const Differentiated& f) const {
+    [[nodiscard]] double bound_change(const DualNumber& f) const {
         std::array<double, capacity> movements;
         for (std::size_t i = 0; i < count_; ++i) {
-            const double steepest = AllValues(f.derivative(i)).largest_magnitude();
+            const double steepest = ValueInterval(f.derivative(i)).largest_magnitude();
             movements[i] = steepest == 0 ? 0 : input_error_[i] * steepest + underflow_loss;
         }
         double sum = 0;
@@ -143,10 +127,11 @@ public:
         return sum * rounding_factor;
     }
 
-    /// Bound of |f(x')| for an f that is 0 if t is its root. If f is not 0 (the range begins at t, or the ray meets
-    /// another face), a second bound is the part of the enclosure of f(x') beyond 0, which is often empty.
-    [[nodiscard]] double bound_at_root(const Differentiated& f) const {
-        const WithinErrors& enclosure = f.value();
+    /// Bound of |f(x')|. If t is a root of f, `bound_change` is a bound. Where t is not a root of f (the range begins
+    /// at t, or the ray meets another face), the part of the enclosure of f(x') past 0 is also a bound, often 0. The
+    /// smaller bound is returned.
+    [[nodiscard]] double bound_at_root(const DualNumber& f) const {
+        const BoundedDouble& enclosure = f.value();
         return std::min(bound_change(f),
                         std::max(0.0, enclosure.error() * rounding_factor - std::fabs(enclosure.value())));
     }
@@ -159,45 +144,103 @@ public:
     ///
     /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
     /// simple norm inequality, 1964).
-    [[nodiscard]] double ball_bound(const WithinErrors& t) const {
+    [[nodiscard]] double ball_bound(const BoundedDouble& t) const {
         if (placed_ || !has_bounding_box(shape_)) return unbounded;
         Primitive<double> unplaced(shape_);
-        std::copy_n(numbers_.begin() + 6, unplaced.shape_numbers().size(), unplaced.numbers.begin());
+        std::copy_n(numbers_.begin() + primitive_begin, unplaced.shape_numbers().size(), unplaced.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
-        double distance = 2 * ball_around(unplaced).radius + 0x1p-48 * length_of(numbers_, 6, count_) + 0x1p-500;
+        double largest_separation =
+            2 * ball_around(unplaced).radius + 0x1p-48 * length_of(numbers_, primitive_begin, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {
-            if (first != 3) distance += length_of(input_error_, first, end);
+            if (first != direction_begin) largest_separation += length_of(input_error_, first, end);
         });
-        const double direction_error = length_of(input_error_, 3, 6), d = length_of(numbers_, 3, 6) - direction_error;
+
+        const double direction_error = length_of(input_error_, direction_begin, primitive_begin);
+        const double d = length_of(numbers_, direction_begin, primitive_begin) - direction_error;
         if (!(d > 0)) return unbounded;
         const double unit_direction_error =
             is_distance_ ? 2 * direction_error / (2 * d + direction_error) : direction_error;
-        return (distance + std::fabs(t.value()) * unit_direction_error) * (1 + 0x1p-30) / (is_distance_ ? 1 : d);
+        return (largest_separation + std::fabs(t.value()) * unit_direction_error) * (1 + 0x1p-30) /
+               (is_distance_ ? 1 : d);
     }
 
 protected:
+    /// Indices of the first numbers of the direction and the primitive; those of the origin come first.
+    static constexpr std::size_t direction_begin = 3, primitive_begin = 6;
     std::size_t matrix_begin_, count_;      ///< index of the first number of the matrix; count of all numbers
     std::optional<Placement<int>> placed_;  ///< kind of the matrix, without its numbers
     [[nodiscard]] bool is_distance() const { return is_distance_; }
 
 private:
-    static constexpr std::size_t capacity = 6 + most_stored;
+    static constexpr std::size_t capacity = primitive_begin + most_stored;
+    static constexpr std::size_t linear_part_size = 9;  ///< numbers of a matrix before its translation
 
-    /// Index of the unit of number i. The units are: 0 lengths in the world, 1 directions in the world, 2 lengths of a
-    /// primitive under a matrix, 3 the linear part of the matrix, 4 directions of the primitive.
-    [[nodiscard]] std::size_t unit_index(std::size_t i) const {
-        if (i >= 3 && i < 6) return 1;
-        if (i >= 6 && i < matrix_begin_ && is_direction_[i]) return 4;
-        if (!placed_ || i < 3) return 0;
-        if (i < matrix_begin_) return 2;
-        return i < matrix_begin_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
+    /// Units of the numbers. `length` and `direction` are those of the world, and `object_length` is that of a
+    /// primitive under a matrix.
+    enum class UnitKind : std::uint8_t { length, direction, object_length, linear_part, object_direction };
+    static constexpr std::size_t unit_kinds = 5;
+
+    [[nodiscard]] UnitKind unit_kind(std::size_t i) const {
+        if (i >= direction_begin && i < primitive_begin) return UnitKind::direction;
+        if (i >= primitive_begin && i < matrix_begin_ && is_direction_[i]) return UnitKind::object_direction;
+        if (!placed_ || i < direction_begin) return UnitKind::length;
+        if (i < matrix_begin_) return UnitKind::object_length;
+        if (i < matrix_begin_ + linear_part_size) return UnitKind::linear_part;
+        return placed_->is_inverse ? UnitKind::object_length : UnitKind::length;
     }
-    [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_index(i)]; }
+    [[nodiscard]] int& unit(UnitKind kind) { return units_[static_cast<std::size_t>(kind)]; }
+    [[nodiscard]] int unit(UnitKind kind) const { return units_[static_cast<std::size_t>(kind)]; }
+    [[nodiscard]] int unit_of(std::size_t i) const { return unit(unit_kind(i)); }
+
+    /// Sets each unit to the exponent of the largest number that has it. Without a matrix, units near 1 are 1, and the
+    /// unit of zeros is 2^emin.
+    template <class Number>
+    void choose_units(const Number& number, const FloatFormat& format) {
+        units_.fill(exponent_of_zero);
+        for (std::size_t i = 0; i < count_; ++i) {
+            int& exponent = unit(unit_kind(i));
+            exponent = std::max(exponent, binary_exponent(number(i)));
+        }
+        if (placed_) {
+            set_units_of_matrix();
+            return;
+        }
+        for (const UnitKind kind : {UnitKind::length, UnitKind::direction}) {
+            int& exponent = unit(kind);
+            exponent = std::abs(exponent) < 32 ? 0 : std::max(exponent, format.emin);
+        }
+    }
+    /// Divides each number by its unit. S is the type of the stored numbers.
+    template <class S, class Number>
+    void scale_numbers(const Number& number) {
+        for (std::size_t i = 0; i < count_; ++i) {
+            numbers_[i] = scaled(number(i), -unit_of(i));
+            if (S(ldexp(S(numbers_[i]), unit_of(i))) != number(i))
+                rounding_error_[i] = std::fabs(numbers_[i]) * 0x1p-53 + underflow_loss;
+        }
+    }
+    /// Bounds the error of each input, by its own size or by that of its vector, and the total error.
+    template <class Number>
+    void bound_errors(const Number& number, const FloatFormat& format) {
+        for (std::size_t i = 0; i < count_; ++i) {
+            const int exponent = std::max(binary_exponent(number(i)), format.emin);
+            input_error_[i] = scaled(1, exponent - format.precision - unit_of(i)) + underflow_loss;
+        }
+        if (is_normwise_)
+            for_each_vector([&](std::size_t first, std::size_t end) {
+                std::fill(&input_error_[first], &input_error_[first] + (end - first),
+                          scaled(length_of(numbers_, first, end), -format.precision) + underflow_loss);
+            });
+        for (std::size_t i = 0; i < count_; ++i)
+            total_error_[i] = (input_error_[i] + rounding_error_[i]) * rounding_factor + underflow_loss;
+    }
     /// Sets the units of a matrix. A point x' of the primitive is at A x' + τ in the world, or the inverse holds, so
     /// the unit of A is the quotient of both units. If A is larger than this quotient, the unit of its result grows.
     void set_units_of_matrix() {
         const bool is_inverse = placed_->is_inverse;
-        int &result = units_[is_inverse ? 2 : 0], &source = units_[is_inverse ? 0 : 2], &linear = units_[3];
+        int& result = unit(is_inverse ? UnitKind::object_length : UnitKind::length);
+        int& source = unit(is_inverse ? UnitKind::length : UnitKind::object_length);
+        int& linear = unit(UnitKind::linear_part);
         source = std::max(source, -1000);  // if all numbers are zeros
         result = std::max(result, linear + source);
         linear = result - source;
@@ -205,30 +248,35 @@ private:
     /// Calls `act(first, end)` for the indices of each vector and each length.
     template <class Act>
     void for_each_vector(const Act& act) const {
-        act(0, 3), act(3, 6);
-        for_each_key(shape_, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
-        if (placed_) act(matrix_begin_, matrix_begin_ + 9), act(matrix_begin_ + 9, count_);
+        act(0, direction_begin);
+        act(direction_begin, primitive_begin);
+        for_each_key(shape_, [&](const Key& key, std::size_t k) {
+            act(primitive_begin + k, primitive_begin + k + key.count());
+        });
+        if (!placed_) return;
+        act(matrix_begin_, matrix_begin_ + linear_part_size);
+        act(matrix_begin_ + linear_part_size, count_);
     }
 
     Shape shape_;
     bool is_normwise_, is_distance_;
-    std::array<int, 5> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
+    std::array<int, unit_kinds> units_;
     std::array<bool, capacity> is_direction_{};
     std::array<double, capacity> numbers_, input_error_, total_error_, rounding_error_{};
 };
 
 /// A problem as a function of its numbers: f(ray, primitive) encloses f(x') for any x' within the errors. For distances
 /// the direction is d/|d|, also a function of its numbers, so that t is the distance.
-class Perturbable : public ProblemNumbers {
+class PerturbedProblem : public ProblemNumbers {
     template <class Number>
-    static auto ray_of(const Number& number) {
+    static auto make_ray(const Number& number) {
         using T = decltype(number(0));
         return Ray<T>{Vec<T>(number(0), number(1), number(2)), Vec<T>(number(3), number(4), number(5))};
     }
     /// Sets the numbers of a primitive and its matrix to what `number` returns for their indices.
     template <class T, class Number>
     void fill(Primitive<T>& target, const Number& number) const {
-        for (std::size_t i = 6; i < matrix_begin_; ++i) target.numbers[i - 6] = number(i);
+        for (std::size_t i = primitive_begin; i < matrix_begin_; ++i) target.numbers[i - primitive_begin] = number(i);
         if (!placed_) return;
         target.placed = transformed(*placed_, [](int) { return T(0); });
         for (std::size_t i = matrix_begin_; i < count_; ++i)
@@ -236,22 +284,22 @@ class Perturbable : public ProblemNumbers {
     }
 
 public:
-    Ray<Differentiated> ray;
-    Primitive<Differentiated> primitive;
+    Ray<DualNumber> ray;
+    Primitive<DualNumber> primitive;
 
-    explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
-        const auto number = [&](std::size_t i) { return Differentiated::input(perturbed(i), i, count_); };
-        ray = ray_of(number);
+    explicit PerturbedProblem(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
+        const auto number = [&](std::size_t i) { return DualNumber::input(perturbed(i), i, count_); };
+        ray = make_ray(number);
         fill(primitive, number);
         if (!is_distance()) return;
-        const Differentiated length = sqrt(square(ray.direction));
+        const DualNumber length = sqrt(square(ray.direction));
         ray.direction = {ray.direction.x / length, ray.direction.y / length, ray.direction.z / length};
     }
 
     /// Calls `act(shape, ray)` in object space, with a ray that starts at the point at t.
     template <class Act>
-    [[nodiscard]] auto in_object_space_from(const WithinErrors& t, const Act& act) const {
-        const Ray<Differentiated> moved_ray{ray.origin + Differentiated(t) * ray.direction, ray.direction};
+    [[nodiscard]] auto in_object_space_from(const BoundedDouble& t, const Act& act) const {
+        const Ray<DualNumber> moved_ray{ray.origin + DualNumber(t) * ray.direction, ray.direction};
         return visit_shape(primitive, [&]<template <class> class Of>() {
             return visit_in_object_space<Of>(moved_ray, primitive, act);
         });
@@ -260,8 +308,8 @@ public:
     template <class Act>
     [[nodiscard]] auto in_object_space_as_stored(const Act& act) const {
         const auto number = [&](std::size_t i) { return stored(i); };
-        const Ray<WithinErrors> stored_ray = ray_of(number);
-        Primitive<WithinErrors> stored_primitive(shape());
+        const Ray<BoundedDouble> stored_ray = make_ray(number);
+        Primitive<BoundedDouble> stored_primitive(shape());
         fill(stored_primitive, number);
         return visit_shape(stored_primitive, [&]<template <class> class Of>() {
             return visit_in_object_space<Of>(stored_ray, stored_primitive, act);

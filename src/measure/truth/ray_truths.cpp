@@ -128,6 +128,7 @@ private:
             rays.settle(stages.double_double, stages.lanes, 0, count_, found);
             for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);
         };
+
         if (is_first) {
             auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data()) + begin_;
             const auto from_begin = [this](std::vector<double>& column) { return column.data() + begin_; };
@@ -139,6 +140,7 @@ private:
             for (std::size_t i = 0; i < count_; ++i) out_.primitive[begin_ + i] = hit[i] != 0 ? primitive_of(i) : -1;
             return;
         }
+
         BatchFindings& found = GatheredProblems<double>::for_thread(shape_rows.front().shape).findings;
         run_stage(found.raw());
         for (std::size_t i = 0; i < count_; ++i)
@@ -159,8 +161,11 @@ private:
         }
         out_.decision[ray] = Truth::Decision::hit;
         out_.primitive[ray] = primitive;
-        out_.t.hi[ray] = found.hi[i], out_.t.lo[ray] = found.lo[i], out_.t.bound[ray] = found.bound[i];
-        out_.distance.hi[ray] = found.distance_hi[i], out_.distance.lo[ray] = found.distance_lo[i];
+        out_.t.hi[ray] = found.hi[i];
+        out_.t.lo[ray] = found.lo[i];
+        out_.t.bound[ray] = found.bound[i];
+        out_.distance.hi[ray] = found.distance_hi[i];
+        out_.distance.lo[ray] = found.distance_lo[i];
         out_.distance.bound[ray] = found.distance_bound[i];
     }
 
@@ -222,11 +227,15 @@ private:
     void add_pair(std::size_t i, std::uint32_t primitive_index) {
         const Primitive<S> primitive = problems_.primitives[primitive_index];
         GatheredProblems<double>& target = gathered_problems(primitive.shape);
+
+        // All gathered problems of a shape have one kind of matrix, so another kind settles those before.
         stages::MatrixKind& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
         if (const auto matrix_kind = under_matrix(primitive); !(matrix_kind == matrix)) {
             settle(primitive.shape);
             matrix = matrix_kind;
         }
+
+        // First words of the ray and the primitive, the range, and then second words
         const auto set_ray_columns = [&](std::size_t first, const SixColumns& source) {
             for (std::size_t k = 0; k < 6; ++k) target.numbers[first + k][target.size] = source[k][i];
         };
@@ -243,6 +252,7 @@ private:
             set_primitive_columns(first_low_column + 6,
                                   transformed(primitive, [](const S& x) { return low_word_of(x); }));
         }
+
         pair_indices(primitive.shape)[target.size++] = pairs_.size();
         pairs_.push_back({i, primitive_index, {}});
         if (target.size == batch_size) settle(primitive.shape);
@@ -280,7 +290,8 @@ private:
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& problems = gathered_problems(shape);
         auto raw = problems.added_problems(stages.lanes, two_words);
-        raw.open = problems_.rays.open, raw.has_ranges = has_ranges_;
+        raw.open = problems_.rays.open;
+        raw.has_ranges = has_ranges_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.double_double(raw);
         store_findings(problems.findings, shape, open_pairs, [&open_pairs](std::size_t k) { return open_pairs[k]; });
@@ -369,6 +380,8 @@ StageCounts find_truths_of_rays(const RaysAndPrimitives<S>& problems, ProofLimit
         intersect::process::require_standard("the truth of rays");
         BlockSearch<S>(problems, limit, begin, end, out, results_by_thread.local()).find();
     };
+
+    // A single block needs no parallel loop.
     if (ray_count <= batch_size) {
         find(0, ray_count);
     } else {
@@ -376,6 +389,7 @@ StageCounts find_truths_of_rays(const RaysAndPrimitives<S>& problems, ProofLimit
             std::size_t{0}, (ray_count + batch_size - 1) / batch_size,
             [&](std::size_t block) { find(block * batch_size, std::min(ray_count, (block + 1) * batch_size)); });
     }
+
     StageCounts counts;
     out.complete_truths.clear();
     results_by_thread.combine_each([&](const ThreadResults& results) {

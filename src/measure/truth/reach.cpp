@@ -20,15 +20,15 @@ namespace {
 /// `least` and `most` on the way to t'.
 struct LocalQuadratic {
     double B;
-    AllValues slope;
+    ValueInterval slope;
     double least, most;
     double parabola_ratio = 1;  ///< √(most/least) if P'' may change on the way
 
-    LocalQuadratic(const Perturbable& problem, const QuadraticSpan<Differentiated>& s)
+    LocalQuadratic(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s)
         : B(problem.bound_at_root(s.c)),
           slope(s.h.value()),
-          least(AllValues(s.a.value()).least_magnitude()),
-          most(AllValues(s.a.value()).largest_magnitude()) {}
+          least(ValueInterval(s.a.value()).least_magnitude()),
+          most(ValueInterval(s.a.value()).largest_magnitude()) {}
 };
 
 /// Bound on |δ|, δ = t' − t. The ray begins at t here, so that all numbers are of the size of the primitive, however
@@ -57,7 +57,7 @@ double bound_root(const LocalQuadratic& local) {
     return std::sqrt(local.B / local.least) * local.parabola_ratio + 2 * std::max(0.0, -sigma) / local.least;
 }
 
-double bound_root(const Perturbable& problem, const QuadraticSpan<Differentiated>& s) {
+double bound_root(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s) {
     return bound_root(LocalQuadratic(problem, s));
 }
 
@@ -65,24 +65,30 @@ double bound_root(const Perturbable& problem, const QuadraticSpan<Differentiated
 /// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order,
 /// this is B/|f'| for k = 1. For k = 2 it is the bound that holds at a tangent, a square root of the errors; and so on
 /// for larger k.
-double bound_root(const Perturbable& problem, const QuarticSpan<Differentiated>& s) {
+double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>& s) {
     const double B = problem.bound_at_root(s.f.at(s.b));
     if (B == 0) return 0;
+
+    // Bounds of |cₖ| = |aᵏ f⁽ᵏ⁾(b)|/k!
     std::array<double, 5> most{B}, least{};
-    Polynomial<Differentiated> f = s.f;
-    Differentiated power = s.a;
+    Polynomial<DualNumber> f = s.f;
+    DualNumber power = s.a;
     for (int k = 1, factorial = 1; k <= 4; ++k) {
-        f = f.slope(), factorial *= k;
-        const auto c = (power * f.at(s.b) / Differentiated(factorial)).value();
+        f = f.slope();
+        factorial *= k;
+        const auto c = (power * f.at(s.b) / DualNumber(factorial)).value();
         power = power * s.a;
         most[static_cast<std::size_t>(k)] = std::fabs(c.value()) + c.error() * rounding_factor;
         least[static_cast<std::size_t>(k)] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * rounding_factor;
     }
+
     const auto sum_of_others = [&most](std::size_t k, double rho) {
         double sum = 0;
         for (std::size_t j = 5; j-- > 0;) sum = sum * rho + (j == k ? 0 : most[j]);
         return sum * rounding_factor;
     };
+
+    // For each k, starts from the radius that c₀ alone needs, and grows it until the circle encloses k roots.
     double best = unbounded;
     for (std::size_t k = 1; k <= 4; ++k) {
         if (!(least[k] > 0)) continue;
@@ -100,25 +106,25 @@ double bound_root(const Perturbable& problem, const QuarticSpan<Differentiated>&
 
 /// Bound on |t' − t| = |n'/m'| for t = n/m, where n is 0 because the ray begins at t. If the ray is known to begin on
 /// the inner side of a plane (n > 0), that plane comes no nearer.
-double bound_quotient(const Perturbable& problem, const Differentiated& n, const Differentiated& m) {
+double bound_quotient(const PerturbedProblem& problem, const DualNumber& n, const DualNumber& m) {
     const double B = problem.bound_at_root(n);
     if (B == 0) return 0;
-    const double least = AllValues(m.value()).least_magnitude();
+    const double least = ValueInterval(m.value()).least_magnitude();
     return least > 0 ? B / least : unbounded;
 }
 
-double bound_root(const Perturbable& problem, const FlatSpan<Differentiated>& s) {
+double bound_root(const PerturbedProblem& problem, const FlatSpan<DualNumber>& s) {
     return bound_quotient(problem, s.at.n, s.at.m);
 }
 
-double bound_root(const Perturbable& problem, const WallSpan<Differentiated>& s) {
+double bound_root(const PerturbedProblem& problem, const WallSpan<DualNumber>& s) {
     return bound_root(problem, s.primitive.side);
 }
 
 /// Bound on |t' − t| for slabs. t lies on one of their planes, and moves at most as far as any plane that can come to
 /// this point of the line. If the line does not cross a slab, the quotients of its planes are 1/0, which no error
 /// moves.
-[[maybe_unused]] double bound_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
+[[maybe_unused]] double bound_root(const PerturbedProblem& problem, const SlabSpan<DualNumber>& s) {
     double most = 0;
     for (std::size_t i = 0; i < s.entry.size(); ++i)
         for (const auto& plane : {s.entry[i], s.exit[i]})
@@ -130,13 +136,13 @@ double bound_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
 /// (above 0 between the planes), and the speed of the ray across the planes. A line that runs along the planes meets
 /// neither.
 struct Slab {
-    Differentiated from_low, from_high, across;
+    DualNumber from_low, from_high, across;
     bool is_along = false;
 
-    [[nodiscard]] double bound_movement(const Perturbable& problem,
+    [[nodiscard]] double bound_movement(const PerturbedProblem& problem,
                                         AnswerFaces answer_faces = AnswerFaces::every_face) const {
         if (is_along) return 0;
-        const AllValues speed(across.value());
+        const ValueInterval speed(across.value());
         const bool all_faces = answer_faces == AnswerFaces::every_face;
         const double by_low = all_faces || speed.high > 0 ? bound_quotient(problem, from_low, across) : 0,
                      by_high = all_faces || speed.low < 0 ? bound_quotient(problem, from_high, across) : 0;
@@ -145,9 +151,9 @@ struct Slab {
 };
 
 /// Slab between the ends of an axis, with all numbers multiplied by the length of the axis.
-Slab slab_of(const Vec<Differentiated>& base, const Vec<Differentiated>& top, const Ray<Differentiated>& ray) {
-    const Vec<Differentiated> axis = top - base;
-    return {dot(axis, Vec<Differentiated>(ray.origin - base)), dot(axis, Vec<Differentiated>(top - ray.origin)),
+Slab slab_of(const Vec<DualNumber>& base, const Vec<DualNumber>& top, const Ray<DualNumber>& ray) {
+    const Vec<DualNumber> axis = top - base;
+    return {dot(axis, Vec<DualNumber>(ray.origin - base)), dot(axis, Vec<DualNumber>(top - ray.origin)),
             dot(axis, ray.direction)};
 }
 
@@ -156,13 +162,13 @@ Slab slab_of(const Vec<Differentiated>& base, const Vec<Differentiated>& top, co
 /// largest component, 2^300, a component of 2^-900 also underflows to 0, with a bound above 0.
 using AlongSlabs = std::array<bool, 3>;
 
-AlongSlabs along_slabs(const Perturbable& problem) {
-    const auto is_zero = [](const WithinErrors& speed) { return speed.value() == 0 && speed.error() == 0; };
+AlongSlabs along_slabs(const PerturbedProblem& problem) {
+    const auto is_zero = [](const BoundedDouble& speed) { return speed.value() == 0 && speed.error() == 0; };
     return problem.in_object_space_as_stored(
-        [&]<class Shape>(const Shape& s, const Ray<WithinErrors>& ray) -> AlongSlabs {
-            const Vec<WithinErrors>& d = ray.direction;
+        [&]<class Shape>(const Shape& s, const Ray<BoundedDouble>& ray) -> AlongSlabs {
+            const Vec<BoundedDouble>& d = ray.direction;
             if constexpr (requires { s.lo; }) return {is_zero(d.x), is_zero(d.y), is_zero(d.z)};
-            else if constexpr (requires { s.base; }) return {is_zero(dot(Vec<WithinErrors>(s.top - s.base), d))};
+            else if constexpr (requires { s.base; }) return {is_zero(dot(Vec<BoundedDouble>(s.top - s.base), d))};
             else return {};
         });
 }
@@ -170,7 +176,7 @@ AlongSlabs along_slabs(const Perturbable& problem) {
 /// Bound on |t' − t| for a primitive between planes across the axes. t is the largest or smallest parameter of a plane,
 /// so it moves at most as far as any plane that can become this largest or smallest one.
 template <class Shape>
-double bound_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
+double bound_between_corners(const PerturbedProblem& problem, const Shape& s, const Ray<DualNumber>& ray,
                              AnswerFaces answer_faces) {
     const AlongSlabs along = along_slabs(problem);
     double most = 0;
@@ -189,7 +195,7 @@ double bound_between_corners(const Perturbable& problem, const Shape& s, const R
 class PiecesAlongAxis {
 public:
     template <class Shape>
-    PiecesAlongAxis(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray)
+    PiecesAlongAxis(const PerturbedProblem& problem, const Shape& s, const Ray<DualNumber>& ray)
         : slab_(slab_of(s.start, s.end, ray)),
           quadratics_{LocalQuadratic(problem, ball(s.start, s.radius, ray)), LocalQuadratic(problem, side(s, ray)),
                       LocalQuadratic(problem, ball(s.end, s.radius, ray))} {}
@@ -204,25 +210,25 @@ public:
 private:
     using Pieces = std::array<bool, 3>;
 
-    static QuadraticSpan<Differentiated> ball(const Vec<Differentiated>& centre, const Differentiated& radius,
-                                              const Ray<Differentiated>& ray) {
-        const Vec<Differentiated> f = ray.origin - centre;
-        const Differentiated zero(0);
+    static QuadraticSpan<DualNumber> ball(const Vec<DualNumber>& centre, const DualNumber& radius,
+                                          const Ray<DualNumber>& ray) {
+        const Vec<DualNumber> f = ray.origin - centre;
+        const DualNumber zero(0);
         return {dot(f, ray.direction), square(f) - square(radius), square(ray.direction), zero, zero};
     }
     /// The quadratic of the side over v², which equals P.
     template <class Shape>
-    static QuadraticSpan<Differentiated> side(const Shape& s, const Ray<Differentiated>& ray) {
-        const Vec<Differentiated> v = s.end - s.start, m = cross(v, Vec<Differentiated>(ray.origin - s.start)),
-                                  n = cross(v, ray.direction);
-        const Differentiated v2 = square(v), zero(0);
+    static QuadraticSpan<DualNumber> side(const Shape& s, const Ray<DualNumber>& ray) {
+        const Vec<DualNumber> v = s.end - s.start, m = cross(v, Vec<DualNumber>(ray.origin - s.start)),
+                              n = cross(v, ray.direction);
+        const DualNumber v2 = square(v), zero(0);
         return {dot(m, n) / v2, square(m) / v2 - square(s.radius), square(n) / v2, zero, zero};
     }
     /// Pieces in which the ray may be at any t between −`max_t` and `max_t`.
     [[nodiscard]] Pieces pieces_within(double max_t) const {
         const double path =
-            max_t == 0 ? 0 : max_t * AllValues(slab_.across.value()).largest_magnitude() * rounding_factor;
-        const AllValues low(slab_.from_low.value()), high(slab_.from_high.value());
+            max_t == 0 ? 0 : max_t * ValueInterval(slab_.across.value()).largest_magnitude() * rounding_factor;
+        const ValueInterval low(slab_.from_low.value()), high(slab_.from_high.value());
         return {!(low.low - path > 0), !(low.high + path < 0) && !(high.high + path < 0), !(high.low - path > 0)};
     }
     /// Bounds of P(t) and its slope over `start_pieces`, and of its second derivative over `passed_pieces`.
@@ -231,11 +237,12 @@ private:
         for (std::size_t i = 0; i < 3; ++i) {
             if (!start_pieces[i]) continue;
             if (!bounds) bounds = quadratics_[i];
-            bounds->B = std::max(bounds->B, quadratics_[i].B), bounds->slope.extend(quadratics_[i].slope);
+            bounds->B = std::max(bounds->B, quadratics_[i].B);
+            bounds->slope.extend(quadratics_[i].slope);
         }
         for (std::size_t i = 0; i < 3; ++i) {
             if (!passed_pieces[i]) continue;
-            bounds->least = std::min(bounds->least, quadratics_[i].least),
+            bounds->least = std::min(bounds->least, quadratics_[i].least);
             bounds->most = std::max(bounds->most, quadratics_[i].most);
         }
         const auto pieces = std::ranges::count(passed_pieces, true);
@@ -254,7 +261,7 @@ private:
 /// - along an axis with caps: t is on a root or a cap, so the larger of the bounds for both;
 /// - other shapes: from the span alone.
 template <class Shape>
-double bound_answer(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
+double bound_answer(const PerturbedProblem& problem, const Shape& s, const Ray<DualNumber>& ray,
                     AnswerFaces answer_faces) {
     if constexpr (requires { s.lo; }) return bound_between_corners(problem, s, ray, answer_faces);
     else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).bound_movement();
@@ -266,9 +273,9 @@ double bound_answer(const Perturbable& problem, const Shape& s, const Ray<Differ
 }
 
 double find_reach(const ProblemNumbers& numbers, const Certified& answer, AnswerFaces answer_faces) {
-    const Perturbable problem(numbers);
-    const WithinErrors t = problem.in_units(answer);
-    const double root = problem.in_object_space_from(t, [&](const auto& shape, const Ray<Differentiated>& ray) {
+    const PerturbedProblem problem(numbers);
+    const BoundedDouble t = problem.in_units(answer);
+    const double root = problem.in_object_space_from(t, [&](const auto& shape, const Ray<DualNumber>& ray) {
         return bound_answer(problem, shape, ray, answer_faces);
     });
     if (root == 0) return 0;

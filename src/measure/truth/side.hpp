@@ -207,7 +207,8 @@ private:
         return std::move(result_);
     }
     [[nodiscard]] RootHit<F> hit_at_begin() {
-        result_.root = -1, result_.crossing = Crossing::begin;
+        result_.root = -1;
+        result_.crossing = Crossing::begin;
         return finish(Tri::yes);
     }
     [[nodiscard]] RootHit<F> hit_from_inside(int next) {
@@ -231,7 +232,8 @@ private:
             if (start_counts && !(ignores_exits && is_leaving)) {
                 result_.touching = touching;
                 if (known_sign(begin_of(range_)) == 0) return hit_at_begin();
-                result_.root = root, result_.crossing = is_leaving ? Crossing::far : Crossing::near;
+                result_.root = root;
+                result_.crossing = is_leaving ? Crossing::far : Crossing::near;
                 return finish(Tri::yes);
             }
         }
@@ -254,7 +256,9 @@ private:
         if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return finish(Tri::no);
         const bool touching = !result_.roots[root].changes_sign || (*to_end == 0 && crossing == Crossing::near);
         if (touching && convention_.touching == intersect::Touching::miss) return finish(Tri::no);
-        result_.root = root, result_.crossing = crossing, result_.touching = touching;
+        result_.root = root;
+        result_.crossing = crossing;
+        result_.touching = touching;
         return finish(Tri::yes);
     }
 
@@ -281,6 +285,7 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
     if (found.crossing == Crossing::begin) return enclose_begin(s.d2, range, found.touching, found.on_surface);
+
     E x(found.roots[found.root].root);
     if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
         const E f = s.f.at(x);
@@ -289,6 +294,7 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
         for (const auto& slope : f.gradient()) gradient.push_back(-slope / slope_at_root);
         x = E(x.value(), gradient);
     }
+
     const E t = s.t_at(x);
     return {.hit = Tri::yes,
             .t = t,

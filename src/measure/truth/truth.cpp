@@ -118,6 +118,8 @@ Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const 
         truth.proof_bits = bits;
         const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
         const Primitive<Interval> wide_primitive = lift_primitive<Interval>(primitive);
+
+        // Narrows a length to one side of a power of two that its bound straddles.
         const auto decide_binade = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
@@ -127,6 +129,7 @@ Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const 
             if (side) x = narrow_to_side(x, *side);
             return side.has_value();
         };
+
         if (settle(enclose_under(wide_ray, wide_primitive, terms), terms.convention, truth, decide_binade))
             return truth;
     }

@@ -69,6 +69,8 @@ public:
         for (std::size_t begin = 0; begin < problems_.size; begin += batch_size) {
             const std::size_t count = std::min(batch_size, problems_.size - begin);
             open_indices_.clear();
+
+            // The stages decide by the usual convention only. Each stage settles what the ones before it left open.
             if (terms_.convention.is_special()) {
                 open_indices_.resize(count);
                 std::iota(open_indices_.begin(), open_indices_.end(), begin);
@@ -88,6 +90,7 @@ public:
                 out_.stages.double_double += count - open_indices_.size();
                 settle_gathered(ties_);
             }
+
             for (const std::size_t i : open_indices_) settle_single(i);
         }
     }
@@ -114,6 +117,7 @@ private:
         raw.out.t = raw.out.distance = {};
         requested_length(raw.out) = length;
         stage(raw);
+
         const auto is_settled = [&](std::size_t i) {
             const auto& found = gathered.findings;
             return found.settled[i] != 0 &&
@@ -125,6 +129,7 @@ private:
             out_.lo[indices[i]] = length.lo[i];
             out_.bound[indices[i]] = length.bound[i];
         }
+
         for (std::size_t i = 0; i < indices.size(); ++i)
             if (!is_settled(i)) open_indices_.push_back(indices[i]);
         out_.stages.double_double += indices.size() - open_indices_.size();
@@ -210,16 +215,21 @@ bool RayTruths::store(std::size_t i, const Truth& truth) {
     primitive[i] = truth.primitive;
     touches[i] = truth.touches ? 1 : 0;
     on_surface[i] = truth.on_surface ? 1 : 0;
+
+    // Columns hold no length beyond 2^±900. NaN as the length marks a truth that they do not hold exactly.
     bool is_exact = truth.decision != Truth::Decision::unresolved;
     const auto store_length = [&](const Certified& x, Lengths& lengths) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
         const auto scaled_part = [&](double part) {
             return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0;
         };
-        lengths.hi[i] = scaled_part(x.hi), lengths.lo[i] = scaled_part(x.lo), lengths.bound[i] = scaled_part(x.bound);
+        lengths.hi[i] = scaled_part(x.hi);
+        lengths.lo[i] = scaled_part(x.lo);
+        lengths.bound[i] = scaled_part(x.bound);
         is_exact = is_exact &&
                    (!truth.is_hit() || are_equal(make_certified(lengths.hi[i], lengths.lo[i], lengths.bound[i]), x));
     };
+
     store_length(truth.t, t);
     store_length(truth.distance, distance);
     if (!is_exact) t.hi[i] = missing;

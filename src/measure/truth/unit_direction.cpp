@@ -57,11 +57,14 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
     std::uint8_t settled[block_size];
     const stages::Stages stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
     const bool is_native = format == binary32 || format == binary64;
+
     for (std::size_t begin = 0; begin < directions[0].size(); begin += block_size) {
         const std::size_t count = std::min(block_size, directions[0].size() - begin);
         const std::size_t whole_count = is_native ? count - count % stages.lanes : 0;
         double* const coordinates[3] = {directions[0].data() + begin, directions[1].data() + begin,
                                         directions[2].data() + begin};
+
+        // The stage settles whole packs of native formats; it leaves out what it cannot prove.
         if (whole_count > 0)
             stages.unit_directions({{coordinates[0], coordinates[1], coordinates[2]},
                                     {buffers[0], buffers[1], buffers[2]},
@@ -69,6 +72,7 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
                                     format == binary32,
                                     1,
                                     whole_count});
+
         for (std::size_t i = 0; i < count; ++i) {
             if (i < whole_count && settled[i] != 0) {
                 for (int k = 0; k < 3; ++k) coordinates[k][i] = buffers[k][i];

@@ -39,7 +39,7 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
                               [s, k](const RenderBand& band, std::size_t i) { return band.painted[s][i].colour[k]; });
         for (std::size_t k = 0; k < 3; ++k)
             layers.add_number(name + "_true." + "rgb"[k], [stage, k](const RenderBand& band, std::size_t i) {
-                const measure::render::TrueColour& truth = band.truth[i].colours[stage];
+                const measure::render::TrueColour& truth = band.true_pixels[i].colours[stage];
                 return truth.is_certain ? truth.channel[k].hi : measure::truth::missing;
             });
         layers.add_number(name + ".difference",

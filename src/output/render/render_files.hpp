@@ -15,7 +15,7 @@ using measure::render::RenderStudy;
 using measure::render::RenderSummary;
 
 /// Value of a pixel of a picture: its colour, or a category of its own if the colour has a NaN.
-[[nodiscard]] pixel::PixelValue pixel_of(const measure::render::Painted& painted);
+[[nodiscard]] pixel::PixelValue pixel_of(const measure::render::PaintedPixel& painted);
 /// Categories of a picture: a colour, not a number, and not proved.
 [[nodiscard]] const pixel::Look& picture_look();
 /// Categories of difference maps, in the order of `SeenContent`. Where both pictures show the same sphere, the map

@@ -109,7 +109,7 @@ private:
             spec.sheet_positions.push_back({0, s * grid_.formats.size() + f});
         add(std::move(spec), 0,
             [stage = static_cast<std::size_t>(study_.stages[s])](const RenderBand& band, std::size_t i) {
-                return certified_pixel(band.truth[i].colours[stage]);
+                return certified_pixel(band.true_pixels[i].colours[stage]);
             });
     }
 
@@ -131,12 +131,12 @@ private:
         }
         add(difference_map_spec(r, name + ".residual.png", residual_map.title, residual_map.note, residual_look_), r,
             [](const RenderBand& band, std::size_t i) { return difference_pixel(band.seen[i], band.residual[i]); });
-        if (any_stage_has(&ShadeRule::diffuse))
+        if (any_stage_has(&ShadeRule::has_diffuse))
             add(difference_map_spec(r, name + ".normal.png", normal_map.title, normal_map.note, normal_look_), r,
                 [](const RenderBand& band, std::size_t i) {
                     return difference_pixel(band.seen[i], band.normal_angle[i]);
                 });
-        if (any_stage_has(&ShadeRule::shadows))
+        if (any_stage_has(&ShadeRule::has_shadows))
             add(difference_map_spec(r, name + ".shadow.png", "shadow decisions",
                                     "shadow decisions where both see the same: on the lit sides of spheres, and on the "
                                     "background if it is a plane",
@@ -200,7 +200,7 @@ const Look& picture_look() {
     return look;
 }
 
-PixelValue pixel_of(const measure::render::Painted& p) {
+PixelValue pixel_of(const measure::render::PaintedPixel& p) {
     if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z))
         return {picture_category::not_a_number};
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
@@ -231,8 +231,8 @@ std::string thumbnail_note(const RenderSummary& summary) {
                            : share_text(summary.changed_pixels, summary.pixels) + " wrong colour";
     if (const std::uint64_t wrong = summary.wrong_pixels())
         text += fmt::format("\n{} wrong sphere", share_text(wrong, summary.pixels));
-    if (!summary.rule.shadows) return text;
-    const auto acne = summary.count(false, Shadow::own_shadow);
+    if (!summary.rule.has_shadows) return text;
+    const auto acne = summary.count(measure::render::Receiver::sphere, Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, summary.pixels));
     if (const auto flips = summary.flipped_shadows())
         text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);

@@ -55,7 +55,7 @@ struct Proposal {
     const FormQuality* quality;                       ///< accuracy on the rays of the search
     const FormQuality* held_out_quality;              ///< accuracy on rays that the search did not use
     const std::vector<FormQuality>* probe_qualities;  ///< accuracy on each probe
-    const measure::repair::Rewritten* rewritten;      ///< null for the two sets
+    const measure::repair::RewrittenForm* rewritten;  ///< null for the two sets
     const std::vector<NodeId>* wider_operations;      ///< operations of the set; null for a rewriting
     bool is_symmetric_set = false;
     const Price* price = nullptr;  ///< null: not timed
@@ -70,7 +70,7 @@ std::vector<Proposal> list_proposals(const RepairSummary& summary);
 /// operations comes before the sets.
 const Proposal* best_proposal(const std::vector<Proposal>& proposals, const RepairSummary& summary);
 /// Names of the rules that made a rewriting: `cross products, stable roots`.
-std::string rule_names(const measure::repair::Rewritten& rewritten);
+std::string rule_names(const measure::repair::RewrittenForm& rewritten);
 /// How a proposal was made: `3 of its 15 operations in double`, `written another way: cross products`.
 std::string method_text(const RepairSummary& summary, const Proposal& proposal);
 /// Names of the statements that operations belong to: `c, disc`.

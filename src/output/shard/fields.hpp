@@ -56,8 +56,8 @@ LOSTBITS_FIELDS(measure::sweep::Onset, row, event, statistic, threshold, from_la
                 first_bad, value_at_first_bad, recovers, good_at_end, last_good_after, bad_again, rays, views,
                 further_first_bad)
 LOSTBITS_FIELDS(measure::sweep::SweepFindings, steps, onsets)
-LOSTBITS_FIELDS(measure::sweep::FloatTally::Worst, float_index, ulps)
-LOSTBITS_FIELDS(measure::sweep::FloatTally::Wrong, float_index, outcome)
+LOSTBITS_FIELDS(measure::sweep::FloatTally::WorstError, float_index, ulps)
+LOSTBITS_FIELDS(measure::sweep::FloatTally::WrongDecision, float_index, outcome)
 LOSTBITS_FIELDS(measure::sweep::FloatTally::Padding, float_index, u)
 LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, error_bound, first_wrong, last_wrong, first_floats,
                 padding)

@@ -132,15 +132,16 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
 
 Table<FloatsRow> wrong_columns(const std::string& unit) {
     using R = FloatsRow;
-    using Wrong = FloatTally::Wrong;
+    using WrongDecision = FloatTally::WrongDecision;
     Table<R> table;
-    const auto add = [&](const std::string& position, std::optional<Wrong> FloatTally::*member) {
-        table.add<Wrong>(
+    const auto add = [&](const std::string& position, std::optional<WrongDecision> FloatTally::*member) {
+        table.add<WrongDecision>(
             {{position + "_wrong_hex", unit, "the " + position + " float with a wrong decision, exactly",
-              [](const Wrong& x) { return hex_of(x.float_index); }},
-             {position + "_wrong_bits", "bits of that float", [](const Wrong& x) { return float_bits(x.float_index); }},
+              [](const WrongDecision& x) { return hex_of(x.float_index); }},
+             {position + "_wrong_bits", "bits of that float",
+              [](const WrongDecision& x) { return float_bits(x.float_index); }},
              {position + "_wrong_outcome", "outcome of that float",
-              [](const Wrong& x) { return outcome_name(x.outcome); }}},
+              [](const WrongDecision& x) { return outcome_name(x.outcome); }}},
             [member](const R& r) -> const auto& { return r.tally.*member; });
     };
     add("first", &FloatTally::first_wrong);

@@ -32,20 +32,21 @@ constexpr const char* form_meaning = "form under test; with +contract or +fastma
 
 Table<TimeRow> time_table() {
     using R = TimeRow;
-    using Timed = TradeResult::Timed;
+    using KernelTime = TradeResult::KernelTime;
     Table<R> table;
     table.add(kernel_columns(form_meaning), &R::kernel);
     table.add({"working_set",
                "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays "
                "of the scene, taken evenly from its picture",
                [](const R& r) { return r.load->working_set; }});
-    table.add<Timed>({{"working_set_bytes", "B", "bytes of rays and answers", &Timed::bytes},
-                      {"working_set_rays", "number of rays in these bytes", &Timed::rays},
-                      {"hit_rate", "1",
-                       "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
-                       "branches look faster than they are",
-                       &Timed::hit_rate}},
-                     &R::timed);
+    table.add<KernelTime>(
+        {{"working_set_bytes", "B", "bytes of rays and answers", &KernelTime::bytes},
+         {"working_set_rays", "number of rays in these bytes", &KernelTime::rays},
+         {"hit_rate", "1",
+          "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
+          "branches look faster than they are",
+          &KernelTime::hit_rate}},
+        &R::timed);
     const auto timing = [](const R& r) -> const Timing& { return r.timed->timing; };
     table.add(
         time_columns("per ray, for a scene per ray and primitive; median of the repetitions, and so for the quartiles"),

@@ -54,7 +54,7 @@ std::size_t colour_of(const Format& format);
 struct TimeRow {
     KernelKey kernel;
     const measure::trade::TradeLoad* load;
-    const measure::trade::TradeResult::Timed* timed;
+    const measure::trade::TradeResult::KernelTime* timed;
     int repetitions;
     const OperationCounts* operations;
 };

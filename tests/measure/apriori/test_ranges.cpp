@@ -59,7 +59,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
                ObservedErrors& all) {
     static const intersect::process::StopToken never;
     const auto inputs = measure::tape::inputs_of(x.ray, x.primitive, x.tmax);
-    const Tape tape = measure::tape::tape_of(form, format);
+    const Tape tape = measure::tape::record_tape(form, format);
     const TapeBound bound(tape);
     const InputBox box = around(inputs, random, format.parameters);
     const BoxSubdivision parts(bound, box, 8, never);

@@ -156,7 +156,8 @@ TEST_CASE("every computation stops where its own request says so") {
          [&] {
              m::trade::sample_interleaved({&pass, 1}, {.stop = stop});
          }},
-        {"times of threads", [&] { m::trade::thread_speedups([](std::size_t) { return [] {}; }, {.stop = stop}); }}};
+        {"times of threads",
+         [&] { m::trade::measure_thread_speedups([](std::size_t) { return [] {}; }, {.stop = stop}); }}};
     for (const auto& [what, ask] : all) {
         INFO(what);
         CHECK_THROWS_AS(ask(), Interrupted);

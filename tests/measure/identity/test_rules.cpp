@@ -82,7 +82,7 @@ bool computes(const Tape& tape, NodeId i, NodeId of) {
 }
 
 const Tape& tape_named(const char* name, Tape& kept) {
-    return kept = tape::tape_of(test::form_named(name), *find_format("f32"));
+    return kept = tape::record_tape(test::form_named(name), *find_format("f32"));
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ TEST_CASE("no identity changes the unrounded answer of a form of the catalogue",
     for (const Intersector& form : intersect::table::catalogue()) {
         if (!is_primitive(form.shape) || !form.record || form.filter_arithmetic || !form.exists_in(*find_format("f32")))
             continue;
-        const Tape before = tape::tape_of(form, *find_format("f32"));
+        const Tape before = tape::record_tape(form, *find_format("f32"));
         if (before.formats.size() > 1 || before.nodes.size() > 400) continue;
         Terms terms(before);
         for (const Rewrite& rewrite : rewrites_of(terms, terms.outputs(), unit_of(form, terms))) {

@@ -42,13 +42,13 @@ struct Collected {
         for (auto& row : rows) std::ranges::move(row, std::back_inserter(summaries));
     }
     void add(std::size_t r, const measure::render::RenderBand& band) {
-        if (r == 0) truth.insert(truth.end(), band.truth.begin(), band.truth.end());
+        if (r == 0) truth.insert(truth.end(), band.true_pixels.begin(), band.true_pixels.end());
         for (std::size_t s = 0; s < band.painted.size(); ++s)
             pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
         shadows[r].insert(shadows[r].end(), band.shadow.begin(), band.shadow.end());
         residuals[r].insert(residuals[r].end(), band.residual.begin(), band.residual.end());
     }
-    std::vector<std::vector<std::vector<measure::render::Painted>>> pictures;  ///< row, stage, pixel
+    std::vector<std::vector<std::vector<measure::render::PaintedPixel>>> pictures;  ///< row, stage, pixel
     std::vector<std::vector<measure::render::Shadow>> shadows;
     std::vector<std::vector<double>> residuals;
     std::vector<measure::render::TruePixel> truth;
@@ -56,8 +56,9 @@ struct Collected {
 };
 
 inline bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-inline bool same(const std::vector<measure::render::Painted>& a, const std::vector<measure::render::Painted>& b) {
-    return std::ranges::equal(a, b, [](const measure::render::Painted& x, const measure::render::Painted& y) {
+inline bool same(const std::vector<measure::render::PaintedPixel>& a,
+                 const std::vector<measure::render::PaintedPixel>& b) {
+    return std::ranges::equal(a, b, [](const measure::render::PaintedPixel& x, const measure::render::PaintedPixel& y) {
         return same(x.colour.x, y.colour.x) && same(x.colour.y, y.colour.y) && same(x.colour.z, y.colour.z) &&
                x.byte == y.byte;
     });

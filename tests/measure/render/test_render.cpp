@@ -95,7 +95,7 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
                 const TrueColour& c = run.truth[i].colours[stage];
                 REQUIRE(c.is_certain);
                 for (int k = 0; k < 3; ++k) {
-                    const Tight& channel = c.channel[static_cast<std::size_t>(k)];
+                    const TwoPartNumber& channel = c.channel[static_cast<std::size_t>(k)];
                     REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
                     const Real byte =
                         std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
@@ -142,7 +142,7 @@ TEST_CASE("acne is frequent for shadow rays from the surface, rarer from 4 ulps 
         const scene::file::Scene s = load(name, 32, 24);
         const Collected run(
             {.scene = s, .stages = {Stage::shadows}, .tested_forms = rows_of({"f32"}, "sphere.unified")});
-        return run.summaries.front().count(false, Shadow::own_shadow);
+        return run.summaries.front().count(measure::render::Receiver::sphere, Shadow::own_shadow);
     };
     const auto on = acne("raycast-acne.none");
     CHECK(on > 25);

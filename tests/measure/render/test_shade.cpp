@@ -20,7 +20,7 @@ Vec<T> vec(double x, double y, double z) {
     return Vec<T>(T(x), T(y), T(z));
 }
 
-const ShadeRule everything{.diffuse = true, .shadows = true, .phong = true, .half_diffuse = false};
+const ShadeRule everything{.has_diffuse = true, .has_shadows = true, .has_phong = true, .halves_diffuse = false};
 
 Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
 
@@ -32,10 +32,10 @@ TEST_CASE("shade agrees with values worked out by hand, for light along the norm
     CHECK(shade<double>(shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
     CHECK(shade<double>(shiny(), everything, true, {n, n, n}) == vec<double>(0.125, 0.0625, 0.25));  // ka S alone
     ShadeRule half = everything;
-    half.half_diffuse = true;
+    half.halves_diffuse = true;
     CHECK(shade<double>(shiny(), half, true, {n, n, n}) == vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
     CHECK(shade<double>(shiny(), half, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
-    ShadeRule diffuse{.diffuse = true};
+    ShadeRule diffuse{.has_diffuse = true};
     CHECK(shade<double>(shiny(), diffuse, true, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
     CHECK(shade<double>(shiny(), ShadeRule{}, true, {n, n, n}) == shiny().colour);
     // N·L = ½ and L = V: H = L, (H·N)³ = ⅛.

@@ -38,12 +38,12 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 struct Search {
     explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(record_tape(asked)) {}
     FormQuality with(const std::vector<NodeId>& wider) {
-        return judge.quality_of({tape::widen_operations(tape, wider, binary64)}).front();
+        return judge.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
     }
     WiderSet smallest(std::uint64_t affordable) {
         const FormQuality quality = with(all);
         REQUIRE(quality.meets(request.requirement));
-        return smallest_set(tape, binary64, quality, request, judge, affordable);
+        return find_smallest_set(tape, binary64, quality, request, judge, affordable);
     }
     const RepairRequest& request;
     Judge judge;
@@ -71,7 +71,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         const WiderSet found = search.smallest(200);
         Judge judge(request, scene);
         const auto quality_with = [&](const std::vector<NodeId>& wider) {
-            return judge.quality_of({tape::widen_operations(search.tape, wider, binary64)}).front();
+            return judge.measure_quality({tape::widen_operations(search.tape, wider, binary64)}).front();
         };
         const auto& set = found.operations;
         REQUIRE_FALSE(set.empty());
@@ -94,7 +94,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         for (const NodeId a : search.all)
             for (const NodeId b : search.all)
                 if (a <= b) pairs.push_back(tape::widen_operations(search.tape, {a, b}, binary64));
-        for (const FormQuality& quality : judge.quality_of(pairs)) CHECK_FALSE(quality.meets(request.requirement));
+        for (const FormQuality& quality : judge.measure_quality(pairs)) CHECK_FALSE(quality.meets(request.requirement));
     }
 }
 
@@ -106,16 +106,16 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         INFO(name);
         const Scene scene = scene_named(name, size);
         const RepairRequest request = request_of(scene, "triangle.undivided", 10);
-        const Tape before = tape::tape_of(*request.tested_form.form, request.tested_form.format);
+        const Tape before = tape::record_tape(*request.tested_form.form, request.tested_form.format);
         identity::Terms terms(before);
         std::vector<Tape> tapes{before};
         for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
             if (rewrite.rule->name == "edges from the origin")
                 tapes.push_back(terms.tape(terms.replace_nodes(terms.outputs(), rewrite.replacements)));
         REQUIRE(tapes.size() == 2);
-        tapes.push_back(tape::tape_of(test::form_named("triangle.signed_volumes"), *find_format("f32")));
+        tapes.push_back(tape::record_tape(test::form_named("triangle.signed_volumes"), *find_format("f32")));
         Judge judge(request, scene);
-        const auto quality = judge.quality_of(tapes);
+        const auto quality = judge.measure_quality(tapes);
         if (is_far) {
             CHECK(quality[1].wrong > 10 * quality[0].wrong);
             CHECK(quality[2].wrong > 10 * quality[0].wrong);
@@ -169,9 +169,9 @@ TEST_CASE("the matrix of each probe times its transpose is the square of the div
 
 TEST_CASE("operations that exchanged axes map to one another are in one group", "[mend]") {
     const auto groups_of = [](const char* form, const Primitive<double>& like) {
-        const Tape tape = tape::tape_of(test::form_named(form), *find_format("f32"));
+        const Tape tape = tape::record_tape(test::form_named(form), *find_format("f32"));
         const auto all = tape::rounded_operations(tape);
-        const auto groups = exchanged_groups(tape, all, like);
+        const auto groups = find_exchanged_groups(tape, all, like);
         std::size_t members = 0;
         for (const auto& group : groups) members += group.size();
         CHECK(members == all.size());
@@ -193,10 +193,10 @@ TEST_CASE("exchanged axes group the operations of forms under matrices, stored e
         like.placed = Placement<double>{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, inverse, 1};
         const auto& form = intersect::transform::transformed_form(test::transform_method_named("plain"),
                                                                   test::form_named("sphere.half_b"));
-        const Tape tape = tape::tape_of(form, *find_format("f32"), inverse);
+        const Tape tape = tape::record_tape(form, *find_format("f32"), inverse);
         std::vector<NodeId> members;
         std::size_t of_three = 0;
-        for (const auto& group : exchanged_groups(tape, tape::rounded_operations(tape), like)) {
+        for (const auto& group : find_exchanged_groups(tape, tape::rounded_operations(tape), like)) {
             members.insert(members.end(), group.begin(), group.end());
             of_three += group.size() % 3 == 0;
         }
@@ -288,10 +288,10 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         const FormQuality own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).quality.meets(request.requirement));
-        CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.tested_form.format)).size());
+        CHECK(search.all.size() > tape::rounded_operations(tape::record_tape(form, request.tested_form.format)).size());
         request.tested_form.form =
             &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
-        const FormQuality relative = Judge(request, scene).quality_of({record_tape(request)}).front();
+        const FormQuality relative = Judge(request, scene).measure_quality({record_tape(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());
@@ -311,7 +311,7 @@ TEST_CASE("a form that decides by itself how many steps it computes is refused",
 TEST_CASE("a form that cannot be compiled has no cost, and the message says why", "[mend]") {
     const Scene scene = scene_named("near-benign", 8);
     const RepairRequest request = request_of(scene, "sphere.half_b", 5);
-    const Tape tape = tape::tape_of(*request.tested_form.form, request.tested_form.format);
+    const Tape tape = tape::record_tape(*request.tested_form.form, request.tested_form.format);
     const std::vector<RepairedSource> forms{
         {.tape = &tape, .header = "", .type = "None", .original = request.tested_form}};
     const test::Scratch folder;
@@ -323,7 +323,7 @@ TEST_CASE("a form that cannot be compiled has no cost, and the message says why"
 
 TEST_CASE("only wider operations, and operations that use their results, change in the code", "[mend]") {
     const auto& form = test::form_named("sphere.half_b");
-    const Tape tape = tape::tape_of(form, *find_format("f32"));
+    const Tape tape = tape::record_tape(form, *find_format("f32"));
     const auto before = output::repair::statements(tape, form);
     CHECK(output::repair::changed_lines(before, before).empty());
     const auto named = std::ranges::find(tape.nodes, std::string_view("disc"), &TapeNode::label);

@@ -212,7 +212,7 @@ TEST_CASE("the padding that suffices for every float is that of the slabs, also 
         file.narrow(Real(-0x1.0008p-24), Real(-0x1.fff0p-25), {});
         file.rays = {file.rays[ray]};
         const auto request = request_of(file, {{&form, *find_format("f32")}});
-        const auto found = sweep::findings_of(request, run(request)).front().tally;
+        const auto found = sweep::collect_findings(request, run(request)).front().tally;
         return sweep::padding_max(request.tested_forms[0], found);
     };
     const auto form = [](std::string_view name) -> const intersect::table::Intersector& {

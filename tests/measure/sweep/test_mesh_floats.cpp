@@ -53,7 +53,7 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     std::vector<sweep::FloatTally> all;
-    for (const sweep::RangeFinding& finding : sweep::findings_of(request, state)) {
+    for (const sweep::RangeFinding& finding : sweep::collect_findings(request, state)) {
         const sweep::FloatTally& tally = finding.tally;
         CAPTURE(request.tested_forms[finding.row].form->info->name);
         CHECK(tally.floats() == 1025);

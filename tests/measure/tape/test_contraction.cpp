@@ -137,7 +137,7 @@ TEST_CASE("a contracted form has the bits of code that the compiler contracts", 
         CHECK(differing(form, f32, rows[i].f32, 300) == 0);
         if (form.native64) CHECK(differing(form, f64, rows[i].f64, 300) == 0);
         ++forms;
-        changed += std::ranges::any_of(contract_tape(tape_of(form, f32)).nodes,
+        changed += std::ranges::any_of(contract_tape(record_tape(form, f32)).nodes,
                                        [](const TapeNode& n) { return n.op == TapeOp::fma; });
     }
     CHECK(forms > 80);

@@ -105,7 +105,7 @@ TEST_CASE("a form's tape run over columns has the bits of the form", "[tape]") {
         for (const Intersector& form : intersect::table::catalogue()) {
             if (!form.exists_in(format) || !is_primitive(form.shape) || form.filter_arithmetic) continue;
             const auto rays = draw(form, format);
-            const auto found = in_columns(format, TapeProgram(tape_of(form, format)), rays);
+            const auto found = in_columns(format, TapeProgram(record_tape(form, format)), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 INFO(form.info->name << ", ray " << i);
                 REQUIRE(same_answer(found[i], plain(form, format, rays[i])));
@@ -122,7 +122,7 @@ TEST_CASE("wider operations have the bits of a tape with those widths", "[tape]"
     std::size_t changed = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
         if (!form.exists_in(format) || !is_primitive(form.shape) || form.filter_arithmetic) continue;
-        const Tape tape = tape_of(form, format);
+        const Tape tape = record_tape(form, format);
         const auto rays = draw(form, format);
         for (int k = 0; k < 4; ++k) {
             std::vector<NodeId> wide;
@@ -144,7 +144,7 @@ TEST_CASE("a form all in double keeps all but one bit of float, and without wide
           "[tape]") {
     const Format format = *find_format("f32");
     const Intersector& form = test::form_named("sphere.half_b");
-    const Tape tape = tape_of(form, format);
+    const Tape tape = record_tape(form, format);
     const auto all = rounded_operations(tape);
     const auto rays = draw(form, format);
     const auto none = in_columns(format, TapeProgram(widen_operations(tape, {}, binary64)), rays);
@@ -166,14 +166,15 @@ TEST_CASE("a form all in double keeps all but one bit of float, and without wide
 
 TEST_CASE("a tape that cannot become a program is refused with the reason", "[tape]") {
     const Format format = *find_format("f32");
-    CHECK_THROWS_WITH(tape_of(test::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
+    CHECK_THROWS_WITH(record_tape(test::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
     const Intersector &filtered = test::form_named("triangle.filtered"), &box = test::form_named("box.signs");
     for (const Intersector* form :
          {&filtered,
           &intersect::transform::transformed_form(intersect::transform::default_transform_method(), filtered),
           &intersect::bounding_box::boxed_form(intersect::bounding_box::default_box_method(), box, filtered)})
-        CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("uses more precision where a ray needs it"));
-    CHECK_THROWS_WITH(tape_of(test::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
+        CHECK_THROWS_WITH(record_tape(*form, format), Catch::Contains("uses more precision where a ray needs it"));
+    CHECK_THROWS_WITH(record_tape(test::form_named("sphere.press+box.signs"), format),
+                      Catch::Contains("several forms"));
     CHECK_THROWS(arithmetic_of(bfloat16));
 }
 

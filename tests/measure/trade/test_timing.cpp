@@ -39,18 +39,18 @@ std::vector<float> after_a_pass(const measure::trade::TimedKernel& kernel) {
 
 TEST_CASE("a ratio of times is the median of the ratios of the rounds", "[timing]") {
     const std::vector<double> a{2, 40, 6}, b{1, 10, 2};  // 2, 4, 3
-    CHECK(measure::trade::ratio_of(a, b).median == 3);
-    CHECK(measure::trade::ratio_of(a, b).low_quartile == 2.5);
-    CHECK(measure::trade::ratio_of(b, b).high_quartile == 1);
+    CHECK(measure::trade::summarise_ratios(a, b).median == 3);
+    CHECK(measure::trade::summarise_ratios(a, b).low_quartile == 2.5);
+    CHECK(measure::trade::summarise_ratios(b, b).high_quartile == 1);
 }
 
 TEST_CASE("twelve times the work measures as slower, and equal work as equal", "[timing]") {
     const measure::trade::TimedWork work[] = {adds(500), adds(6000), adds(500)};
     const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 31, .least_seconds = 2e-4});
-    CHECK(measure::trade::ratio_of(samples[1], samples[0]).median > 4);
-    CHECK(measure::trade::ratio_of(samples[1], samples[0]).median < 36);
-    CHECK(measure::trade::ratio_of(samples[2], samples[0]).median > 0.5);
-    CHECK(measure::trade::ratio_of(samples[2], samples[0]).median < 2);
+    CHECK(measure::trade::summarise_ratios(samples[1], samples[0]).median > 4);
+    CHECK(measure::trade::summarise_ratios(samples[1], samples[0]).median < 36);
+    CHECK(measure::trade::summarise_ratios(samples[2], samples[0]).median > 0.5);
+    CHECK(measure::trade::summarise_ratios(samples[2], samples[0]).median < 2);
 }
 
 TEST_CASE("every thread runs its own work, and one thread alone is the reference", "[timing]") {
@@ -58,7 +58,7 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
     std::array<std::atomic<bool>, 3> busy{};
     std::atomic<int> faults{0};
     const auto caller = std::this_thread::get_id();
-    const auto quotients = measure::trade::thread_speedups(
+    const auto quotients = measure::trade::measure_thread_speedups(
         [&](std::size_t i) {
             return [&, i] {
                 faults += busy[i].exchange(true) || std::this_thread::get_id() == caller;
@@ -73,7 +73,7 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
     CHECK(faults == 0);
     std::atomic<bool> asked{false};
     CHECK_THROWS_AS(
-        measure::trade::thread_speedups(
+        measure::trade::measure_thread_speedups(
             [&](std::size_t) { return [&] { asked = true; }; },
             {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = intersect::process::StopToken(asked)}),
         Interrupted);
@@ -110,7 +110,7 @@ TEST_CASE("a kernel that does not exist is not timed", "[timing]") {
     CHECK_FALSE(rays.work_for({"sphere.double_inside", "128", "f64"}).has_value());
     REQUIRE(rays.work_for({"sphere.unified", "128", "f64"}).has_value());
     rays.work_for({"sphere.unified", "128", "f64"})->pass();
-    CHECK(std::abs(rays.f64(Shape::sphere)->hit_share() - 0.5) < 0.02);
+    CHECK(std::abs(rays.f64(Shape::sphere)->hit_fraction() - 0.5) < 0.02);
     CHECK(measure::trade::working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
     CHECK(measure::trade::working_set_bytes("l3", {1000, 2000, 4000}) == 0);
 }

@@ -46,19 +46,20 @@ std::string text(const OperationCounts& c) {
 template <class S, class Native>
 void check_store(Native native, const measure::trade::RayPool& pool) {
     for (const double rate : {0.0, 0.5, 1.0, 0.3}) {
-        for (const std::size_t slice : {std::size_t{0}, std::size_t{128}}) {
-            measure::trade::RayStore<S> store(pool, 50000, rate, slice, 3);
+        for (const std::size_t rays_per_run : {std::size_t{0}, std::size_t{128}}) {
+            measure::trade::RayStore<S> store(pool, 50000, rate, rays_per_run, 3);
             CHECK(store.bytes() <= 50000);
             CHECK(store.bytes() > 40000);
-            CHECK(store.slice() == (slice == 0 ? store.rays() : slice));
+            CHECK(store.rays_per_run() == (rays_per_run == 0 ? store.rays() : rays_per_run));
             std::size_t calls = 0;
-            for (std::size_t seen = 0; seen < store.rays(); seen += store.slice(), ++calls) store.run(native);
-            // Rays left over after the last whole slice are never run.
-            const double whole =
-                static_cast<double>(store.rays() / store.slice() * store.slice()) / static_cast<double>(store.rays());
-            CHECK(store.hit_share() <= rate + 1e-3);
-            CHECK(store.hit_share() >= rate * whole - 0.02);
-            if (slice == 0) CHECK(std::fabs(store.hit_share() - rate) <= 1.0 / static_cast<double>(store.rays()));
+            for (std::size_t seen = 0; seen < store.rays(); seen += store.rays_per_run(), ++calls) store.run(native);
+            // Rays left over after the last whole run are never run.
+            const double whole = static_cast<double>(store.rays() / store.rays_per_run() * store.rays_per_run()) /
+                                 static_cast<double>(store.rays());
+            CHECK(store.hit_fraction() <= rate + 1e-3);
+            CHECK(store.hit_fraction() >= rate * whole - 0.02);
+            if (rays_per_run == 0)
+                CHECK(std::fabs(store.hit_fraction() - rate) <= 1.0 / static_cast<double>(store.rays()));
         }
     }
 }
@@ -174,14 +175,14 @@ TEST_CASE("every row has a kernel at every register width", "[trade]") {
 }
 
 TEST_CASE("median and quartiles follow their definition", "[trade]") {
-    const measure::trade::Timing odd = measure::trade::timing_of({5, 1, 4, 2, 3});
+    const measure::trade::Timing odd = measure::trade::summarise_samples({5, 1, 4, 2, 3});
     CHECK(odd.median == 3);
     CHECK(odd.low_quartile == 2);
     CHECK(odd.high_quartile == 4);
-    const measure::trade::Timing even = measure::trade::timing_of({4, 1});
+    const measure::trade::Timing even = measure::trade::summarise_samples({4, 1});
     CHECK(even.median == 2.5);
     CHECK(even.low_quartile == 1.75);
-    CHECK(measure::trade::timing_of({7}).high_quartile == 7);
+    CHECK(measure::trade::summarise_samples({7}).high_quartile == 7);
 }
 
 TEST_CASE("every row is timed in every round, and the thread's affinity is restored", "[trade]") {

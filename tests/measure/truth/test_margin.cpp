@@ -28,8 +28,8 @@ using namespace test::textbook;
 using measure::stability::backward_error;
 using measure::stability::CountedChange;
 using measure::stability::decision_margin;
+using measure::stability::find_margin;
 using measure::stability::Margin;
-using measure::stability::margin_of;
 using measure::stability::most_tight;
 using measure::truth::find_truth;
 using measure::truth::Perturbed;
@@ -93,8 +93,8 @@ public:
     /// fifth larger and changes the decision. Exceptions are rays from the surface or at a rim, where two signs decide
     /// together, and problems of second order, such as a ray through the middle of a sphere far away.
     void check_margin() {
-        const double margin = margin_of(ray_, primitive_, CountedChange::decision).proved;
-        const double root = margin_of(ray_, primitive_).proved;
+        const double margin = find_margin(ray_, primitive_, CountedChange::decision).proved;
+        const double root = find_margin(ray_, primitive_).proved;
         // Both are searched to 2^(1/16), or to 2 if they are large.
         const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
         if (!(root >= 0 && in_order && margin <= 0.5)) contradict("margins", margin, root);
@@ -226,7 +226,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                 const auto truth = find_truth(ray, primitive);
                 ++asked;
                 for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-                    const double margin = margin_of(ray, primitive, CountedChange::decision, perturbed).proved;
+                    const double margin = find_margin(ray, primitive, CountedChange::decision, perturbed).proved;
                     told += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
@@ -298,7 +298,7 @@ void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
     };
     ++seen.problems;
     for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-        const Margin margin = margin_of(problem.ray, problem.primitive, CountedChange::decision, perturbed);
+        const Margin margin = find_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
         const double told = decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
         const bool missing = std::isnan(told);
         if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
@@ -349,7 +349,7 @@ TEST_CASE("margins of rays across an axis and of tori at a silhouette do not col
                                                Primitive<double>(Tube<double>{{0, 0, 0}, {0, 2, 0}, 1}),
                                                Primitive<double>(Capsule<double>{{0, 0, 0}, {0, 2, 0}, 1})}) {
         INFO(row_of(primitive.shape).name);
-        const Margin margin = margin_of(across, primitive, CountedChange::decision);
+        const Margin margin = find_margin(across, primitive, CountedChange::decision);
         CHECK(margin.proved > 0.04);
     }
     const Primitive<double> torus = Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 0.5};
@@ -391,12 +391,12 @@ TEST_CASE("the margin of a ray that misses several primitives is the nearest one
         bool misses = true;
         for (const Primitive<double>& primitive : primitives) {
             misses &= !find_truth(ray, primitive).is_hit();
-            least = std::min(least, margin_of(ray, primitive).proved);
+            least = std::min(least, find_margin(ray, primitive).proved);
         }
         if (!misses) continue;
         const std::size_t nearest =
             measure::stability::nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives));
-        CHECK(margin_of(ray, primitives[nearest]).proved <= least * (least < most_tight ? 1.1 : 2));
+        CHECK(find_margin(ray, primitives[nearest]).proved <= least * (least < most_tight ? 1.1 : 2));
     }
 }
 

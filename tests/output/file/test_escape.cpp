@@ -342,7 +342,7 @@ TEST_CASE("untrusted names of operations and texts of forms are plain text in al
     const Format f32 = *find_format("f32");
     const scene::file::Scene scene = lostbits::test::load("near-benign");
     auto explained = measure::attribution::explain(form, f32, measure::answer::OneRay(scene, 6, 4));
-    Tape made = measure::tape::tape_of(form, f32);
+    Tape made = measure::tape::record_tape(form, f32);
     const auto name_anew = [](Tape& tape, std::size_t first) {
         for (TapeNode& node : tape.nodes)
             if (!node.label.empty()) node.label = hostile[first++ % hostile.size()];
