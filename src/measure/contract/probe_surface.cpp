@@ -79,6 +79,8 @@ void try_interval(Trial& trial, const RaysFromInside& rays) {
     const RightAnswer answer = rays.answer();
     const bool is_clipped = trial.has_flag(LB_CLIPPED), is_far_right = rays.far_is_right();
     const bool zero_is_right = inside_returns_zero(trial.shape) && trial.contract.inside != Inside::exit;
+
+    // The two rays miss, or have the whole interval, or one that is clipped to the ray.
     if (answer == RightAnswer::miss) {
         trial.check(trial.contract.inside == Inside::miss, "a ray from inside misses",
                     "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");

@@ -116,6 +116,8 @@ std::vector<Reason> inside_reasons() {
              const auto line = line_from_inside(sample);
              return line && sample.truly_hits && sample.true_t == 0 && is_about(sample.t, line->far);
          }},
+
+        // The near root, which is behind the ray.
         {"from inside it answers with the near root, behind the ray",
          "say so (near_root, roots=near): t < 0 is then a miss", "say --inside near: t < 0 is then a miss",
          [](const AnswerSample& sample) {
@@ -154,6 +156,8 @@ std::vector<Reason> ray_reasons() {
                         fits_instead(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
              },
              Scope::all},
+
+            // The ray, or its line.
             {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
              "write hit = 0 where t < 0, or leave out hit and say --miss negative",
              [](const AnswerSample& sample) {
@@ -161,6 +165,8 @@ std::vector<Reason> ray_reasons() {
                  return sample.hit && !sample.truly_hits && line && line->far < 0 && !(sample.t > 0);
              },
              Scope::wrong},
+
+            // Numbers in the wrong place.
             {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
              "look at the names of the columns: ox, oy, oz are the origin",
              [](const AnswerSample& sample) {

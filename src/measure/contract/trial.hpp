@@ -258,6 +258,8 @@ private:
     const char* name_ = "";
 };
 
+/// Probes how the form is called (probe_calls.cpp).
+void probe_calls(Trial& trial);
 /// Probes of one promise each (probe_surface.cpp).
 void try_inside(Trial& trial);
 void try_facing(Trial& trial);
