@@ -31,9 +31,9 @@ struct StoredAs<RoundedAny> {
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
-/// Returns the t, in doubles, at which a ray comes out of the primitive that it goes into; nothing if the ray never
+/// Finds the t, in doubles, at which a ray comes out of the primitive that it goes into; nothing if the ray never
 /// comes out.
-std::optional<double> exit_of(const Ray<double>& ray, const Primitive<double>& primitive) {
+std::optional<double> find_exit(const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto ends = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     return ends && ends->far > 0 ? std::optional(ends->far) : std::nullopt;
 }
@@ -177,7 +177,7 @@ private:
         const T infinite_distance = T(1) / T(0);
         std::optional<Vec<T>> light;
         if (work_.light_) light = lift_vec<T>(*work_.light_);
-        for (const Departure<T>& departure : departures_from<T>(strategy_input_.ray, strategy_input_.point,
+        for (const Departure<T>& departure : make_departures<T>(strategy_input_.ray, strategy_input_.point,
                                                                 strategy_input_.normal, infinite_distance, light)) {
             const Side side = departure.side_sign > T(0) ? Side::outside : Side::inside;
             if (is_finite(as_doubles(departure.new_direction)))
@@ -257,8 +257,8 @@ private:
     }
     /// Returns the far side ahead of a ray that starts at the point (`FarSides`).
     [[nodiscard]] FarSide far_side_ahead(Side side, const Vec<double>& w) const {
-        if (!enters(side)) return far_side({p_, w}, departed_primitive());
-        const double exit = exit_of({p_, w}, departed_primitive()).value_or(std::numeric_limits<double>::infinity());
+        if (!enters(side)) return find_far_side({p_, w}, departed_primitive());
+        const double exit = find_exit({p_, w}, departed_primitive()).value_or(std::numeric_limits<double>::infinity());
         return {exit / 2, exit};
     }
     /// True if the wall of the far side lies between the point and the start of a ray.
@@ -361,7 +361,7 @@ private:
             if (!r.tests_departed_primitive || r.has(Fault::not_finite)) continue;
             const double reported_t =
                 hit[k] == 0 ? truth::missing : first_reported(part_info, r, {t[k], near[k], far[k]});
-            const double far_begin = enters(side) ? exit_of(r.ray, departed_primitive()).value_or(0) / 2
+            const double far_begin = enters(side) ? find_exit(r.ray, departed_primitive()).value_or(0) / 2
                                                   : far_sides_of(side).along_rays[k].t_begin;
             r.add_fault_if(enters(side) && std::isnan(reported_t), Fault::lost_exit_by_form);
             r.add_fault_if(reported_t < far_begin, Fault::self_hit_by_form);  // false for NaN

@@ -52,7 +52,7 @@ struct FarSide {
 /// the way across. In a torus it is between the part that the ray leaves and the part across the hole, whether or not
 /// the ray meets the latter. The result is computed in doubles and proves nothing: it only separates a far wall from
 /// the surface that the ray leaves.
-FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive);
+FarSide find_far_side(const Ray<double>& ray, const Primitive<double>& primitive);
 
 /// True if a ray that has left the primitive may meet it again; false for convex and flat primitives.
 bool is_hit_again(const Primitive<double>& primitive);

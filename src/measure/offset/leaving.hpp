@@ -104,7 +104,7 @@ void add_departure(const Vec<T>& w, const Vec<T>& n, const T& target_distance, s
 /// hemisphere around n, and 17 in the one around −n. The frame of a hemisphere is that of Duff et al., Building an
 /// Orthonormal Basis, Revisited (2017). Everything is computed in T.
 template <Number T>
-std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n,
+std::vector<Departure<T>> make_departures(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n,
                                           const T& infinite_distance, const std::optional<Vec<T>>& light) {
     std::vector<Departure<T>> departures;
 
