@@ -3,12 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "measure/contract/trial.hpp"
 #include "number/error.hpp"
@@ -25,44 +21,12 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
-/// True if both replies have equal numbers. Two NaN count as equal.
-bool are_same(const Reply& a, const Reply& b) {
-    const auto is_same_number = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-    return a.hit == b.hit && is_same_number(a.near, b.near) && is_same_number(a.far, b.far);
-}
-
-bool are_all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) {
-    return std::ranges::equal(a, b, are_same);
-}
-
-/// Many rays from all directions, some of which meet the primitive.
-std::vector<Question> scattered_questions(Shape shape) {
-    std::vector<Question> questions;
-    std::uint32_t state = 1;
-    const auto random = [&state] {
-        state = state * 1664525U + 1013904223U;
-        return static_cast<double>(state >> 16) / 32768 - 1;
-    };
-    for (int i = 0; i < 501; ++i) {
-        Question q = question_along_z(shape, 0, 1);
-        for (int k = 0; k < 3; ++k) q.ray[static_cast<std::size_t>(k)] = 8 * random();
-        double length = 0;
-        for (int k = 0; k < 3; ++k) {
-            q.ray[static_cast<std::size_t>(k) + 3] = 2 * random() - q.ray[static_cast<std::size_t>(k)];
-            length += q.ray[static_cast<std::size_t>(k) + 3] * q.ray[static_cast<std::size_t>(k) + 3];
-        }
-        for (int k = 3; k < 6; ++k) q.ray[static_cast<std::size_t>(k)] /= std::sqrt(length);
-        questions.push_back(q);
-    }
-    return questions;
-}
-
 std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.simplest); }
 
 /// Text of the plainest ray and its primitive.
 std::string plainest_ray_text(Shape shape, const char* joint) {
     const Question q = plainest_question(shape);
-    return fmt::format("origin (0, 0, {:g}), direction (0, 0, {:g}){}{}", q.ray[2], q.ray[5], joint,
+    return fmt::format("origin (0, 0, {:g}), direction (0, 0, {:g}){}{}", q.ray.origin.z, q.ray.direction.z, joint,
                        plainest_primitive_text(shape));
 }
 
@@ -70,62 +34,9 @@ std::string plainest_ray_text(Shape shape, const char* joint) {
 /// as the point where the opposite ray enters. Infinite for primitives without end.
 double last_root_t(Shape shape) {
     const Question q = plainest_question(shape);
-    const auto opposite_ends = ends_of(question_along_z(shape, -q.ray[2], -q.ray[5]), shape);
-    return opposite_ends ? 2 * std::fabs(q.ray[2]) - opposite_ends->near : std::numeric_limits<double>::infinity();
-}
-
-void try_hit_is_written(Trial& trial) {
-    const auto replies = ask(trial.form, scattered_questions(trial.shape));
-    const auto unwritten = std::ranges::find_if(replies, [](const Reply& r) { return r.hit > 1; });
-    if (unwritten != replies.end())
-        trial.report_broken("`hit` is " + std::to_string(unwritten->hit) +
-                            " for a ray of a batch; write 1 or 0 for every ray");
-}
-
-void try_same_batch_again(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
-    const auto replies = ask(trial.form, questions);
-    trial.check(are_all_same(replies, ask(trial.form, questions)), "the same batch gets the same answers again",
-                "the same batch gets other answers the second time: the function keeps state from the first call, or "
-                "reads memory that was never written");
-}
-
-void try_batches(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
-    std::vector<Reply> single_replies;
-    for (const Question& q : questions) single_replies.push_back(trial.ask(q));
-    trial.check(are_all_same(ask(trial.form, questions), single_replies),
-                "a ray gets the same answer in a batch and alone", "a ray gets another answer in a batch than alone");
-}
-
-void try_primitives(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
-    trial.check(are_all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
-                "one primitive for all rays, or one for each: the same answers",
-                "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
-}
-
-void try_threads(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
-    const auto expected = ask(trial.form, questions);
-    std::vector<std::thread> threads;
-    std::atomic<bool> is_same = true;
-    std::exception_ptr error;
-    std::mutex lock;
-    for (int t = 0; t < 4; ++t) {
-        threads.emplace_back([&] {
-            try {
-                for (int k = 0; k < 20; ++k) is_same = is_same && are_all_same(expected, ask(trial.form, questions));
-            } catch (...) {
-                const std::scoped_lock guard(lock);
-                error = std::current_exception();
-            }
-        });
-    }
-    for (std::thread& t : threads) t.join();
-    if (error) std::rethrow_exception(error);
-    trial.check(is_same, "four threads at once get the same answers",
-                "four threads at once get other answers; say LB_ONE_THREAD (one_thread)");
+    const auto opposite_ends = ends_of(question_along_z(shape, -q.ray.origin.z, -q.ray.direction.z), shape);
+    return opposite_ends ? 2 * std::fabs(q.ray.origin.z) - opposite_ends->near
+                         : std::numeric_limits<double>::infinity();
 }
 
 /// A mistake about a length of a shape, such as a radius: the length that the form uses instead, and its description.
@@ -145,12 +56,15 @@ constexpr LengthMisuse length_misuses[]{
 /// middle the shape is hit.
 std::vector<Question> questions_about_length(Shape shape, std::size_t index) {
     std::vector<Question> questions{plainest_question(shape), plainest_question(shape, 8)};
-    questions[1].ray[0] = 0.5, questions[1].ray[1] = 0.25;
+    questions[1].ray.origin.x = 0.5;
+    questions[1].ray.origin.y = 0.25;
     for (const double x : {0.9, 1.25, 1.75, 2.5, 3.5}) {
         if (!is_flat(shape)) continue;
         questions.push_back(plainest_question(shape));
-        questions.back().ray[0] = x;
+        questions.back().ray.origin.x = x;
     }
+
+    // The same rays at the other length.
     for (std::size_t i = 0, count = questions.size(); i < count; ++i) {
         Question q = questions[i];
         q.primitive[index] *= 0.75;
@@ -168,9 +82,12 @@ struct LengthMistake {
 std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;
+
     std::vector<std::pair<Question, Reply>> answered;
     for (const Question& q : questions_about_length(trial.shape, length->number_index))
         answered.emplace_back(q, trial.ask(q));
+
+    // A mistake explains an answer that is right for a primitive with the changed length.
     const auto explains = [&](const LengthMisuse& mistake) {
         return std::ranges::all_of(answered, [&](const auto& pair) {
             auto [q, r] = pair;
@@ -182,6 +99,7 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     };
     const auto found = std::ranges::find_if(length_misuses, explains);
     if (found == std::end(length_misuses)) return std::nullopt;
+
     const auto text = [&](const char* pattern) { return fmt::format(fmt::runtime(pattern), length->key->name); };
     return LengthMistake{text(found->mistake), text(found->remedy)};
 }
@@ -197,11 +115,13 @@ void try_extent(Trial& trial) {
 void try_t(Trial& trial) {
     const Question q = plainest_question(trial.shape);
     const Reply reply = trial.ask(q);
-    const double right_t = ends_of(q, trial.shape)->near, far_t = ends_of(q, trial.shape)->far,
-                 last_t = last_root_t(trial.shape);
+    const double right_t = ends_of(q, trial.shape)->near;
+    const double far_t = ends_of(q, trial.shape)->far, last_t = last_root_t(trial.shape);
     const auto is_far = [&](double t) { return is_answer(t, far_t) || is_answer(t, last_t); };
     if (is_answer(reply.near, right_t))
         return trial.report_kept("the simplest ray gets t = " + text_of(right_t) + ", which is right");
+
+    // Each known mistake has its own remedy.
     const auto ray_text = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right_t) +
                           " is right, it answers " + text_of(reply.near) + ")";
     if (const auto length_mistake = find_length_mistake(trial))
@@ -224,6 +144,8 @@ void try_direction(Trial& trial) {
     const std::string say_unit = "say LB_UNIT (unit_direction, direction=unit)";
     const Question q = plainest_question(trial.shape);
     const Reply reply = trial.ask(q), doubled_reply = trial.ask(plainest_question(trial.shape, 5, 2));
+
+    // A direction twice as long must hit too, at half the t.
     if (doubled_reply.hit != 1)
         return trial.report_broken("a direction twice as long misses; it should hit" +
                                    std::string(trial.tells_t ? " at half the t" : "") +
@@ -231,12 +153,16 @@ void try_direction(Trial& trial) {
     if (!trial.tells_t) return trial.report_kept("takes directions of any length: one twice as long hits too");
     if (is_answer(doubled_reply.near, reply.near / 2))
         return trial.report_kept("takes directions of any length: one twice as long gets half the t");
+
+    // A t that does not change is a distance if a ray from 3 farther away gets 3 more.
     const Reply farther = trial.ask(plainest_question(trial.shape, 8));
     const bool is_unchanged = is_answer(doubled_reply.near, reply.near),
                is_distance = is_unchanged && farther.hit == 1 && is_answer(farther.near, reply.near + 3);
     if (is_distance)
         return trial.report_broken(
             "t is a distance: a direction twice as long changes nothing. Divide t by its length, or " + say_unit);
+
+    // Otherwise the t for length 2 is wrong; this breaks no promise if the t for length 1 is wrong already.
     const std::string result_text = "a direction twice as long gives t = " + text_of(doubled_reply.near);
     const double right = ends_of(q, trial.shape)->near;
     if (!is_answer(reply.near, right)) return trial.report_note(result_text + "; the t for length 1 is wrong already");
@@ -280,6 +206,7 @@ void try_behind(Trial& trial) {
                                  ", which counts as a miss");
     if (trial.contract.roots == Roots::both && trial.has_flag(LB_LINE))
         return trial.check(reply.hit == 1, "the answer is for the whole line", "a primitive behind the ray is missed");
+
     const std::string hit = "a primitive behind the ray is hit";
     trial.check(reply.hit == 0, "a primitive behind the ray is missed",
                 !trial.tells_t ? hit +
@@ -294,7 +221,7 @@ void try_behind(Trial& trial) {
 
 void try_passing_ray(Trial& trial) {
     Question q = question_along_z(trial.shape, -5, 1);
-    q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
+    q.ray = {{0, 0, -10}, {0.6, 0, 0.8}};  // through the planes of a box, beside it
     if (ends_of(q, trial.shape)) return trial.report_note("no ray passes by " + with_article(trial.shape));
     const Reply reply = trial.ask(q);
     const bool is_nan = trial.tells_t && reply.hit == 1 && std::isnan(reply.near);
@@ -325,37 +252,41 @@ void try_end(Trial& trial) {
                     "float tmax)");
 }
 
+/// Checks the answer to the plainest ray with a begin and an end. `range_text` describes the range, `why` its answer.
+void check_range(Trial& trial, double start, double end, const std::string& range_text, const std::string& why) {
+    Question q = plainest_question(trial.shape);
+    q.start = start;
+    q.end = end;
+    const HitOrMiss right = trial.truth(q);
+    const Reply r = trial.ask(q);
+    const std::string right_text = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
+    const std::string reply_text = r.hit != 1                   ? "misses"
+                                   : trial.tells_t && right.hit ? "answers " + text_of(r.near)
+                                                                : "hits";
+    trial.check(trial.is_right(q, r, trial.contract), range_text + reply_text,
+                range_text + reply_text + "; it should " + right_text + ": " + why);
+}
+
 /// Tests a form that declares to respect the begin and end of rays.
 void try_range(Trial& trial) {
-    const auto with_range = [](Shape shape, double start, double end) {
-        Question q = plainest_question(shape);
-        q.start = start, q.end = end;
-        return q;
-    };
-    const auto check_range = [&trial](const Question& q, const std::string& range, const std::string& why) {
-        const HitOrMiss right = trial.truth(q);
-        const Reply r = trial.ask(q);
-        const std::string right_text = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
-        const std::string reply_text = r.hit != 1                   ? "misses"
-                                       : trial.tells_t && right.hit ? "answers " + text_of(r.near)
-                                                                    : "hits";
-        trial.check(trial.is_right(q, r, trial.contract), range + reply_text,
-                    range + reply_text + "; it should " + right_text + ": " + why);
-    };
     const Shape shape = trial.shape;
     const Ends<double> ends = *ends_of(plainest_question(shape), shape);
+
+    // Ranges with an end at the first root.
     const std::string first_root_text = "the first root, t = " + text_of(ends.near) + ", ";
     const std::string closed_ends_text = "both ends of a range belong to it, start <= t <= end";
-    check_range(with_range(shape, ends.near, infinity), "a range that begins at " + first_root_text, closed_ends_text);
     const bool only_inside_counts = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
-    check_range(with_range(shape, 0, ends.near), "a range that ends at " + first_root_text,
+    check_range(trial, ends.near, infinity, "a range that begins at " + first_root_text, closed_ends_text);
+    check_range(trial, 0, ends.near, "a range that ends at " + first_root_text,
                 only_inside_counts ? "if touching is a miss, only the inside counts, and this ray does not reach it"
                                    : closed_ends_text);
+
+    // Ranges that begin after the first root.
     if (ends.far < 8)
-        check_range(with_range(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
+        check_range(trial, 8, infinity, "a range that begins behind the primitive, at t = 8, ",
                     "`starts` says where each ray begins");
     if (is_crossed_twice(shape))
-        check_range(with_range(shape, 4, infinity), "a range that begins inside, at t = 4, ",
+        check_range(trial, 4, infinity, "a range that begins inside, at t = 4, ",
                     "otherwise say what it answers from inside");
 }
 
@@ -386,6 +317,8 @@ void try_unusual_numbers(Trial& trial) {
     try_unusual_question(trial, "infinite-origin", "an origin at infinity", question_along_z(shape, -infinity, 1));
     try_unusual_question(trial, "point", std::string(row_of(shape).texts.degenerate),
                          question_along_z(shape, -5, 1, 0, 0));
+
+    // Numbers whose squares leave the range of the format.
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
     try_unusual_question(trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
@@ -396,28 +329,20 @@ void try_unusual_numbers(Trial& trial) {
                                           std::ldexp(1, -scale - 1)));
 }
 
-/// Runs every probe on one form.
-std::vector<Observation> run_all_probes(const ForeignForm& form) {
-    Trial trial(form);
-    const bool has_both_roots = trial.contract.roots == Roots::both;
-    trial.probe("answers", try_hit_is_written);
-    trial.probe("again", try_same_batch_again);
-    if (trial.breaks("again")) {
-        trial.report_note("the probes batches, primitives and threads compare repeated answers, so they are left out");
-    } else {
-        trial.probe("batches", try_batches);
-        trial.probe("primitives", try_primitives);
-        if (!trial.has_flag(LB_ONE_THREAD)) trial.probe("threads", try_threads);
-    }
+/// Tests that the form hits with the plainest ray. A form that does not cannot be probed further.
+bool probe_hit(Trial& trial) {
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
         hits = t.ask(plainest_question(t.shape)).hit == 1;
         if (!hits && !try_other_side(t))
             t.report_broken("misses the simplest ray: " + plainest_ray_text(t.shape, ", against "));
     });
-    if (!hits) return std::move(trial.findings);
-    if (trial.tells_t) trial.probe("t", try_t);
-    if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
+    return hits;
+}
+
+/// Probes the promises about the answers. Probes that only make sense if the t of the plainest ray is right are left
+/// out if it is wrong, and named.
+void probe_promises(Trial& trial) {
     const bool t_is_right = !trial.breaks("t") && !trial.breaks("hit");
     std::string skipped_probes;
     const auto probe_if_right = [&](const char* name, const auto& probe, bool applies = true) {
@@ -425,28 +350,47 @@ std::vector<Observation> run_all_probes(const ForeignForm& form) {
         if (t_is_right) trial.probe(name, probe);
         else skipped_probes += (skipped_probes.empty() ? "" : ", ") + std::string(name);
     };
+
+    // Directions and roots.
     trial.probe("direction", try_direction);
-    probe_if_right("far", try_far_root, has_both_roots);
+    probe_if_right("far", try_far_root, trial.contract.roots == Roots::both);
     probe_if_right("inside", try_inside, is_crossed_twice(trial.shape));
     if (trial.contract.roots == Roots::near_only) probe_if_right("behind", try_behind);
     else trial.probe("behind", try_behind);
+
+    // Sides and borders of the surface.
     trial.probe("aside", try_passing_ray);
     if (is_flat(trial.shape)) trial.probe("facing", try_facing);
     probe_if_right("touching", try_touching);
     if (is_flat(trial.shape)) trial.probe("within", try_in_plane);
+
+    // Starts and ends of rays.
     probe_if_right("at-origin", try_at_origin);
     probe_if_right("close", try_just_ahead, trial.tells_t);
     trial.probe("end", try_end);
     probe_if_right("range", try_range, trial.has_flag(LB_RANGE));
+
+    // Comparisons with the truth on many rays.
     probe_if_right("scale", try_scale);
     if (!trial.has_broken_promise()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     // Half of the rays of this probe come from behind.
     probe_if_right("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
+
     if (!skipped_probes.empty())
         trial.probe("t", [&](Trial& t) {
             t.report_note(std::string(t.breaks("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
                           " is not judged: " + skipped_probes);
         });
+}
+
+/// Runs every probe on one form.
+std::vector<Observation> run_all_probes(const ForeignForm& form) {
+    Trial trial(form);
+    probe_calls(trial);
+    if (!probe_hit(trial)) return std::move(trial.findings);
+    if (trial.tells_t) trial.probe("t", try_t);
+    if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
+    probe_promises(trial);
     try_unusual_numbers(trial);
     return std::move(trial.findings);
 }

@@ -36,6 +36,16 @@ Primitive<double> shrink_to_apex(Primitive<double> primitive) {
     return primitive;
 }
 
+/// Draws a ray from outside that is aimed at a point, or that misses it by an offset.
+Question draw_question_at_point(const rays::AimedPlace& target, double offset, const Primitive<double>& primitive,
+                                int bits, RandomNumbers& random) {
+    const Vec<double> random_direction = random.unit(), direction = target.along.value_or(random_direction);
+    const Vec<double> origin = target.point + offset * random.unit() - 4 * half_extent_of(primitive) * direction;
+    Question q = make_question(origin, direction, primitive);
+    if (bits == 64) q.ray = {origin, direction};  // nearer to the place than floats are
+    return q;
+}
+
 /// Returns rays at one kind of place of random primitives, such as a rim. Half of the rays are aimed at the place
 /// itself, the others miss it by up to 2^-10 of the size of the primitive. All rays are benign. A ray that misses
 /// counts only if the place is not on the surface: a ray that touches an edge from outside would pass for benign,
@@ -50,14 +60,11 @@ std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene
     for (int i = 0; i < attempts && questions.size() < max_questions; ++i) {
         const Primitive<double> any_primitive = random_primitive(trial.shape, is_upright, random);
         const Primitive<double> primitive = i % 4 < 2 ? any_primitive : shrink_to_apex(any_primitive);
+
         const rays::AimedPlace target = distribution.aimed_at(place_random, primitive, aim);
-        const Vec<double> random_direction = random.unit(), direction = target.along.value_or(random_direction);
-        const double half_extent = half_extent_of(primitive),
-                     offset = i % 2 == 0 ? 0 : half_extent * std::ldexp(1, -10 - i % 16);
-        const Vec<double> origin = target.point + offset * random.unit() - 4 * half_extent * direction;
-        Question q = make_question(origin, direction, primitive);
-        for (int k = 0; k < 3 && trial.contract.bits == 64; ++k)  // nearer to the place than floats are
-            q.ray[static_cast<std::size_t>(k)] = origin[k], q.ray[static_cast<std::size_t>(k) + 3] = direction[k];
+        const double offset = i % 2 == 0 ? 0 : half_extent_of(primitive) * std::ldexp(1, -10 - i % 16);
+        const Question q = draw_question_at_point(target, offset, primitive, trial.contract.bits, random);
+
         if ((trial.truth(q).hit || is_off_surface(primitive, target.point)) && is_benign(trial, q, random, changes))
             questions.push_back(q);
     }
@@ -115,6 +122,8 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
         const Places places = questions_at_places(trial, distribution, is_upright);
         const WrongCount unscaled = count_wrong_at_scale(trial, places, 0);
         tested += unscaled.tested;
+
+        // Any wrong answer ends the probe. It is a warning if few are wrong, or if upright primitives are right.
         if (unscaled.wrong > 0) {
             const bool is_oblique = !is_upright && has_axis(trial.shape);
             const std::string text = fmt::format(
@@ -124,11 +133,14 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
                 is_oblique ? "; where axes lie along x, y or z it is right" : "");
             return unscaled.is_many() && !is_oblique ? trial.report_broken(text) : trial.report_warning(text);
         }
+
+        // Finds the first scale at which many answers are wrong.
         for (const int power : scale_powers)
             if (const WrongCount count = count_wrong_at_scale(trial, places, power);
                 count.is_many() && scale_limit.empty())
                 scale_limit = scale_text(power, count.wrong, count.tested);
     }
+
     report_right(
         trial,
         fmt::format("{} rays at places of {} ({}) get the right answer", tested, row_of(trial.shape).plural, names),
@@ -167,63 +179,97 @@ double move_by_ulps(double x, int bits, rays::Random& random) {
     return x;
 }
 
-/// Draws a ray from 2^-10 to 2^20 lengths of an edge away. It meets all triangles at the edge or the vertex from the
-/// front, at an angle of 7° or more, so that no light should pass. Empty if the rounded ray does not.
-std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::external::Contract& contract,
-                                      rays::Random& random) {
+/// The two vertices of an edge of a mesh.
+using EdgeEnds = std::array<std::uint32_t, 2>;
+
+EdgeEnds draw_edge(const Mesh& mesh, rays::Random& random) {
     const Face& face = mesh.faces[static_cast<std::size_t>(random.below(static_cast<int>(mesh.faces.size())))];
     const auto k = static_cast<std::size_t>(random.below(3));
-    const std::array<std::uint32_t, 2> ends{face[k], face[(k + 1) % 3]};
-    RayAtMeshEdge edge_ray;
-    edge_ray.at_vertex = random.below(3) == 0;
+    return {face[k], face[(k + 1) % 3]};
+}
+
+/// Draws a ray from outside that is aimed at an edge, or at its first vertex if `edge_ray` is at a vertex. Its numbers
+/// are those of the format, and may be some ulps beside the aim. Writes the ray and its distance to `edge_ray`.
+void aim_at_edge(const EdgeEnds& ends, const Mesh& mesh, const intersect::external::Contract& contract,
+                 rays::Random& random, RayAtMeshEdge& edge_ray) {
+    // The direction goes towards the middle of the mesh, which is around the origin.
     const Vec<double> a = mesh.vertices[ends[0]], b = mesh.vertices[ends[1]];
     const Vec<double> target = edge_ray.at_vertex ? a : a + random.unit() * (b - a),
                       random_direction = rays::draw_direction(random);
-    const Vec<double> d = dot(random_direction, target) < 0 ? random_direction
-                                                            : -1.0 * random_direction;  // the mesh is around the origin
+    const Vec<double> d = dot(random_direction, target) < 0 ? random_direction : -1.0 * random_direction;
+
     const int octave = random.below(30);
     edge_ray.distance = std::ldexp(1 + random.unit(), octave - 10);
     const Vec<double> origin = round_to_bits(target - (edge_ray.distance * length(b - a)) * d, contract.bits),
                       to_target = target - origin;
+
     Vec<double> direction = round_to_bits((1 / length(to_target)) * to_target, contract.bits);
     if (contract.direction == intersect::Direction::any && random.below(4) != 0)
         for (int i = 0; i < 3; ++i) direction[i] = move_by_ulps(direction[i], contract.bits, random);
     edge_ray.ray = {origin, direction};
+}
+
+/// Sorts the triangles of the mesh into those at the edge or around it, and all others that face the ray. Returns false
+/// if the ray meets no triangle at its edge or vertex, or meets one of them at a grazing angle or from behind.
+bool collect_triangles(const EdgeEnds& ends, const Mesh& mesh, RayAtMeshEdge& edge_ray) {
     bool is_met = false;
     for (const Face& f : mesh.faces) {
         const auto has_vertex = [&](std::uint32_t v) { return std::ranges::count(f, v) != 0; };
         const bool is_adjacent = has_vertex(ends[0]) && (edge_ray.at_vertex || has_vertex(ends[1]));
         const auto triangle = scene::triangle::corners_of(f, mesh.vertices);
         const Vec<double> n = cross(triangle.b - triangle.a, triangle.c - triangle.a);
+
         if (!has_vertex(ends[0]) && (edge_ray.at_vertex || !has_vertex(ends[1]))) {
-            if (dot(n, direction) < 0) edge_ray.others.emplace_back(triangle);
+            if (dot(n, edge_ray.ray.direction) < 0) edge_ray.others.emplace_back(triangle);
             continue;
         }
-        if (is_adjacent && !(-dot(n, direction) > 0.125 * length(n))) return std::nullopt;
+        if (is_adjacent && !(-dot(n, edge_ray.ray.direction) > 0.125 * length(n))) return false;
         if (is_adjacent) is_met = is_met || truth::find_truth(edge_ray.ray, Primitive<double>(triangle)).is_hit();
         edge_ray.adjacent.insert(is_adjacent ? edge_ray.adjacent.begin() : edge_ray.adjacent.end(), triangle);
     }
-    return is_met ? std::optional(edge_ray) : std::nullopt;
+    return is_met;
+}
+
+/// Draws a ray from 2^-10 to 2^20 lengths of an edge away. It meets all triangles at the edge or the vertex from the
+/// front, at an angle of 7° or more, so that no light should pass. Empty if the rounded ray does not.
+std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::external::Contract& contract,
+                                      rays::Random& random) {
+    const EdgeEnds ends = draw_edge(mesh, random);
+    RayAtMeshEdge edge_ray;
+    edge_ray.at_vertex = random.below(3) == 0;
+    aim_at_edge(ends, mesh, contract, random, edge_ray);
+    return collect_triangles(ends, mesh, edge_ray) ? std::optional(edge_ray) : std::nullopt;
 }
 
 Question question_at(const Ray<double>& ray, const Primitive<double>& primitive) {
-    Question q{.ray = {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z},
-               .primitive = {}};
+    Question q{.ray = ray, .primitive = {}};
     std::ranges::copy(primitive.shape_numbers(), q.primitive.begin());
     return q;
 }
 
-/// Counts of rays at edges and vertices of meshes: how many were tested, and how many pass between the triangles.
+/// Counts of rays that were tested, and of those that pass between the triangles.
+struct PassingCounts {
+    std::size_t tested = 0, passed = 0;
+
+    void add(const PassingCounts& other) {
+        tested += other.tested;
+        passed += other.passed;
+    }
+    [[nodiscard]] std::string text() const { return count_and_percent(passed, tested); }
+};
+
+/// Counts of rays at edges and vertices of meshes, and a description of the first ray that passes.
 struct EdgeRayCounts {
-    std::array<std::size_t, 2> tested{}, passed{};  ///< at edges, at vertices
+    PassingCounts at_edges, at_vertices;
     std::string first_text;
 
     void add(const EdgeRayCounts& other) {
-        for (std::size_t k = 0; k < 2; ++k) tested[k] += other.tested[k], passed[k] += other.passed[k];
+        at_edges.add(other.at_edges);
+        at_vertices.add(other.at_vertices);
         if (first_text.empty()) first_text = other.first_text;
     }
-    [[nodiscard]] std::size_t all_tested() const { return tested[0] + tested[1]; }
-    [[nodiscard]] std::size_t all_passed() const { return passed[0] + passed[1]; }
+    [[nodiscard]] std::size_t all_tested() const { return at_edges.tested + at_vertices.tested; }
+    [[nodiscard]] std::size_t all_passed() const { return at_edges.passed + at_vertices.passed; }
 };
 
 /// Returns a question for the ray and each of the triangles, with all lengths multiplied by 2^power.
@@ -245,41 +291,54 @@ bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<
     return false;
 }
 
+/// Draws the rays of a scale, at edges and vertices of random meshes.
+std::vector<RayAtMeshEdge> draw_rays(const Trial& trial, std::size_t scale) {
+    constexpr int attempts = 768, rays_of_mesh = 16;
+    rays::Random random(scale + 1);
+    std::vector<RayAtMeshEdge> rays_at_edges;
+    Mesh mesh;
+    for (int i = 0; i < attempts; ++i) {
+        if (i % rays_of_mesh == 0) mesh = random_mesh(trial.contract.bits, random);
+        if (const auto edge_ray = draw_ray(mesh, trial.contract, random)) rays_at_edges.push_back(*edge_ray);
+    }
+    return rays_at_edges;
+}
+
+/// Text about a ray at an edge or vertex. `adjacent` are the questions about the triangles around it.
+std::string edge_ray_text(const RayAtMeshEdge& edge_ray, std::span<const Question> adjacent) {
+    return fmt::format("ray {} at {} of triangles {} and {}, {:.3g} edge lengths away", numbers_text(adjacent[0].ray),
+                       edge_ray.at_vertex ? "a vertex" : "the edge",
+                       numbers_text(std::span(adjacent[0].primitive).first(9)),
+                       numbers_text(std::span(adjacent[1].primitive).first(9)), edge_ray.distance);
+}
+
 /// Counts the rays of a scale that pass: light passes if the form claims no triangle that faces the ray. The triangles
 /// around the edge or vertex are tested in one batch. The other triangles are tested only if the form claims none of
 /// these. Each scale has rays of its own.
 EdgeRayCounts count_passing_rays(const Trial& trial, std::size_t scale) {
-    constexpr int attempts = 768, rays_of_mesh = 16;
-    rays::Random random(scale + 1);
-    std::vector<RayAtMeshEdge> rays_at_edges;
+    const std::vector<RayAtMeshEdge> rays_at_edges = draw_rays(trial, scale);
     std::vector<Question> questions;
-    Mesh mesh;
-    for (int i = 0; i < attempts; ++i) {
-        if (i % rays_of_mesh == 0) mesh = random_mesh(trial.contract.bits, random);
-        const auto edge_ray = draw_ray(mesh, trial.contract, random);
-        if (!edge_ray) continue;
-        rays_at_edges.push_back(*edge_ray);
-        const auto adjacent = questions_at(trial, edge_ray->ray, edge_ray->adjacent, scale_powers[scale]);
+    for (const RayAtMeshEdge& edge_ray : rays_at_edges) {
+        const auto adjacent = questions_at(trial, edge_ray.ray, edge_ray.adjacent, scale_powers[scale]);
         questions.insert(questions.end(), adjacent.begin(), adjacent.end());
     }
     const std::vector<Reply> replies = ask(trial.form, questions);
+
     EdgeRayCounts counts;
     std::size_t first = 0;
     for (const RayAtMeshEdge& edge_ray : rays_at_edges) {
         const auto adjacent = std::span(questions).subspan(first, edge_ray.adjacent.size());
         bool is_hit = any_hit(trial, adjacent, std::span(replies).subspan(first, edge_ray.adjacent.size()));
         first += edge_ray.adjacent.size();
+
         if (!is_hit) {
             const auto further_questions = questions_at(trial, edge_ray.ray, edge_ray.others, scale_powers[scale]);
             is_hit = any_hit(trial, further_questions, ask(trial.form, further_questions));
         }
-        ++counts.tested[edge_ray.at_vertex];
-        counts.passed[edge_ray.at_vertex] += !is_hit;
-        if (!is_hit && counts.first_text.empty())
-            counts.first_text = fmt::format("ray {} at {} of triangles {} and {}, {:.3g} edge lengths away",
-                                            numbers_text(adjacent[0].ray), edge_ray.at_vertex ? "a vertex" : "the edge",
-                                            numbers_text(std::span(adjacent[0].primitive).first(9)),
-                                            numbers_text(std::span(adjacent[1].primitive).first(9)), edge_ray.distance);
+
+        (edge_ray.at_vertex ? counts.at_vertices : counts.at_edges)
+            .add({.tested = 1, .passed = is_hit ? std::size_t{0} : std::size_t{1}});
+        if (!is_hit && counts.first_text.empty()) counts.first_text = edge_ray_text(edge_ray, adjacent);
     }
     return counts;
 }
@@ -290,21 +349,22 @@ void try_mesh(Trial& trial) {
     std::string scale_limit;
     for (std::size_t scale = 1; scale < scale_powers.size(); ++scale) {
         const EdgeRayCounts counts = count_passing_rays(trial, scale);
+        // A scale fails if far more rays pass there than at 2^0.
         if (20 * counts.all_passed() > counts.all_tested() + 60 * unscaled.all_passed()) {
             scale_limit = scale_text(scale_powers[scale], counts.all_passed(), counts.all_tested());
             break;
         }
         total.add(counts);
     }
+
     if (total.all_passed() > 0)
         return trial.report_warning(fmt::format(
             "{} rays at edges and {} at vertices of closed meshes pass between the triangles: it claims none of them; "
             "the first is {}{}",
-            count_and_percent(total.passed[0], total.tested[0]), count_and_percent(total.passed[1], total.tested[1]),
-            total.first_text, scale_limit));
+            total.at_edges.text(), total.at_vertices.text(), total.first_text, scale_limit));
     report_right(trial,
                  fmt::format("no ray passes between triangles, of {} at edges and {} at vertices of closed meshes",
-                             total.tested[0], total.tested[1]),
+                             total.at_edges.tested, total.at_vertices.tested),
                  scale_limit);
 }
 

@@ -29,7 +29,9 @@ RightAnswer answer_of(const Reply& r, double near, double far) {
 struct RayFromInside {
     RayFromInside(const Trial& trial, double z) : start_z(z), reply(trial.ask(question_along_z(trial.shape, z, 1))) {
         intersect::external::Contract exits = trial.contract;
-        exits.inside = Inside::exit, exits.roots = Roots::first_only, exits.facing = Facing::both;
+        exits.inside = Inside::exit;
+        exits.roots = Roots::first_only;
+        exits.facing = Facing::both;
         far = truth_by(exits, question_along_z(trial.shape, z, 1)).t;
         near = -truth_by(exits, question_along_z(trial.shape, z, -1)).t;
     }
@@ -65,7 +67,7 @@ struct RaysFromInside {
 std::string mistake_beside_centre(const Trial& trial) {
     if (is_flat(trial.shape) || has_axis(trial.shape) || !has_inside(trial.shape)) return "";
     Question q = question_along_z(trial.shape, 0, 1);
-    q.ray[0] = 1;
+    q.ray.origin.x = 1;
     const HitOrMiss right = trial.truth(q), answer = read_reply(trial.contract, trial.ask(q), q);
     if (answer.hit == right.hit && (!right.hit || is_answer(answer.t, right.t))) return "";
     return "a ray from inside that starts exactly beside the centre, from (1, 0, 0) along (0, 0, 1), is answered "
@@ -77,6 +79,8 @@ void try_interval(Trial& trial, const RaysFromInside& rays) {
     const RightAnswer answer = rays.answer();
     const bool is_clipped = trial.has_flag(LB_CLIPPED), is_far_right = rays.far_is_right();
     const bool zero_is_right = inside_returns_zero(trial.shape) && trial.contract.inside != Inside::exit;
+
+    // The two rays miss, or have the whole interval, or one that is clipped to the ray.
     if (answer == RightAnswer::miss) {
         trial.check(trial.contract.inside == Inside::miss, "a ray from inside misses",
                     "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
@@ -144,6 +148,8 @@ void try_inside(Trial& trial) {
     const RaysFromInside rays(trial);
     const intersect::external::Contract& contract = trial.contract;
     if (contract.roots == Roots::both) return try_interval(trial, rays);
+
+    // Without a t, only the decision counts.
     const RightAnswer answer = rays.answer(), promised_answer = promised_answer_inside(contract);
     if (!trial.tells_t) {
         const bool hits = promised_answer != RightAnswer::miss;
@@ -152,6 +158,8 @@ void try_inside(Trial& trial) {
                            hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
                                 : "a ray from inside hits; leave out inside=miss");
     }
+
+    // For the near root alone, the table reads a near root behind the ray as a miss.
     const std::string text = std::string("a ray from inside ") + answer_texts[static_cast<std::size_t>(answer)];
     const bool are_both_misses = contract.roots == Roots::near_only &&
                                  (answer == RightAnswer::near || answer == RightAnswer::miss) &&
@@ -160,6 +168,7 @@ void try_inside(Trial& trial) {
         const std::string mistake = mistake_beside_centre(trial);
         return mistake.empty() ? trial.report_kept(text) : trial.report_broken(mistake);
     }
+
     const std::string property = property_for_answer(answer, contract.roots);
     trial.report_broken(
         text + (property.empty() ? ": " + rays.text(false) + "; the roots are " + rays.roots() : "; say " + property));
@@ -188,35 +197,42 @@ void try_touching(Trial& trial) {
     // The ray is a tangent, or runs in the plane of a face or through a rim: it hits the closed primitive and misses
     // the open one.
     intersect::external::Contract closed = trial.contract, open = trial.contract;
-    closed.touching = Touching::hit, open.touching = Touching::miss;
+    closed.touching = Touching::hit;
+    open.touching = Touching::miss;
     Question q = question_along_z(trial.shape, -5, 1);
     const auto touches = [&](double x) {
-        q.ray[0] = x;
+        q.ray.origin.x = x;
         return trial.truth(q, closed).hit && !trial.truth(q, open).hit;
     };
     if (!touches(2) && !touches(1)) return;  // a plane has no rim
+
+    // The same touch from three distances and on both sides.
     const std::string ray_text(row_of(trial.shape).texts.touching_ray);
     int hits = 0, tested = 0;
     for (const double start_z : {-5.0, -4.0, -7.0}) {
         for (const double side : {1.0, -1.0}) {
             Question question = q;
-            question.ray[0] *= side, question.ray[2] = start_z;
+            question.ray.origin.x *= side;
+            question.ray.origin.z = start_z;
             const double right = trial.truth(question, closed).t;
             const HitOrMiss answer = read_reply(closed, trial.ask(question), question);
             // A march stops short of a tangent by the square root of its epsilon.
             if (trial.tells_t && answer.hit && !(std::fabs(answer.t - right) <= 0.5))
                 return trial.report_broken(ray_text + " is answered with t = " + text_of(answer.t) + "; " +
                                            text_of(right) + " is right");
-            ++tested, hits += answer.hit;
+            ++tested;
+            hits += answer.hit;
         }
     }
     if (hits > 0 && hits < tested)
         return trial.report_note(ray_text + " hits in " + std::to_string(hits) + " of " + std::to_string(tested) +
                                  " places: rounding decides, or the side that it is on");
+
+    // A wrong decision is rounding if a ray beside the touch, which should be decided the other way, gets it too.
     const bool should_hit = trial.contract.touching == Touching::hit, is_hit = hits > 0;
     const double offset = trial.contract.bits == 32 ? 0x1p-20 : 0x1p-49;  // eight numbers of the format
     Question neighbour = q;
-    neighbour.ray[0] += is_hit ? offset : -offset;
+    neighbour.ray.origin.x += is_hit ? offset : -offset;
     if (is_hit != should_hit && (trial.ask(neighbour).hit == 1) == is_hit)
         return trial.report_note(ray_text + (is_hit ? " hits, and so does one " : " misses, and so does one ") +
                                  text_of(offset) + (is_hit ? " outside" : " inside") + ": rounding decides");
@@ -232,7 +248,7 @@ void try_in_plane(Trial& trial) {
                                {0, 0, -2, 1},  {5, 9, -2, -1}, {-5, 0, -1, 1},   {0.25, 0, -3, -1}};
     for (const auto& [x, y, z, dx] : rays) {
         Question q = question_along_z(trial.shape, z, 0);
-        q.ray = {x, y, z, dx, 0, 0};
+        q.ray = {{x, y, z}, {dx, 0, 0}};
         const Reply r = trial.ask(q);
         if (!read_reply(trial.contract, r, q).hit || trial.truth(q).hit) continue;
         return trial.report_broken((z == -2 ? "a ray in its plane" : "a ray beside its plane") + std::string(" hits") +
@@ -268,8 +284,12 @@ std::vector<RayFromSurface> rays_from_surface(const Trial& trial) {
         rays.push_back({q, trial.ask(q), goes_in});
     };
     const double inward = entry_sign(trial.shape);
-    add(-2, inward, true), add(-2, -inward, false);
-    if (is_crossed_twice(trial.shape)) add(2, -1, true), add(2, 1, false);
+    add(-2, inward, true);
+    add(-2, -inward, false);
+    if (is_crossed_twice(trial.shape)) {
+        add(2, -1, true);
+        add(2, 1, false);
+    }
     return rays;
 }
 
@@ -295,6 +315,7 @@ void try_at_origin(Trial& trial) {
     const std::string surface_text = "a surface at the origin ";
     const std::string inward_text = "a ray that starts on the surface and goes in ",
                       outward_text = ", one that goes out ";
+
     const bool any_hits = std::ranges::any_of(rays, [](const RayFromSurface& r) { return r.reply.hit == 1; });
     // If a form answers only the near root, the table drops a t of 0. A form that answers the first root has to drop a
     // t of 0 itself.
@@ -307,6 +328,8 @@ void try_at_origin(Trial& trial) {
                                       : inward_text + rays[0].text(trial) + outward_text + rays[1].text(trial);
     const bool contradicts_miss = is_flat_shape && hits_count && trial.contract.at_origin == AtOrigin::miss;
     if (!contradicts_miss && are_all_right(trial, rays, trial.contract)) return trial.report_kept(behaviour);
+
+    // Finds the property that would make all answers right, or else reports the first wrong one.
     for (const AtOrigin property : all_at_origin) {
         intersect::external::Contract other = trial.contract;
         other.at_origin = property;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "measure/contract/random_questions.hpp"
 
@@ -28,8 +27,9 @@ std::vector<Question> questions_of_size(Shape shape, double size) {
     std::vector<Question> questions{
         question_along_z(shape, -5 * size, 1, 0, 2 * size), question_along_z(shape, -8 * size, 1, 0, 2 * size),
         question_along_z(shape, size, 1, 0, 2 * size), question_along_z(shape, -5 * size, 1, 0, 2 * size)};
-    questions[1].ray[0] = size / 2, questions[1].ray[1] = size / 4;
-    questions[3].ray[0] = 16 * size;
+    questions[1].ray.origin.x = size / 2;
+    questions[1].ray.origin.y = size / 4;
+    questions[3].ray.origin.x = 16 * size;
     if (!has_inside(shape)) questions.erase(questions.begin() + 2);
     return questions;
 }
@@ -62,8 +62,8 @@ constexpr Aim aims[]{
     {"from around its middle",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> middle = middle_of(primitive), point = point_of(primitive, random);
-         const double share = random.between(0, 1);
-         return make_question(middle + share * (point - middle), random.unit(), primitive);
+         const double fraction = random.between(0, 1);
+         return make_question(middle + fraction * (point - middle), random.unit(), primitive);
      }},
     {"past it",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
@@ -96,7 +96,7 @@ std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool i
                                                        : random_primitive(trial.shape, is_upright, random);
         Question q = aim.make(primitive, random);
         if (trial.contract.direction == Direction::any && i % 2 == 1)
-            for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
+            for (int k = 0; k < 3; ++k) q.ray.direction[k] = static_cast<float>(1.5 * q.ray.direction[k]);
         if (is_benign(trial, q, random)) questions.push_back(q);
     }
     return questions;
@@ -139,14 +139,19 @@ Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& 
         const auto rotate_axes = [&first_axis](const Vec<double>& v) {
             return Vec<double>(v[first_axis], v[(first_axis + 1) % 3], v[(first_axis + 2) % 3]);
         };
+
         Primitive<double> primitive = primitive_around<double>(shape, {0, 0, 0}, half_width);
         for_each_key(shape, [&](const Key& key, std::size_t k) {
             const bool is_length = key.is_length(), is_point = key.kind == Key::Kind::point;
             const Vec<double> point = is_length ? Vec<double>(0, 0, 0) : primitive.point(k);
+
+            // Points and directions: along the axes, or at random.
             if (!is_length && is_upright)
                 primitive.set_point(k, stretch * rotate_axes(point) + (is_point ? centre : Vec<double>(0, 0, 0)));
             else if (is_point) primitive.set_point(k, point + centre + (0.5 * half_width) * random.vector());
             else if (!is_length) primitive.set_point(k, 2.0 * random.vector());
+
+            // Lengths, and every number as a float.
             for (const std::size_t end = k + key.count(); k < end; ++k) {
                 double& x = primitive.numbers[k];
                 if (key.is_optional) x = std::max(0.0, random()) * primitive.numbers[k - 1];
@@ -154,6 +159,7 @@ Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& 
                 x = static_cast<float>(x);
             }
         });
+
         if (!broken_limit(primitive)) return primitive;
     }
 }
@@ -161,8 +167,8 @@ Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& 
 Question make_question(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive) {
     Question q{.ray = {}, .primitive = {}};
     for (int k = 0; k < 3; ++k) {
-        q.ray[static_cast<std::size_t>(k)] = static_cast<float>(origin[k]);
-        q.ray[static_cast<std::size_t>(k) + 3] = static_cast<float>(direction[k]);
+        q.ray.origin[k] = static_cast<float>(origin[k]);
+        q.ray.direction[k] = static_cast<float>(direction[k]);
     }
     std::ranges::copy(primitive.shape_numbers(), q.primitive.begin());
     return q;
@@ -174,12 +180,13 @@ double half_extent_of(const Primitive<double>& primitive) {
 
 bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes) {
     const HitOrMiss right = trial.truth(q);
-    const double size = half_extent_of(primitive_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
+    const Vec<double>& d = q.ray.direction;
+    const double size = half_extent_of(primitive_of(q, trial.shape)), length = std::hypot(d.x, d.y, d.z);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
     for (int i = 0; i < changes; ++i) {
         Question changed = q;
-        for (std::size_t k = 0; k < 3; ++k) changed.ray[k] += 0x1p-5 * size * random();
-        for (std::size_t k = 3; k < 6; ++k) changed.ray[k] += 0x1p-6 * length * random();
+        for (int k = 0; k < 3; ++k) changed.ray.origin[k] += 0x1p-5 * size * random();
+        for (int k = 0; k < 3; ++k) changed.ray.direction[k] += 0x1p-6 * length * random();
         const HitOrMiss changed_truth = trial.truth(changed);
         if (changed_truth.hit != right.hit || std::fabs(changed_truth.t - right.t) * length > size / 4) return false;
     }
@@ -195,13 +202,18 @@ std::string numbers_text(std::span<const double> numbers) {
     return text;
 }
 
+std::string numbers_text(const Ray<double>& ray) {
+    const auto& [o, d] = ray;
+    return numbers_text(std::array{o.x, o.y, o.z, d.x, d.y, d.z});
+}
+
 std::string answer_text(const Trial& trial, const HitOrMiss& answer) {
     return !answer.hit ? "a miss" : trial.tells_t ? "t = " + text_of(answer.t) : "a hit";
 }
 
 Question scale_question(const Question& q, Shape shape, int power) {
     Question result = q;
-    for (std::size_t k = 0; k < 3; ++k) result.ray[k] = std::ldexp(q.ray[k], power);
+    for (int k = 0; k < 3; ++k) result.ray.origin[k] = std::ldexp(q.ray.origin[k], power);
     std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).shape_numbers(), result.primitive.begin());
     return result;
 }
@@ -212,57 +224,68 @@ std::vector<AnsweredQuestion> add_truths(const Trial& trial, const std::vector<Q
     return rays;
 }
 
+namespace {
+
+/// Text about a wrong answer to a question whose lengths were multiplied by 2^power. The right answer and that of the
+/// form are those at 2^0.
+std::string wrong_answer_text(const Trial& trial, const Question& question, const HitOrMiss& right,
+                              const HitOrMiss& answer, int power) {
+    const Question q = mirror_for_facing(question, trial.contract);
+    const auto scaled_answer_text = [&](const HitOrMiss& unscaled) {
+        return answer_text(trial, {unscaled.hit, std::ldexp(unscaled.t, power)});
+    };
+    return "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
+           numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + scaled_answer_text(right) +
+           " is right, it answers " + scaled_answer_text(answer);
+}
+
+}  // namespace
+
 WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : tested(rays.size()) {
     std::vector<Question> questions;
     for (const AnsweredQuestion& answered : rays)
         questions.push_back(scale_question(answered.question, trial.shape, power));
     const std::vector<Reply> replies = ask(trial.form, questions);
+
+    // Compares at 2^0, where the tolerance is a fraction of the size of the primitive.
     for (std::size_t i = 0; i < tested; ++i) {
         const auto& [plain, right] = rays[i];
         HitOrMiss answer = read_reply(trial.contract, replies[i], questions[i]);
         answer.t = std::ldexp(answer.t, -power);
         const double tolerance =
-            0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(ray_of(plain).direction);
+            0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(plain.ray.direction);
         if (right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= tolerance))
             continue;
-        if (wrong++ > 0) continue;
-        const Question q = mirror_for_facing(questions[i], trial.contract);
-        const auto scaled_answer_text = [&](const HitOrMiss& unscaled) {
-            return answer_text(trial, {unscaled.hit, std::ldexp(unscaled.t, power)});
-        };
-        first_text = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-                     numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " +
-                     scaled_answer_text(right) + " is right, it answers " + scaled_answer_text(answer);
+        if (wrong++ == 0) first_text = wrong_answer_text(trial, questions[i], right, answer, power);
     }
 }
 
 void try_scale(Trial& trial) {
-    const auto answer_at = [&trial](std::size_t i, double size) {
+    // Text about the answer to the ray i at a size, if the answer is wrong; empty otherwise.
+    const auto answer_at = [&trial](std::size_t i, double size) -> std::string {
         const Question q = questions_of_size(trial.shape, size)[i];
         const HitOrMiss right = trial.truth(q), answer = read_reply(trial.contract, trial.ask(q), q);
         const bool is_right =
             right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= 0x1p-8 * size);
-        return std::tuple(is_right, right, answer);
+        if (is_right) return "";
+        return " times as large, it answers " + answer_text(trial, answer) + " where " + answer_text(trial, right) +
+               " is right: it seems to ";
     };
     const int max_power = greatest_power(trial.contract);
     for (std::size_t i = 0; i < questions_of_size(trial.shape, 1).size(); ++i) {
-        if (!std::get<bool>(answer_at(i, 1))) continue;  // wrong at any size
+        if (!answer_at(i, 1).empty()) continue;  // wrong at any size
+
+        // Smaller sizes, then larger ones.
         for (int k = 1; k <= max_power; ++k) {
-            const auto [is_right, right, answer] = answer_at(i, std::ldexp(1, -k));
-            if (!is_right)
-                return trial.report_broken(
-                    "where all lengths are 2^-" + std::to_string(k) + " times as large, it answers " +
-                    answer_text(trial, answer) + " where " + answer_text(trial, right) +
-                    " is right: it seems to compare with a fixed number, an epsilon, that does not "
-                    "scale with its inputs; no property declares that");
+            if (const std::string text = answer_at(i, std::ldexp(1, -k)); !text.empty())
+                return trial.report_broken("where all lengths are 2^-" + std::to_string(k) + text +
+                                           "compare with a fixed number, an epsilon, that does not scale with its "
+                                           "inputs; no property declares that");
         }
         for (int k = 1; k <= max_power; ++k) {
-            const auto [is_right, right, answer] = answer_at(i, std::ldexp(1, k));
-            if (!is_right)
-                return trial.report_note("where all lengths are 2^" + std::to_string(k) +
-                                         " times as large, it answers " + answer_text(trial, answer) + " where " +
-                                         answer_text(trial, right) +
-                                         " is right: it seems to have a greatest t or size");
+            if (const std::string text = answer_at(i, std::ldexp(1, k)); !text.empty())
+                return trial.report_note("where all lengths are 2^" + std::to_string(k) + text +
+                                         "have a greatest t or size");
         }
     }
     trial.report_kept("right where all lengths are 2^-" + std::to_string(max_power) + " to 2^" +
@@ -280,6 +303,8 @@ void try_rays(Trial& trial) {
             const WrongCount count(trial, add_truths(trial, questions));
             tested += count.tested;
             if (count.wrong == 0) continue;
+
+            // Few wrong answers, and wrong answers only where axes lie at an angle, break no promise.
             const bool is_oblique = !is_upright && has_axis(trial.shape);
             const std::string text = wrong_count_text(count, aim) + ignored_length_text(trial, questions);
             if (count.is_many() && !is_oblique) return trial.report_broken(text);

@@ -55,6 +55,8 @@ Question scale_question(const Question& q, Shape shape, int power);
 bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes = 6);
 
 std::string numbers_text(std::span<const double> numbers);
+/// Text with the six numbers of a ray: those of its origin, then those of its direction.
+std::string numbers_text(const Ray<double>& ray);
 std::string answer_text(const Trial& trial, const HitOrMiss& answer);
 
 /// Question with its right answer.
@@ -76,7 +78,8 @@ struct WrongCount {
     /// do not count as a mistake of the form.
     [[nodiscard]] bool is_many() const { return 20 * wrong > tested; }
     void add(const WrongCount& other) {
-        tested += other.tested, wrong += other.wrong;
+        tested += other.tested;
+        wrong += other.wrong;
         if (first_text.empty()) first_text = other.first_text;
     }
 };

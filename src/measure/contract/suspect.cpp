@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <optional>
 
 #include "measure/contract/suspect_reasons.hpp"
 
@@ -54,6 +55,7 @@ std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
         false_hits += sample.hit && !sample.truly_hits;
         not_finite += sample.hit && sample.truly_hits && !std::isfinite(sample.t);
     }
+
     std::string text;
     const auto add = [&](std::size_t n, const char* single_text, const char* one_text, const char* many_text) {
         if (n == 0) return;
@@ -92,7 +94,7 @@ struct SuspectAnswers {
     /// Divides every kind of answer into two halves: a guess made from one half is tested on the other.
     [[nodiscard]] std::array<SuspectAnswers, 2> halves() const {
         std::array<SuspectAnswers, 2> parts;
-        std::array<std::size_t, 8> counts{};
+        std::array<std::size_t, 8> counts{};  // of each kind
         const auto divide = [&](const std::vector<AnswerSample>& answers) {
             for (const AnswerSample& sample : answers) {
                 const std::size_t kind =
@@ -100,7 +102,8 @@ struct SuspectAnswers {
                 parts[counts[kind]++ % 2].add(sample);
             }
         };
-        divide(all), divide(right_misses);
+        divide(all);
+        divide(right_misses);
         for (SuspectAnswers& half : parts) half.more_right_misses = more_right_misses / 2;
         return parts;
     }
@@ -149,45 +152,61 @@ double median_of(std::vector<double> numbers) {
     return *middle;
 }
 
+/// A factor and a constant, one of which may explain how t is off.
+struct UnitGuess {
+    double factor, offset;
+
+    [[nodiscard]] bool is_off_by_factor(const AnswerSample& sample) const {
+        return sample.hit && sample.truly_hits && is_about(sample.t, factor * sample.true_t);
+    }
+    [[nodiscard]] bool is_off_by_offset(const AnswerSample& sample) const {
+        return sample.hit && sample.truly_hits && is_about(sample.t, sample.true_t + offset);
+    }
+};
+
+/// Guesses from the medians of some wrong answers; nothing if none has a t that can be compared.
+std::optional<UnitGuess> guess_units(const std::vector<AnswerSample>& wrong) {
+    std::vector<double> factors, offsets;
+    for (const AnswerSample& sample : wrong) {
+        if (!sample.hit || !sample.truly_hits || !(sample.true_t > 0) || !std::isfinite(sample.t) || sample.t == 0)
+            continue;
+        factors.push_back(sample.t / sample.true_t);
+        offsets.push_back(sample.t - sample.true_t);
+    }
+    if (factors.empty()) return std::nullopt;
+    return UnitGuess{median_of(factors), median_of(offsets)};
+}
+
 /// Finds a factor by which t is off in nine in ten of the wrong hits, false hits included. Returns a text about it;
 /// empty if there is none. The factor is the median of one half of the answers and must hold for both halves. It is not
 /// accepted if all answers have the same t. A factor that is not round is accepted only if the true t differ by more
 /// than a twentieth, and if adding a constant to the true t does not explain nine in ten as well. Near 1, and where all
 /// t are about the same, a factor and a constant cannot be told apart.
 std::string units_text(const std::array<SuspectAnswers, 2>& halves) {
-    std::vector<double> factors, offsets;
-    for (const AnswerSample& sample : halves[0].wrong) {
-        if (!sample.hit || !sample.truly_hits || !(sample.true_t > 0) || !std::isfinite(sample.t) || sample.t == 0)
-            continue;
-        factors.push_back(sample.t / sample.true_t);
-        offsets.push_back(sample.t - sample.true_t);
-    }
-    if (factors.empty()) return "";
-    const double factor = median_of(factors), offset = median_of(offsets);
+    const std::optional<UnitGuess> guess = guess_units(halves.front().wrong);
+    if (!guess) return "";
+    const auto is_off_by_factor = [&guess](const AnswerSample& sample) { return guess->is_off_by_factor(sample); };
+    const auto is_off_by_offset = [&guess](const AnswerSample& sample) { return guess->is_off_by_offset(sample); };
     const auto holds_in_both = [&halves](const AnswerTest& test) {
         return std::ranges::all_of(halves,
                                    [&test](const SuspectAnswers& half) { return explains_most(half.wrong, test); });
     };
-    const auto is_off_by_factor = [factor](const AnswerSample& sample) {
-        return sample.hit && sample.truly_hits && is_about(sample.t, factor * sample.true_t);
-    };
-    const auto is_off_by_offset = [offset](const AnswerSample& sample) {
-        return sample.hit && sample.truly_hits && is_about(sample.t, sample.true_t + offset);
-    };
     if (!holds_in_both(is_off_by_factor)) return "";
-    std::vector<double> truths, answers;
+
+    // Tells a factor from a constant, and from an answer that is always the same, by the t that the factor explains.
+    std::vector<double> true_ts, answers;
     for (const SuspectAnswers& half : halves) {
         for (const AnswerSample& sample : half.wrong) {
             if (!is_off_by_factor(sample)) continue;
-            truths.push_back(sample.true_t);
+            true_ts.push_back(sample.true_t);
             answers.push_back(sample.t);
         }
     }
-    const auto [smallest, largest] = std::ranges::minmax(truths);
+    const auto [smallest, largest] = std::ranges::minmax(true_ts);
     const auto [lowest, highest] = std::ranges::minmax(answers);
     const bool is_not_offset = largest > 1.05 * smallest && !holds_in_both(is_off_by_offset);
-    if (lowest == highest || !(is_round(factor) || is_not_offset)) return "";
-    return "t is in other units: it is " + factor_text(factor);
+    if (lowest == highest || !(is_round(guess->factor) || is_not_offset)) return "";
+    return "t is in other units: it is " + factor_text(guess->factor);
 }
 
 }  // namespace
@@ -195,22 +214,26 @@ std::string units_text(const std::array<SuspectAnswers, 2>& halves) {
 std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_misses) {
     SuspectAnswers suspects(rays);
     suspects.more_right_misses = more_misses;
+    if (!suspects.is_mostly_wrong()) return "";
+
     // If enough rays both hit and should hit, mistakes about t are tested on those rays only.
     const SuspectAnswers both_hit(rays, [](const AnswerSample& sample) { return sample.hit && sample.truly_hits; });
-    const SuspectAnswers hits(rays, [](const AnswerSample& sample) { return sample.hit; });
-    const bool mostly_both_hit = 2 * both_hit.all.size() >= suspects.all.size();
-    if (!suspects.is_mostly_wrong()) return "";
+    const bool can_test_t = 2 * both_hit.all.size() >= suspects.all.size() && both_hit.is_mostly_wrong();
+
+    // Finds the first known mistake that explains both halves of the answers.
     const std::array<SuspectAnswers, 2> halves = suspects.halves(), both_hit_halves = both_hit.halves();
     for (const Reason& reason : reasons()) {
         const bool is_about_t = reason.scope == Reason::Scope::t;
-        if (is_about_t && !(mostly_both_hit && both_hit.is_mostly_wrong())) continue;
+        if (is_about_t && !can_test_t) continue;
         const auto is_explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(is_about_t ? both_hit_halves : halves, is_explained)) continue;
         return fmt::format("{}{}; {}", is_about_t ? both_hit.count_text("and") : suspects.count_text("or"),
                            reason.mistake, source == AnswerSource::file ? reason.file_remedy : reason.library_remedy);
     }
-    if (const std::string units = mostly_both_hit && both_hit.is_mostly_wrong() ? units_text(hits.halves()) : "";
-        !units.empty())
+
+    // Otherwise t may be in other units.
+    const SuspectAnswers hits(rays, [](const AnswerSample& sample) { return sample.hit; });
+    if (const std::string units = can_test_t ? units_text(hits.halves()) : ""; !units.empty())
         return both_hit.count_text("and") + units;
     return suspects.count_text("or") + error_counts_text(suspects.wrong);
 }

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
 #include <optional>
 
 namespace lostbits::measure::contract {
@@ -94,17 +93,19 @@ void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
                         Reason::Scope::all});
 }
 
-std::vector<Reason> all_reasons() {
-    using Scope = Reason::Scope;
-    std::vector<Reason> list{
-        {"t is a distance, not the ray's parameter, as if directions had unit length",
-         "say so (unit_direction, direction=unit)", "say --direction unit",
-         [](const AnswerSample& sample) { return !sample.is_unit && is_other_t(sample); }},
-        {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
-         "leave out --direction unit", [](const AnswerSample& sample) { return sample.is_unit && is_other_t(sample); }},
-    };
-    for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
-    const Reason other_reasons[] = {
+/// Mistakes about the unit of t.
+std::vector<Reason> unit_reasons() {
+    return {{"t is a distance, not the ray's parameter, as if directions had unit length",
+             "say so (unit_direction, direction=unit)", "say --direction unit",
+             [](const AnswerSample& sample) { return !sample.is_unit && is_other_t(sample); }},
+            {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
+             "leave out --direction unit",
+             [](const AnswerSample& sample) { return sample.is_unit && is_other_t(sample); }}};
+}
+
+/// Mistakes about rays that start inside.
+std::vector<Reason> inside_reasons() {
+    return {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
          [](const AnswerSample& sample) {
              return sample.t == 0 && line_from_inside(sample) && !is_about(0, sample.true_t);
@@ -115,6 +116,8 @@ std::vector<Reason> all_reasons() {
              const auto line = line_from_inside(sample);
              return line && sample.truly_hits && sample.true_t == 0 && is_about(sample.t, line->far);
          }},
+
+        // The near root, which is behind the ray.
         {"from inside it answers with the near root, behind the ray",
          "say so (near_root, roots=near): t < 0 is then a miss", "say --inside near: t < 0 is then a miss",
          [](const AnswerSample& sample) {
@@ -123,67 +126,91 @@ std::vector<Reason> all_reasons() {
          }},
         {"from inside it answers with the near root without its sign",
          "the root is behind the ray; answer the first with t >= 0",
-         "the root is behind the ray; the first with t >= 0 is right",
-         [](const AnswerSample& sample) {
+         "the root is behind the ray; the first with t >= 0 is right", [](const AnswerSample& sample) {
              const auto line = line_from_inside(sample);
              return line && !is_about(-line->near, sample.true_t) && is_about(sample.t, -line->near);
-         }},
-        {"it answers with the far root, the exit in place of the entry",
-         "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
-         [](const AnswerSample& sample) {
-             const auto line = line_through(sample.ray, sample.primitive);
-             return sample.hit && line && !is_about(line->far, sample.true_t) && is_about(sample.t, line->far);
-         }},
-        {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
-         [](const AnswerSample& sample) {
-             return sample.hit && sample.truly_hits && is_about(sample.t, -sample.true_t);
-         }},
-        {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
-         "write -dx, -dy, -dz",
-         [](const AnswerSample& sample) {
-             return !std::isnan(sample.t) &&
-                    fits_instead(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
-         },
-         Scope::all},
-        {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
-         "write hit = 0 where t < 0, or leave out hit and say --miss negative",
-         [](const AnswerSample& sample) {
-             const auto line = line_through(sample.ray, sample.primitive);
-             return sample.hit && !sample.truly_hits && line && line->far < 0 && !(sample.t > 0);
-         },
-         Scope::wrong},
-        {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
-         "look at the names of the columns: ox, oy, oz are the origin",
-         [](const AnswerSample& sample) {
-             return fits_instead(sample, {sample.ray.direction, sample.ray.origin}, sample.primitive);
-         },
-         Scope::all},
-        {"the direction seems to be the point where the ray ends: the answers are those for d - o",
-         "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
-         [](const AnswerSample& sample) {
-             return fits_instead(sample, {sample.ray.origin, sample.ray.direction - sample.ray.origin},
-                                 sample.primitive);
-         },
-         Scope::all},
-        {"y and z of the rays seem to be exchanged, compared with those of the primitive",
-         "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
-         [](const AnswerSample& sample) {
-             return fits_instead(sample, {swap_y_and_z(sample.ray.origin), swap_y_and_z(sample.ray.direction)},
-                                 sample.primitive);
-         },
-         Scope::all},
-    };
-    list.insert(list.end(), std::begin(other_reasons), std::end(other_reasons));
+         }}};
+}
+
+/// Mistakes about the root that is the answer.
+std::vector<Reason> root_reasons() {
+    return {{"it answers with the far root, the exit in place of the entry",
+             "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
+             [](const AnswerSample& sample) {
+                 const auto line = line_through(sample.ray, sample.primitive);
+                 return sample.hit && line && !is_about(line->far, sample.true_t) && is_about(sample.t, line->far);
+             }},
+            {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
+             [](const AnswerSample& sample) {
+                 return sample.hit && sample.truly_hits && is_about(sample.t, -sample.true_t);
+             }}};
+}
+
+/// Mistakes about the numbers of a ray, and about where it begins.
+std::vector<Reason> ray_reasons() {
+    using Scope = Reason::Scope;
+    return {{"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
+             "write -dx, -dy, -dz",
+             [](const AnswerSample& sample) {
+                 return !std::isnan(sample.t) &&
+                        fits_instead(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
+             },
+             Scope::all},
+
+            // The ray, or its line.
+            {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
+             "write hit = 0 where t < 0, or leave out hit and say --miss negative",
+             [](const AnswerSample& sample) {
+                 const auto line = line_through(sample.ray, sample.primitive);
+                 return sample.hit && !sample.truly_hits && line && line->far < 0 && !(sample.t > 0);
+             },
+             Scope::wrong},
+
+            // Numbers in the wrong place.
+            {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
+             "look at the names of the columns: ox, oy, oz are the origin",
+             [](const AnswerSample& sample) {
+                 return fits_instead(sample, {sample.ray.direction, sample.ray.origin}, sample.primitive);
+             },
+             Scope::all},
+            {"the direction seems to be the point where the ray ends: the answers are those for d - o",
+             "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
+             [](const AnswerSample& sample) {
+                 return fits_instead(sample, {sample.ray.origin, sample.ray.direction - sample.ray.origin},
+                                     sample.primitive);
+             },
+             Scope::all},
+            {"y and z of the rays seem to be exchanged, compared with those of the primitive",
+             "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
+             [](const AnswerSample& sample) {
+                 return fits_instead(sample, {swap_y_and_z(sample.ray.origin), swap_y_and_z(sample.ray.direction)},
+                                     sample.primitive);
+             },
+             Scope::all}};
+}
+
+void add_known_unit_reasons(std::vector<Reason>& list) {
     for (const KnownUnits& units : known_units)
         list.push_back(
             {fmt::format("the primitive seems to be in other units than the rays, {:.4g} times as large ({}?)",
                          units.factor, units.text),
              "hand over both in the same units", "write both in the same units",
              [factor = units.factor](const AnswerSample& sample) { return fits_scaled(sample, 1 / factor); },
-             Scope::all});
+             Reason::Scope::all});
+}
+
+std::vector<Reason> all_reasons() {
+    std::vector<Reason> list = unit_reasons();
+    const auto append = [&list](const std::vector<Reason>& more) { list.insert(list.end(), more.begin(), more.end()); };
+    for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
+    append(inside_reasons());
+    append(root_reasons());
+    append(ray_reasons());
+    add_known_unit_reasons(list);
     list.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
                     "write 1 for a hit and 0 for a miss",
-                    [](const AnswerSample& sample) { return sample.hit != sample.truly_hits; }, Scope::decisions});
+                    [](const AnswerSample& sample) { return sample.hit != sample.truly_hits; },
+                    Reason::Scope::decisions});
     return list;
 }
 

@@ -21,30 +21,30 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& tested
     const truth::FormatInputs in = band.inputs_for(tested_form.format, *tested_form.form->info);
     const answer::Answers answers = answer::evaluate(*tested_form.form, in);
     for (std::size_t i = 0; i < band.pixels() && rays.size() < max_rays; ++i) {
-        const truth::Truth& truth = band.truth(i, tested_form.convention());
-        if (truth.decision == truth::Truth::Decision::unresolved) continue;
+        const truth::Truth& ray_truth = band.truth(i, tested_form.convention());
+        if (ray_truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
-            answer::measured_primitive(in, i, truth.is_hit() ? truth.primitive : answers.object[i]);
-        rays.push_back(answer_sample(in.rays_for(*tested_form.form->info)[i], in.primitives[primitive], truth,
+            answer::measured_primitive(in, i, ray_truth.is_hit() ? ray_truth.primitive : answers.object[i]);
+        rays.push_back(answer_sample(in.rays_for(*tested_form.form->info)[i], in.primitives[primitive], ray_truth,
                                      tested_form, answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
 
-AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& ray_truth,
                            const evaluate::TestedForm& tested_form, bool hit, double t) {
     const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
     const FloatFormat& format = tested_form.format.parameters;
     if (tested_form.form->info->roots == intersect::Roots::none) t = std::nan("");
     AnswerSample sample{
-        .ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .is_unit = is_unit, .hit = hit, .t = t};
+        .ray = ray, .primitive = primitive, .truly_hits = ray_truth.is_hit(), .is_unit = is_unit, .hit = hit, .t = t};
     const auto to_double = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
-    if (truth.is_hit()) {
-        sample.true_t = to_double(is_unit ? truth.distance : truth.t);
-        sample.other_t = to_double(is_unit ? truth.t : truth.distance);
+    if (ray_truth.is_hit()) {
+        sample.true_t = to_double(is_unit ? ray_truth.distance : ray_truth.t);
+        sample.other_t = to_double(is_unit ? ray_truth.t : ray_truth.distance);
         // The format has no better answer than infinity.
-        if (hit && std::isinf(t) && truth::ulp_error(t, is_unit ? truth.distance : truth.t, format) == 0)
+        if (hit && std::isinf(t) && truth::ulp_error(t, is_unit ? ray_truth.distance : ray_truth.t, format) == 0)
             sample.true_t = t;
     }
     return sample;

@@ -25,7 +25,7 @@ namespace lostbits::measure::contract {
 
 /// One ray and one primitive, in numbers of the format of the form.
 struct Question {
-    std::array<double, 6> ray;                   ///< origin and direction
+    Ray<double> ray;
     std::array<double, most_numbers> primitive;  ///< as in `Primitive::numbers`
     double end = std::numeric_limits<double>::infinity();
     double start = 0;
@@ -42,7 +42,8 @@ struct Reply {
 /// point shows its back to rays that go up.
 inline Question mirror_for_facing(Question q, const intersect::external::Contract& contract) {
     if (contract.facing != intersect::Facing::front) return q;
-    for (const std::size_t z : {2, 5}) q.ray[z] = -q.ray[z];
+    q.ray.origin.z = -q.ray.origin.z;
+    q.ray.direction.z = -q.ray.direction.z;
     std::size_t first = 0;
     for (const Key& key : row_of(contract.shape).keys) {
         if (key.kind == Key::Kind::point) q.primitive[first + 2] = -q.primitive[first + 2];
@@ -51,32 +52,42 @@ inline Question mirror_for_facing(Question q, const intersect::external::Contrac
     return q;
 }
 
-/// Answers of a form to the questions in one batch. Each ray has its own primitive, unless `one_primitive` is set: then
-/// all rays have the first primitive.
+/// Primitives of the rays of a batch: each ray has its own, or all have that of the first question.
+enum class BatchPrimitives : std::uint8_t { one_for_each_ray, first_for_all };
+
+/// Answers of a form to the questions in one batch, in numbers of type S.
 template <class S>
 std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::span<const Question> questions,
-                          bool one_primitive) {
+                          BatchPrimitives batch_primitives) {
     const std::size_t count = questions.size(), numbers = row_of(form.contract.shape).numbers;
     const bool has_ranges = (form.contract.flags & LB_RANGE) != 0;
-    std::vector<S> rays, starts, ends, primitives, near_far(2 * count);
-    std::vector<std::uint8_t> hit(count);
+
+    // Lays out the inputs as the form reads them.
+    std::vector<S> rays, starts, ends, primitives;
     for (const Question& question : questions) {
         const Question q = mirror_for_facing(question, form.contract);
-        for (const double x : q.ray) rays.push_back(static_cast<S>(x));
+        for (const Vec<double>& v : {q.ray.origin, q.ray.direction})
+            for (int k = 0; k < 3; ++k) rays.push_back(static_cast<S>(v[k]));
         starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));
         for (std::size_t k = 0; k < numbers; ++k) primitives.push_back(static_cast<S>(q.primitive[k]));
     }
+
+    // Marks the outputs, so that a number that the form does not write is noticed.
+    std::vector<S> near_far(2 * count);
+    std::vector<std::uint8_t> hit(count);
     intersect::external::mark_unwritten<S>(near_far, hit);
     form.answer({.size = count,
                  .rays = rays.data(),
                  .ends = ends.data(),
                  .primitives = primitives.data(),
-                 .primitive_stride = one_primitive ? 0 : numbers,
+                 .primitive_stride = batch_primitives == BatchPrimitives::first_for_all ? 0 : numbers,
                  .near_far = near_far.data(),
                  .hit = hit.data(),
                  .own = nullptr,
                  .starts = has_ranges ? starts.data() : nullptr});
+
+    // Only the roots that the contract promises are read.
     std::vector<Reply> replies;
     for (std::size_t i = 0; i < count; ++i) {
         const bool has_t = hit[i] == 1 && form.contract.roots != intersect::Roots::none;
@@ -88,19 +99,16 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
 }
 
 inline std::vector<Reply> ask(const intersect::external::ForeignForm& form, std::span<const Question> questions,
-                              bool one_primitive = false) {
-    return form.contract.bits == 32 ? ask_in<float>(form, questions, one_primitive)
-                                    : ask_in<double>(form, questions, one_primitive);
+                              BatchPrimitives batch_primitives = BatchPrimitives::one_for_each_ray) {
+    return form.contract.bits == 32 ? ask_in<float>(form, questions, batch_primitives)
+                                    : ask_in<double>(form, questions, batch_primitives);
 }
 
 inline Reply ask(const intersect::external::ForeignForm& form, const Question& question) {
     return ask(form, std::span(&question, 1)).front();
 }
 
-/// Ray and primitive of a question.
-inline Ray<double> ray_of(const Question& q) {
-    return {{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
-}
+/// Primitive of a question.
 inline Primitive<double> primitive_of(const Question& q, Shape shape) {
     Primitive<double> primitive(shape);
     std::copy_n(q.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
@@ -115,11 +123,11 @@ struct HitOrMiss {
 
 /// Truth of a question by a contract. Directions have unit length if the contract says so.
 inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Question& question) {
-    const truth::Truth truth = truth::find_truth(ray_of(question), primitive_of(question, contract.shape), {},
-                                                 intersect::external::info_of(contract).convention(),
-                                                 {.tmin = question.start, .tmax = question.end});
-    if (!truth.is_hit()) return {};
-    const truth::Certified& t = contract.direction == intersect::Direction::unit ? truth.distance : truth.t;
+    const truth::Truth ray_truth = truth::find_truth(question.ray, primitive_of(question, contract.shape), {},
+                                                     intersect::external::info_of(contract).convention(),
+                                                     {.tmin = question.start, .tmax = question.end});
+    if (!ray_truth.is_hit()) return {};
+    const truth::Certified& t = contract.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
     return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
 }
 
@@ -155,7 +163,7 @@ inline std::string text_of(double x) {
 /// A primitive of half-width `half` around (0, 0, z), and a ray along the z axis. A ray from (0, 0, -5) enters at 3 and
 /// leaves at 7 if the half-width is 2 and z is 0.
 inline Question question_along_z(Shape shape, double start_z, double direction, double z = 0, double half = 2) {
-    Question q{.ray = {0, 0, start_z, 0, 0, direction}, .primitive = {}};
+    Question q{.ray = {{0, 0, start_z}, {0, 0, direction}}, .primitive = {}};
     std::ranges::copy(primitive_around<double>(shape, {0, 0, z}, half).shape_numbers(), q.primitive.begin());
     return q;
 }
@@ -163,7 +171,7 @@ inline Question question_along_z(Shape shape, double start_z, double direction, 
 /// The t at which the line of a ray enters and leaves its primitive; empty if the line misses the primitive.
 inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     const auto ends =
-        with_span(ray_of(q), primitive_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
+        with_span(q.ray, primitive_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
@@ -212,9 +220,8 @@ public:
     void report_broken(std::string text) { add(Observation::Verdict::broken, std::move(text)); }
     void report_warning(std::string text) { add(Observation::Verdict::warned, std::move(text)); }
     void report_note(std::string text) { add(Observation::Verdict::noted, std::move(text)); }
-    void check(bool is_kept, const std::string& kept_bits_text, const std::string& broken_text) {
-        add(is_kept ? Observation::Verdict::kept : Observation::Verdict::broken,
-            is_kept ? kept_bits_text : broken_text);
+    void check(bool is_kept, const std::string& kept_text, const std::string& broken_text) {
+        add(is_kept ? Observation::Verdict::kept : Observation::Verdict::broken, is_kept ? kept_text : broken_text);
     }
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
     [[nodiscard]] bool has_flag(unsigned flag) const { return (contract.flags & flag) != 0; }
@@ -251,6 +258,8 @@ private:
     const char* name_ = "";
 };
 
+/// Probes how the form is called (probe_calls.cpp).
+void probe_calls(Trial& trial);
 /// Probes of one promise each (probe_surface.cpp).
 void try_inside(Trial& trial);
 void try_facing(Trial& trial);

@@ -32,7 +32,7 @@ FlatSpan<E> lifted_span(const Ray<double>& ray, const Primitive<double>& triangl
 }
 
 template <class E>
-std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
+std::optional<Passage> try_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     const FlatSpan<E> span = lifted_span<E>(ray, triangle);
     if (sign(span.at.m) == 0) return Passage{.kind = Passage::Kind::in_plane};
     if (span.closed.is_no()) return Passage{};
@@ -43,10 +43,10 @@ std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<doub
 }
 
 /// Returns nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
-std::optional<Passage> passage_of(const Ray<double>& ray, const Primitive<double>& triangle) {
+std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     if (!is_valid(triangle)) return Passage{};
-    if (const auto fast_result = find_passage<number::wide::Running<double>>(ray, triangle)) return fast_result;
-    return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
+    if (const auto fast_result = try_passage<number::wide::Running<double>>(ray, triangle)) return fast_result;
+    return by_rising_precision([&]<class E>() { return try_passage<E>(ray, triangle); });
 }
 
 /// Up to the same factor for all edges, the height of the line's point above an edge e is v/|e|, with v = ±d·(p × q)
@@ -54,6 +54,7 @@ std::optional<Passage> passage_of(const Ray<double>& ray, const Primitive<double
 template <class E>
 std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& ray, int facing) {
     const std::array<Vec<E>, 3> corners{triangle.a - ray.origin, triangle.b - ray.origin, triangle.c - ray.origin};
+
     std::array<E, 3> squares, lengths;
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec<E>&p = corners[(k + 1) % 3], &q = corners[(k + 2) % 3];
@@ -63,6 +64,8 @@ std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& r
         squares[k] = *side == facing ? -square(v) : square(v);  // facing is the sign of −v inside
         lengths[k] = square(Vec<E>(q - p));
     }
+
+    // Of each two edges, the one that is farther away is not nearest.
     unsigned nearest = 0b111;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < i; ++j) {
@@ -81,7 +84,7 @@ std::optional<int> order_of_t(const Ray<double>& ray, const Primitive<double>& a
     });
 }
 
-std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles& triangles) {
+std::vector<std::uint32_t> find_candidate_triangles(const Ray<double>& ray, const Triangles& triangles) {
     std::vector<std::uint32_t> found;
     if (triangles.index) {
         triangles.index->find_candidates(ray, found);
@@ -104,9 +107,9 @@ Vec<double> direction_of_attempt(int k) {
 std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& triangles, ProofLimit limit) {
     PointInMesh position;
     bool is_clear = true;
-    for (const std::uint32_t k : candidates_of(ray, triangles)) {
+    for (const std::uint32_t k : find_candidate_triangles(ray, triangles)) {
         limit.stop.check();
-        const auto passage = passage_of(ray, triangles.primitives[k]);
+        const auto passage = find_passage(ray, triangles.primitives[k]);
         if (!passage || passage->kind == Passage::Kind::in_plane) {
             is_clear = false;
             continue;
@@ -120,34 +123,46 @@ std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangl
     return is_clear ? std::optional(position) : std::nullopt;
 }
 
-}  // namespace
-
-MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range,
-                           ProofLimit limit) {
-    MeshCrossings crossings;
-    if (!is_valid(ray)) return crossings;
-    for (const std::uint32_t k : candidates_of(ray, triangles)) {
-        limit.stop.check();
-        const Primitive<double> triangle = triangles.primitives[k];
-        const auto passage = passage_of(ray, triangle);
-        if (passage && (passage->kind == Passage::Kind::outside || passage->kind == Passage::Kind::in_plane)) continue;
-        const Truth truth = find_truth(ray, triangle, limit, {}, range);
-        if (!passage || truth.decision == Truth::Decision::unresolved) crossings.is_resolved = false;
-        else if (truth.is_hit())
-            crossings.in_order.push_back(
-                {k, 0, truth.t, truth.distance, passage->hits_front, passage->kind == Passage::Kind::rim});
-    }
+/// Sorts crossings by t, and gives each its rank.
+void sort_and_rank(const Ray<double>& ray, const Triangles& triangles, MeshCrossings& crossings) {
     const auto order = [&](const MeshCrossing& a, const MeshCrossing& b) {
         if (const int difference = compare(a.t, b.t); difference != 0) return difference;
         const auto exact = order_of_t(ray, triangles.primitives[a.triangle], triangles.primitives[b.triangle]);
         if (!exact) crossings.is_resolved = false;
         return exact.value_or(0);
     };
+
     std::ranges::stable_sort(crossings.in_order, [&](const auto& a, const auto& b) { return order(a, b) < 0; });
     for (std::size_t i = 1; i < crossings.in_order.size(); ++i) {
         MeshCrossing &previous = crossings.in_order[i - 1], &next = crossings.in_order[i];
         next.rank = previous.rank + (order(previous, next) == 0 ? 0 : 1);
     }
+}
+
+}  // namespace
+
+MeshCrossings find_crossings(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range,
+                             ProofLimit limit) {
+    MeshCrossings crossings;
+    if (!is_valid(ray)) return crossings;
+    for (const std::uint32_t k : find_candidate_triangles(ray, triangles)) {
+        limit.stop.check();
+
+        // A line that passes by the triangle or lies in its plane does not cross it.
+        const Primitive<double> triangle = triangles.primitives[k];
+        const auto passage = find_passage(ray, triangle);
+        if (passage && (passage->kind == Passage::Kind::outside || passage->kind == Passage::Kind::in_plane)) continue;
+
+        const Truth triangle_truth = find_truth(ray, triangle, limit, {}, range);
+        if (!passage || triangle_truth.decision == Truth::Decision::unresolved) crossings.is_resolved = false;
+        else if (triangle_truth.is_hit())
+            crossings.in_order.push_back({.triangle = k,
+                                          .t = triangle_truth.t,
+                                          .distance = triangle_truth.distance,
+                                          .hits_front = passage->hits_front,
+                                          .is_at_rim = passage->kind == Passage::Kind::rim});
+    }
+    sort_and_rank(ray, triangles, crossings);
     return crossings;
 }
 

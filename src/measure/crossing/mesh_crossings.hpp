@@ -35,8 +35,8 @@ struct MeshCrossings {
 
 /// Finds every crossing with t in `range`. Decisions and the order of t are signs of dyadic polynomials, so that a tie
 /// is a tie of the exact numbers. A ray in the plane of a triangle does not cross it.
-MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range = {},
-                           truth::ProofLimit limit = {});
+MeshCrossings find_crossings(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range = {},
+                             truth::ProofLimit limit = {});
 
 /// Side from which a line crosses the plane of a triangle: 1 for the front, −1 for the back, 0 if the line does not
 /// cross the plane. Exact, by rising precision. Nothing if no precision decides.

@@ -109,8 +109,39 @@ void sort(std::vector<std::uint32_t>& primitives) { sort_by_index(primitives, st
 
 std::array<float, 6> union_of(const std::array<float, 6>& a, const std::array<float, 6>& b) {
     std::array<float, 6> result;
-    for (std::size_t k = 0; k < 3; ++k) result[k] = std::min(a[k], b[k]), result[k + 3] = std::max(a[k + 3], b[k + 3]);
+    for (std::size_t k = 0; k < 3; ++k) {
+        result[k] = std::min(a[k], b[k]);
+        result[k + 3] = std::max(a[k + 3], b[k + 3]);
+    }
     return result;
+}
+
+/// Middle of a box along an axis.
+float box_middle(const std::array<float, 6>& box, std::size_t axis) { return box[axis] / 2 + box[axis + 3] / 2; }
+
+/// Box around the middles of the boxes of some primitives.
+std::array<float, 6> bounds_of_middles(const std::vector<std::array<float, 6>>& boxes,
+                                       std::span<const std::uint32_t> primitives) {
+    std::array<float, 6> bounds;
+    for (std::size_t k = 0; k < 3; ++k) {
+        bounds[k] = HUGE_VALF;
+        bounds[k + 3] = -HUGE_VALF;
+    }
+    for (const std::uint32_t i : primitives) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            bounds[k] = std::min(bounds[k], box_middle(boxes[i], k));
+            bounds[k + 3] = std::max(bounds[k + 3], box_middle(boxes[i], k));
+        }
+    }
+    return bounds;
+}
+
+/// The axis along which a box is longest.
+std::size_t longest_axis(const std::array<float, 6>& box) {
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+        if (box[k + 3] - box[k] > box[axis + 3] - box[axis]) axis = k;
+    return axis;
 }
 
 }  // namespace
@@ -121,6 +152,8 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
     const double rounding = format ? std::ldexp(8.0, -format->precision) : 0;
     const int shift = tree->shift_ = shift_of(primitives);
     const bool has_mesh = primitives.mesh() != nullptr;
+
+    // Finds the box of each primitive, and sorts out the primitives without one.
     std::vector<Corners> boxes(primitives.size());
     double reach = 0, largest_rounding = rounding, largest_growth = 0;
     for (std::uint32_t i = 0; i < primitives.size(); ++i) {
@@ -139,17 +172,22 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
         }
         tree->order_.push_back(i);
         boxes[i] = *box;
-        reach = std::max(reach, std::ldexp(matrix.size, -shift)),
+
+        // Bounds over all primitives with a box.
+        reach = std::max(reach, std::ldexp(matrix.size, -shift));
         largest_rounding = std::max(largest_rounding, primitive_rounding);
         largest_growth = std::max(largest_growth, growth);
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
     if (tree->order_.empty()) return has_mesh ? tree : nullptr;
+
     // |(x, y, z)| ≤ √3 max |x|. Squares of lengths below the least float may underflow, and so may a margin times
     // 1/|d|.
     tree->relative_ = 0x1p-40 + std::min(largest_rounding, 0x1p-5);
     tree->reach_ = 1.75 * reach + 0x1p-149;
     tree->behind_ = std::ldexp(largest_growth, -shift);
+
+    // Builds the tree below node 0, whose second child no ray meets.
     const auto count = static_cast<std::uint32_t>(tree->order_.size());
     tree->nodes_.resize(1 + nodes_over(count));
     for (std::size_t k = 0; k < 6; ++k) tree->nodes_[0].box[k][1] = k < 3 ? HUGE_VALF : -HUGE_VALF;
@@ -163,35 +201,35 @@ std::uint32_t BoxTree::nodes_over(std::uint32_t count) {
 }
 
 void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end) {
-    Corners box = boxes[order_[begin]], middle_range;
-    for (std::size_t k = 0; k < 3; ++k) middle_range[k] = HUGE_VALF, middle_range[k + 3] = -HUGE_VALF;
-    const auto middle = [&boxes](std::uint32_t primitive, std::size_t k) {
-        return boxes[primitive][k] / 2 + boxes[primitive][k + 3] / 2;
-    };
-    for (std::uint32_t i = begin; i < end; ++i) {
-        box = union_of(box, boxes[order_[i]]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            middle_range[k] = std::min(middle_range[k], middle(order_[i], k));
-            middle_range[k + 3] = std::max(middle_range[k + 3], middle(order_[i], k));
-        }
-    }
+    // Writes the child: a leaf, or a node that follows.
     const bool is_leaf = end - begin <= most_in_leaf;
+    Corners box = boxes[order_[begin]];
+    for (std::uint32_t i = begin; i < end; ++i) box = union_of(box, boxes[order_[i]]);
     Node& node = nodes_[child.node];
     for (std::size_t k = 0; k < 6; ++k) node.box[k][child.c] = box[k];
-    node.next[child.c] = is_leaf ? begin : child.free, node.count[child.c] = is_leaf ? end - begin : 0;
+    node.next[child.c] = is_leaf ? begin : child.free;
+    node.count[child.c] = is_leaf ? end - begin : 0;
     if (is_leaf) return;
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k)
-        if (middle_range[k + 3] - middle_range[k] > middle_range[axis + 3] - middle_range[axis]) axis = k;
+
+    // Divides the primitives into halves along the axis on which their middles lie farthest apart.
+    const std::size_t axis = longest_axis(bounds_of_middles(boxes, std::span(order_).subspan(begin, end - begin)));
     const std::uint32_t middle_index = begin + (end - begin) / 2, first_free = child.free + 1;
-    const auto is_before = [&](std::uint32_t a, std::uint32_t b) { return middle(a, axis) < middle(b, axis); };
+    const auto is_before = [&](std::uint32_t a, std::uint32_t b) {
+        return box_middle(boxes[a], axis) < box_middle(boxes[b], axis);
+    };
     std::nth_element(order_.begin() + begin, order_.begin() + middle_index, order_.begin() + end, is_before);
+
+    // Large halves are built at the same time. The nodes of the first half are stored before those of the second.
     const auto build_first = [&] { build(boxes, {child.free, 0, first_free}, begin, middle_index); };
     const auto build_second = [&] {
         build(boxes, {child.free, 1, first_free + nodes_over(middle_index - begin)}, middle_index, end);
     };
-    if (end - begin > 1U << 14) tbb::parallel_invoke(build_first, build_second);
-    else build_first(), build_second();
+    if (end - begin > 1U << 14) {
+        tbb::parallel_invoke(build_first, build_second);
+    } else {
+        build_first();
+        build_second();
+    }
 }
 
 double BoxTree::least_distance(const Vec<double>& p, const Node& node, std::size_t child) const {
@@ -291,6 +329,8 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
     candidates = tree.unboxed_;
     const auto& order = tree.order_;
     if (order.empty()) return;
+
+    // A ray that cannot be tested has all primitives as candidates, or the first ones.
     if (is_invalid(ray)) {
         candidates.insert(candidates.end(), order.begin(),
                           order.begin() + std::min(order.size(), most_for_invalid_ray));
@@ -302,6 +342,8 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
         candidates.insert(candidates.end(), order.begin(), order.end());
         return;
     }
+
+    // Scales the direction by a power of two, and widens the boxes by the margin.
     const int e = std::ilogb(largest(ray.direction));
     const Vec<double> d(std::ldexp(ray.direction.x, -e), std::ldexp(ray.direction.y, -e),
                         std::ldexp(ray.direction.z, -e));
@@ -310,7 +352,8 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
     for (std::size_t k = 0; k < 3; ++k) {
         const auto axis = static_cast<int>(k);
         const bool is_positive = !std::signbit(d[axis]);
-        entry_corner_[k] = is_positive ? k : k + 3, exit_corner_[k] = is_positive ? k + 3 : k;
+        entry_corner_[k] = is_positive ? k : k + 3;
+        exit_corner_[k] = is_positive ? k + 3 : k;
         entry_origin_[k] = is_positive ? o[axis] + margin : o[axis] - margin;
         exit_origin_[k] = is_positive ? o[axis] - margin : o[axis] + margin;
         inverse_[k] = std::copysign(1 / std::max(std::fabs(d[axis]), least_component), d[axis]);
@@ -346,14 +389,22 @@ void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<s
     std::vector<std::vector<std::uint32_t>> candidates_by_ray(std::min(rays.size(), batch_size));
     for (std::size_t begin = 0; begin < rays.size(); begin += batch_size) {
         const std::size_t count = std::min(batch_size, rays.size() - begin);
+
+        // A walk that is done takes the next ray of the batch.
         std::size_t next = 0;
         for (bool is_running = true; is_running;) {
             is_running = next < count;
             for (Walk& walk : walks) {
-                if (!walk.is_done()) walk.step(), is_running = true;
-                else if (next < count) walk = Walk(*this, rays[begin + next], candidates_by_ray[next]), ++next;
+                if (!walk.is_done()) {
+                    walk.step();
+                    is_running = true;
+                } else if (next < count) {
+                    walk = Walk(*this, rays[begin + next], candidates_by_ray[next]);
+                    ++next;
+                }
             }
         }
+
         for (std::size_t i = 0; i < count; ++i) {
             sort(candidates_by_ray[i]);
             candidates.insert(candidates.end(), candidates_by_ray[i].begin(), candidates_by_ray[i].end());

@@ -71,12 +71,17 @@ public:
         std::uint32_t nearest_primitive = 0;
         const auto test = [&](std::uint32_t primitive) {
             const double d = distance(primitive);
-            if (d < least_distance_so_far || (d == least_distance_so_far && primitive < nearest_primitive))
-                least_distance_so_far = d, nearest_primitive = primitive;
+            if (d < least_distance_so_far || (d == least_distance_so_far && primitive < nearest_primitive)) {
+                least_distance_so_far = d;
+                nearest_primitive = primitive;
+            }
         };
         if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL))
             return nearest_primitive;
         for (const std::uint32_t primitive : unboxed_) test(primitive);
+
+        // Visits the nearer of two nodes first, and leaves out what lies farther away than the nearest primitive so
+        // far.
         std::vector<std::pair<double, std::uint32_t>> pending;
         if (!nodes_.empty()) pending.push_back({0, 0});  // least distance below a node, and the node's index
         while (!pending.empty()) {

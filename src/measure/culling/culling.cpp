@@ -30,6 +30,8 @@ void PrimitiveIndex::append_candidates(std::span<const Ray<double>> rays, std::v
 CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays) {
     constexpr std::size_t rays_per_part = 1024;
     const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
+
+    // Each part lists its own candidates, with ends from its first pair on.
     std::vector<std::vector<std::uint32_t>> primitives(parts);
     ends_.resize(rays.size() + 1);
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
@@ -38,6 +40,8 @@ CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::R
         for (std::size_t i = begin; i < end; ++i) part_rays.push_back(rays[i]);
         index.append_candidates(part_rays, primitives[part], std::span(ends_).subspan(begin + 1, end - begin));
     });
+
+    // Joins the lists.
     std::size_t pairs_before = 0;
     for (std::size_t part = 0; part < parts; pairs_before += primitives[part].size(), ++part)
         for (std::size_t i = part * rays_per_part; i < std::min(rays.size(), (part + 1) * rays_per_part); ++i)
@@ -63,7 +67,7 @@ struct Extent {
     double sum = 0, least_radius = HUGE_VAL;
 };
 
-std::optional<Extent> extent_of(const PrimitiveList<double>& primitives, const RayBounds& rays) {
+std::optional<Extent> measure_extent(const PrimitiveList<double>& primitives, const RayBounds& rays) {
     Extent extent;
     double reach = 0;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -138,8 +142,8 @@ bool are_many(const PrimitiveList<double>& primitives) {
 }
 
 /// Index of spheres if possible: a flake of millions takes one byte for each sphere in it, and about 60 in a tree.
-std::shared_ptr<const PrimitiveIndex> index_of(const PrimitiveList<double>& primitives, const RayBounds& bounds,
-                                               const FloatFormat* format) {
+std::shared_ptr<const PrimitiveIndex> make_index(const PrimitiveList<double>& primitives, const RayBounds& bounds,
+                                                 const FloatFormat* format) {
     if (auto spheres = SphereIndex::make(primitives, bounds, format)) return spheres;
     return BoxTree::make(primitives, bounds, format);
 }
@@ -147,11 +151,14 @@ std::shared_ptr<const PrimitiveIndex> index_of(const PrimitiveList<double>& prim
 }  // namespace
 
 Culler::Culler(const scene::file::Scene& scene) {
+    // Primitives.
     const bool has_own_inputs = scene.inputs == scene::file::Inputs::own;
     if (has_own_inputs)
         ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::ideal_primitive_list(scene);
     else stored_ = shared_of(scene);
     if (scene.primitive_count() < least_primitives && !scene.mesh) return;
+
+    // Bounds of the rays.
     if (scene.camera.rays) {  // rays that a format computes have no bounds
         bounds_ = {HUGE_VAL, 0, HUGE_VAL};
         return;
@@ -161,9 +168,10 @@ Culler::Culler(const scene::file::Scene& scene) {
         bounds_ = join(bounds_,
                        bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + line_count), binary64)));
     }
+
     // Ideal rays may have numbers that doubles cannot hold.
     if (has_own_inputs && !(std::isfinite(bounds_.origin) && bounds_.least_direction > 0)) return;
-    truth_ = index_of(has_own_inputs ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
+    truth_ = make_index(has_own_inputs ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
 Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
@@ -171,7 +179,7 @@ Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
 
 Culler::Culler(PrimitiveList<double> primitives, const scene::rays::RayBlock& rays)
     : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(std::move(primitives)) {
-    if (are_many(stored_)) truth_ = index_of(stored_, bounds_, nullptr);
+    if (are_many(stored_)) truth_ = make_index(stored_, bounds_, nullptr);
 }
 
 Culler::Culler(PrimitiveList<double> primitives) : bounds_{HUGE_VAL, 0, HUGE_VAL}, stored_(std::move(primitives)) {
@@ -202,7 +210,7 @@ std::shared_ptr<const PrimitiveIndex> Culler::index_for(Use use, const FloatForm
     if (is_new) {
         // Bounds of the rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
-        entry->second = index_of(
+        entry->second = make_index(
             primitives,
             {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
             use == Use::forms ? &format : nullptr);
@@ -214,18 +222,20 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>
                                                      const FloatFormat* format) {
     if (primitives.size() < least_primitives || !std::isfinite(rays.origin) || !(rays.least_direction > 0))
         return nullptr;
-    const auto extent = extent_of(primitives, rays);
+    const auto extent = measure_extent(primitives, rays);
     const auto is_safe_in = [&](const FloatFormat& f) {
         return squares_are_safe(extent->sum, extent->least_radius, rays, f);
     };
     if (!extent || !is_safe_in(binary64) || (format && !is_safe_in(*format))) return nullptr;
+
     std::shared_ptr<SphereIndex> index(new SphereIndex);
     index->primitives_ = primitives;
     index->rounding_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
     index->origin_ = rays.origin;
     index->margin_ = 0x1p-40 * std::sqrt(extent->sum);
     index->behind_ = std::sqrt(index->rounding_ * extent->sum) + index->margin_;
-    index->make_balls();
+    index->make_blocks();
+    index->make_pages();
     return index;
 }
 
@@ -234,7 +244,7 @@ double SphereIndex::reach(const Vec<double>& centre, double radius) const {
            margin_;
 }
 
-void SphereIndex::make_balls() {
+void SphereIndex::make_blocks() {
     for (std::size_t begin = 0; begin < primitives_.size(); begin += spheres_per_block) {
         const std::size_t end = std::min(primitives_.size(), begin + spheres_per_block);
         SphereBounds bounds;
@@ -242,6 +252,7 @@ void SphereIndex::make_balls() {
             const auto [centre, radius] = ball_around(primitives_[i]);
             bounds.add(centre, radius);
         }
+
         const Vec<double> middle = bounds.middle();
         double ball_reach = 0;
         for (std::size_t i = begin; i < end; ++i) {
@@ -250,11 +261,15 @@ void SphereIndex::make_balls() {
         }
         blocks_.add(middle, ball_reach + margin_);
     }
+}
+
+void SphereIndex::make_pages() {
     constexpr std::size_t blocks_per_page = spheres_per_page / spheres_per_block;
     for (std::size_t begin = 0; begin < blocks_.x.size(); begin += blocks_per_page) {
         const std::size_t end = std::min(blocks_.x.size(), begin + blocks_per_page);
         SphereBounds bounds;
         for (std::size_t b = begin; b < end; ++b) bounds.add(blocks_.centre(b), blocks_.reach[b]);
+
         const Vec<double> middle = bounds.middle();
         double ball_reach = 0;
         for (std::size_t b = begin; b < end; ++b)

@@ -124,13 +124,18 @@ private:
         std::vector<double> x, y, z, reach;
         [[nodiscard]] Vec<double> centre(std::size_t i) const { return {x[i], y[i], z[i]}; }
         void add(const Vec<double>& centre, double ball_reach) {
-            x.push_back(centre.x), y.push_back(centre.y), z.push_back(centre.z), reach.push_back(ball_reach);
+            x.push_back(centre.x);
+            y.push_back(centre.y);
+            z.push_back(centre.z);
+            reach.push_back(ball_reach);
         }
     };
     SphereIndex() = default;
     /// Distance from the centre of a sphere up to which a line may matter to it.
     [[nodiscard]] double reach(const Vec<double>& centre, double radius) const;
-    void make_balls();
+    /// Makes the ball of each block, and from these the ball of each page.
+    void make_blocks();
+    void make_pages();
     [[nodiscard]] bool meets(const UnitRay& line, const Vec<double>& centre, double reach) const;
 
     scene::rays::PrimitiveList<double> primitives_;

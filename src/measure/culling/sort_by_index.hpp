@@ -19,6 +19,8 @@ void sort_by_index(std::vector<T>& elements, const Index& index_of) {
         std::ranges::stable_sort(elements, {}, index_of);
         return;
     }
+
+    // The largest index limits the number of passes. A sorted list needs none.
     std::uint32_t largest = 0;
     bool is_sorted = true;
     for (const T& element : elements) {
@@ -27,6 +29,8 @@ void sort_by_index(std::vector<T>& elements, const Index& index_of) {
         largest = std::max(largest, index);
     }
     if (is_sorted) return;
+
+    // Each pass counts the elements by one digit, then moves them in order to the places of their digit.
     std::vector<T> buffer(elements.size());
     for (unsigned shift = 0; shift < 32 && (largest >> shift) != 0; shift += 11) {
         std::array<std::size_t, digits> offsets{};

@@ -98,9 +98,9 @@ struct SearchedMesh {
 /// not a double hit.
 const SharedEdge* edge_with_outcome(Outcome outcome, const SearchedMesh& mesh, const AimedRay& aimed_ray,
                                     const evaluate::BandResult& result, std::size_t i) {
-    const truth::Truth truth = result.truth(i);
-    if (!truth.is_hit() || result.outcomes[i] != outcome) return nullptr;
-    const SharedEdge* const edge = mesh.edge_at(aimed_ray, static_cast<std::uint32_t>(truth.primitive));
+    const truth::Truth ray_truth = result.truth(i);
+    if (!ray_truth.is_hit() || result.outcomes[i] != outcome) return nullptr;
+    const SharedEdge* const edge = mesh.edge_at(aimed_ray, static_cast<std::uint32_t>(ray_truth.primitive));
     return edge != nullptr && outcome == Outcome::double_hit && is_tie(result, i) ? nullptr : edge;
 }
 
@@ -166,20 +166,7 @@ public:
                           [this](const AimedRay& aimed_ray) { return !file_.distance.holds(aimed_ray.distance); });
             batch.resize(std::min(batch.size(), static_cast<std::size_t>(rays_left)));
             rays_left -= static_cast<std::int64_t>(batch.size());
-            const auto count_of = [&finding](const AimedRay& aimed_ray) -> EdgeCount& {
-                return finding.census.at(
-                    static_cast<std::size_t>(aimed_ray.vertex ? EdgeTarget::vertex : EdgeTarget::edge));
-            };
-            for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray).rays;
-            const std::vector<AimedRay> suspects =
-                suspicious_rays(batch, [](bool may_crack, bool may_hit_twice) { return may_crack || may_hit_twice; });
-            if (suspects.empty()) continue;
-            measure(suspects, [&](const evaluate::BandResult& result) {
-                for (std::size_t i = 0; i < suspects.size(); ++i)
-                    for (std::size_t k = 0; k < searched_outcomes.size(); ++k)
-                        count_of(suspects[i]).outcomes.at(k) +=
-                            edge_with_outcome(searched_outcomes.at(k), mesh_, suspects[i], result, i) != nullptr;
-            });
+            count_batch(batch, finding);
         }
     }
 
@@ -193,12 +180,15 @@ public:
             std::vector<Eye> batch_eyes;
             const std::vector<AimedRay> batch = next_batch(batch_eyes);
             finding.rays[outcome_index_] += batch.size();
+
+            // Only rays that may have the outcome, at a distance of the file, are compared with the truth.
             std::vector<AimedRay> suspects = suspicious_rays(batch, [this](bool may_crack, bool may_hit_twice) {
                 return searched_outcomes.at(outcome_index_) == Outcome::crack ? may_crack : may_hit_twice;
             });
             std::erase_if(suspects,
                           [this](const AimedRay& aimed_ray) { return !file_.distance.holds(aimed_ray.distance); });
             if (suspects.empty()) continue;
+
             const NearestFinder finder = nearest_among(suspects);
             if (!finder.nearest || (best_ && finder.nearest->distance >= best_->distance)) continue;
             // Test the ray again by itself. In a batch, a form is tested on more triangles, because the boxes are as
@@ -211,6 +201,24 @@ public:
     }
 
 private:
+    static EdgeCount& count_of(const AimedRay& aimed_ray, EdgeFinding& finding) {
+        return finding.census.at(static_cast<std::size_t>(aimed_ray.vertex ? EdgeTarget::vertex : EdgeTarget::edge));
+    }
+
+    /// Adds the rays of a batch to the census, and their outcomes.
+    void count_batch(const std::vector<AimedRay>& batch, EdgeFinding& finding) const {
+        for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray, finding).rays;
+        const std::vector<AimedRay> suspects =
+            suspicious_rays(batch, [](bool may_crack, bool may_hit_twice) { return may_crack || may_hit_twice; });
+        if (suspects.empty()) return;
+        measure(suspects, [&](const evaluate::BandResult& result) {
+            for (std::size_t i = 0; i < suspects.size(); ++i)
+                for (std::size_t k = 0; k < searched_outcomes.size(); ++k)
+                    count_of(suspects[i], finding).outcomes.at(k) +=
+                        edge_with_outcome(searched_outcomes.at(k), mesh_, suspects[i], result, i) != nullptr;
+        });
+    }
+
     Vec<double> random_vector() { return {random_.between(-1, 1), random_.between(-1, 1), random_.between(-1, 1)}; }
 
     /// Draws a direction on the side towards which the edge's faces are wound.
@@ -256,31 +264,42 @@ private:
         return eye;
     }
 
+    /// Draws the eyes of a batch and their rays.
     std::vector<AimedRay> next_batch(std::vector<Eye>& batch_eyes) {
         std::vector<AimedRay> batch;
+        while (batch_eyes.size() < eyes_per_batch) {
+            const Eye eye = batch_eyes.emplace_back(draw_eye());
+            draw_rays_of_eye(eye, batch_eyes.size() - 1, batch);
+        }
+        return batch;
+    }
+
+    /// Appends the rays of an eye to a batch: one at its point of the edge, the others perturbed.
+    void draw_rays_of_eye(const Eye& eye, std::size_t eye_index, std::vector<AimedRay>& batch) {
         const auto round_vector = [this](Vec<double> v) {
             for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, format_);
             return v;
         };
-        while (batch_eyes.size() < eyes_per_batch) {
-            const Eye eye = batch_eyes.emplace_back(draw_eye());
-            const SharedEdge& edge = mesh_.edges[eye.edge];
-            const auto [a, b] = mesh_.ends(edge);
-            std::optional<std::uint32_t> vertex;
-            if (eye.edge_fraction == 0 || eye.edge_fraction == 1) vertex = edge.ends[eye.edge_fraction == 0 ? 0 : 1];
-            const double edge_length = length(b - a);
-            const Vec<double> point = a + eye.edge_fraction * (b - a),
-                              origin = round_vector(point + eye.distance * edge_length * eye.direction),
-                              to_point = point - origin;
-            const Vec<double> direction = round_vector((1 + random_.unit()) / length(to_point) * to_point);
-            for (std::size_t k = 0; k < rays_per_eye; ++k)
-                batch.push_back({{origin, k == 0 ? direction : perturb(direction)},
-                                 length(to_point) / edge_length,
-                                 eye.edge,
-                                 batch_eyes.size() - 1,
-                                 vertex});
-        }
-        return batch;
+
+        // The target.
+        const SharedEdge& edge = mesh_.edges[eye.edge];
+        const auto [a, b] = mesh_.ends(edge);
+        std::optional<std::uint32_t> vertex;
+        if (eye.edge_fraction == 0 || eye.edge_fraction == 1) vertex = edge.ends[eye.edge_fraction == 0 ? 0 : 1];
+        const Vec<double> point = a + eye.edge_fraction * (b - a);
+
+        // The first ray, in numbers of the format.
+        const double edge_length = length(b - a);
+        const Vec<double> origin = round_vector(point + eye.distance * edge_length * eye.direction),
+                          to_point = point - origin;
+        const Vec<double> direction = round_vector((1 + random_.unit()) / length(to_point) * to_point);
+
+        for (std::size_t k = 0; k < rays_per_eye; ++k)
+            batch.push_back({.ray = {origin, k == 0 ? direction : perturb(direction)},
+                             .distance = length(to_point) / edge_length,
+                             .edge = eye.edge,
+                             .eye = eye_index,
+                             .vertex = vertex});
     }
 
     Vec<double> perturb(Vec<double> direction) {
@@ -297,6 +316,8 @@ private:
     template <class IsWanted>
     std::vector<AimedRay> suspicious_rays(const std::vector<AimedRay>& batch, const IsWanted& is_wanted) const {
         if (tested_form_.form->info->direction == intersect::Direction::unit) return batch;
+
+        // Runs the form on the triangles that each ray may meet.
         truth::FormatInputs inputs{.format = tested_form_.format, .rays = block_of(batch), .stop = request_.limit.stop};
         const scene::rays::PrimitiveList<double> primitives =
             scene::rays::primitive_list_of({.rays = {}, .primitives = {}, .mesh = mesh_.columns});
@@ -305,6 +326,8 @@ private:
         inputs.candidates = std::make_shared<culling::CandidateLists>(
             *culler.index_for_forms(tested_form_.format.parameters, inputs.primitives), inputs.rays);
         const answer::Answers answers = answer::evaluate(*tested_form_.form, inputs);
+
+        // Counts the claimed triangles of each ray, and those of them at the target.
         std::vector<AimedRay> suspects;
         for (std::size_t i = 0; i < batch.size(); ++i) {
             std::size_t claimed = 0, touched = 0;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
+#include "measure/shard/share.hpp"
 #include "scene/sweep/search_file.hpp"
 
 namespace lostbits::measure::edges {

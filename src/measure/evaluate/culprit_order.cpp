@@ -21,6 +21,8 @@ Scene small_picture_of(const Scene& scene, int max_across) {
 std::vector<const Metric*> order_culprits(const MapStudy& request, metric::MetricSet& metric_set) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::depends_on_forms);
     if (culprit == request.metrics.end()) return request.metrics;
+
+    // Counts the culprits of all rows on a small picture.
     const Scene small = small_picture_of(*request.scene, 96);
     const auto summaries =
         run_map({.scene = &small, .tested_forms = request.tested_forms, .metrics = {*culprit}, .limit = request.limit});
@@ -28,13 +30,15 @@ std::vector<const Metric*> order_culprits(const MapStudy& request, metric::Metri
     std::vector<std::uint64_t> total(categories.size());
     for (const FormSummary& s : summaries)
         std::ranges::transform(total, s.categories.front(), total.begin(), std::plus{});
+
+    // Puts the most frequent first.
     std::vector<std::size_t> order(total.size() - 1);  // without `none`, which stays in front
     std::iota(order.begin(), order.end(), std::size_t{1});
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
     std::vector<std::string> operations;
     for (const std::size_t category : order) operations.emplace_back(categories[category]);
     std::vector<const Metric*> metrics = request.metrics;
-    std::ranges::replace(metrics, *culprit, metric_set.culprit_of(operations));
+    std::ranges::replace(metrics, *culprit, metric_set.make_culprit(operations));
     return metrics;
 }
 

@@ -21,6 +21,8 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& test
     : band_(band), columns_(band) {
     const unsigned metric_needs = needs_of(metrics);
     if (metric_needs & metric::needs_condition) band.find_condition();
+
+    // A format computes its inputs once, for all of its rows.
     std::map<std::string, BandNeeds> needs_by_format;
     for (const TestedForm& tested_form : tested_forms) {
         BandNeeds& needs =
@@ -37,6 +39,7 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& test
         if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
     }
     for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
+
     for (const TestedForm& tested_form : tested_forms)
         columns_.compute_lengths(tested_form.convention(), tested_form.form->info->direction);
 }
@@ -151,11 +154,15 @@ std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups)
     };
     if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, can_be_joined))
         return std::nullopt;
+
     JoinedRays joined;
     scene::rays::RayBlock& rays = joined.rays.rays;
     for (const scene::rays::RayGroup& g : groups) {
         joined.first_rays.push_back(rays.size());
-        for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]), rays.push_range(g.rays, i);
+        for (std::size_t i = 0; i < g.rays.size(); ++i) {
+            rays.push(g.rays[i]);
+            rays.push_range(g.rays, i);
+        }
         joined.rays.primitives.insert(joined.rays.primitives.end(), g.rays.size(), g.primitives[0]);
     }
     rays.set_as_list();
@@ -177,8 +184,12 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
     for (const FormsOfGenerator& forms : group_by_generator(tested_forms)) {
         std::vector<TestedForm> generator_rows;
         std::vector<FormSummary*> row_summaries;
-        for (const std::size_t r : forms.form_indices)
-            generator_rows.push_back(tested_forms[r]), row_summaries.push_back(summaries[r]);
+        for (const std::size_t r : forms.form_indices) {
+            generator_rows.push_back(tested_forms[r]);
+            row_summaries.push_back(summaries[r]);
+        }
+
+        // The rays as they are given.
         if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;
             if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
@@ -186,6 +197,8 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
             measure_band(band, group, generator_rows, metrics, row_summaries);
             continue;
         }
+
+        // The rays that a generator makes for the picture of their scene.
         if (!rays.scene)
             throw InputError(std::string(generator_rows.front().form->info->name) +
                              ": it makes camera rays, and the rays of this sweep do not come from a camera with a "
@@ -204,6 +217,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
                                         const std::vector<const Metric*>& metrics, truth::ProofLimit limit) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
+
     // Forms that march are not joined: a distance field contains all primitives of a group, for every ray.
     std::optional<JoinedRays> joined = join(groups);
     std::vector<TestedForm> joined_rows, separate_rows;
@@ -213,6 +227,8 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
         (is_joined ? joined_rows : separate_rows).push_back(tested_forms[r]);
         (is_joined ? joined_summaries : separate_summaries).push_back(&summaries[r]);
     }
+
+    // Measures the joined rays, and restores the positions of the rays that are kept.
     if (!joined_rows.empty()) {
         measure_group(std::move(joined->rays), 0, joined_rows, metrics, limit, joined_summaries);
         for (FormSummary* const s : joined_summaries) {
@@ -221,6 +237,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
                 if (fault) joined->to_group_position(*fault, groups);
         }
     }
+
     for (std::size_t g = 0; !separate_rows.empty() && g < groups.size(); ++g)
         measure_group(std::move(groups[g]), static_cast<int>(g), separate_rows, metrics, limit, separate_summaries);
     for (FormSummary& s : summaries) {

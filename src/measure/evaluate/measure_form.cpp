@@ -28,9 +28,9 @@ using truth::Truth;
 
 namespace {
 
-const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& info) {
-    if (!truth.is_hit()) return nullptr;
-    return info.direction == intersect::Direction::unit ? &truth.distance : &truth.t;
+const truth::Certified* in_unit_of(const Truth& ray_truth, const intersect::Info& info) {
+    if (!ray_truth.is_hit()) return nullptr;
+    return info.direction == intersect::Direction::unit ? &ray_truth.distance : &ray_truth.t;
 }
 
 /// Computes the metrics of a row on a band.
@@ -53,6 +53,7 @@ public:
         measure_columns();
         measure_pairs();
         measure_ray_by_ray();
+
         for (std::size_t m = 0; m < metrics_.size(); ++m) summary.add(m, *metrics_[m], result_.metrics[m]);
         const RowSums sums(request_, result_, truth_, ulps_);
         sums.keep_worst(summary, largest_ulps_);
@@ -75,13 +76,28 @@ private:
                                        : result_.metrics[static_cast<std::size_t>(found - metrics_.begin())].data();
     }
 
+    /// Computes the metrics that have a column kernel: most rays in columns, the remaining ones one by one.
     void measure_columns() {
+        std::vector<std::uint32_t> remaining;
+        measure_errors(remaining);
+        measure_residuals(remaining);
+        for (const std::uint32_t i : remaining) {
+            const Ray<double> ray = ray_of(i);
+            const Primitive<double> primitive = primitive_of(i);
+            const Truth ray_truth = result_.truth(i);
+            fill(i, sample_of(i, ray, primitive, ray_truth),
+                 [](const Metric& m) { return m.column_kernel != ColumnKernel::none; });
+        }
+    }
+
+    /// Computes the errors of t, and the largest of them. Adds the rays that the columns leave out to `remaining`.
+    void measure_errors(std::vector<std::uint32_t>& remaining) {
         ulps_ = column_of(ColumnKernel::ulp_error);
         if (!ulps_) {
             spare_ulps_.resize(correct_t_.size());
             ulps_ = spare_ulps_.data();
         }
-        std::vector<std::uint32_t> remaining;
+
         largest_ulps_ = columns::find_errors(correct_t_, truth_, row_.format.parameters,
                                              {.ulp = ulps_,
                                               .lost = column_of(ColumnKernel::lost_bits),
@@ -89,25 +105,26 @@ private:
                                               .relative = column_of(ColumnKernel::relative_error),
                                               .absolute = column_of(ColumnKernel::absolute_error)},
                                              remaining);
+
         for (const std::uint32_t i : remaining) {
-            const Truth truth = result_.truth(i);
-            ulps_[i] = truth::ulp_error(correct_t_[i], *in_unit_of(truth, *row_.form->info), row_.format.parameters);
+            const Truth ray_truth = result_.truth(i);
+            ulps_[i] =
+                truth::ulp_error(correct_t_[i], *in_unit_of(ray_truth, *row_.form->info), row_.format.parameters);
             if (std::fabs(ulps_[i]) > largest_ulps_) largest_ulps_ = std::fabs(ulps_[i]);
         }
-        if (double* const residuals = column_of(ColumnKernel::residual)) {
+    }
+
+    /// Computes the residuals,
+    if they
+        are requested.Adds the rays that the column leaves out to `remaining`.void measure_residuals(
+            std::vector<std::uint32_t>& remaining) {
+            double* const residuals = column_of(ColumnKernel::residual);
+            if (!residuals) return;
             const FormatInputs& in = *result_.inputs;
             columns::find_residuals(
                 correct_t_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
                 residuals, remaining);
         }
-        for (const std::uint32_t i : remaining) {
-            const Ray<double> ray = ray_of(i);
-            const Primitive<double> primitive = primitive_of(i);
-            const Truth truth = result_.truth(i);
-            fill(i, sample_of(i, ray, primitive, truth),
-                 [](const Metric& m) { return m.column_kernel != ColumnKernel::none; });
-        }
-    }
 
     /// Compares the answers with those of `row_.against`, if there is one.
     void measure_pairs() {
@@ -125,6 +142,7 @@ private:
 
     /// Computes the metrics that cannot be computed in columns, for each ray with an outcome that they are about.
     void measure_ray_by_ray() {
+        // Finds the kinds of metrics to compute.
         const auto has_metric = [this](const auto& applies) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return applies(*m); });
         };
@@ -140,11 +158,13 @@ private:
         const bool measures_every = has_metric(is_of_every);
         const bool measures_faults = (needs_ & metric::needs_attribution) != 0;
         if (!measures_marches && !measures_every && !measures_hits && !measures_faults) return;
+
         for (std::size_t i = 0; i < correct_t_.size(); ++i) {
             result_.inputs->stop.check();  // attributing the errors of a band takes seconds
             const Outcome outcome = result_.outcomes[i];
             const bool is_fault = outcome != Outcome::not_a_number && is_wrong(outcome);
             const Ray<double> ray = ray_of(i);
+
             if (measures_marches) fill(i, plain_sample_of(i, ray), is_of_marches);
             if (measures_every) measure_statements(i, ray, is_of_every);
             if (measures_faults && is_fault) {
@@ -160,16 +180,22 @@ private:
     /// Measures a form's statements about its own answer, whether or not that answer is right.
     template <class Which>
     void measure_statements(std::size_t i, const Ray<double>& ray, const Which& applies) {
-        const Truth truth = result_.truth(i);
+        const Truth ray_truth = result_.truth(i);
         const FormStatements statements(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
-                                        measured_index(i), truth.is_hit() ? truth_.object[i] : -1);
+                                        measured_index(i), ray_truth.is_hit() ? truth_.object[i] : -1);
         const Primitive<double> primitive = result_.inputs->primitives[measured_index(i)];
-        Sample sample = sample_of(i, ray, primitive, truth);
+        Sample sample = sample_of(i, ray, primitive, ray_truth);
         statements.fill(sample);
+
         const bool has_true_ray = (needs_ & metric::needs_true_ray) != 0;
         const std::optional<Ray<Real>> true_ray =
             has_true_ray ? std::optional(result_.band->true_ray(i)) : std::nullopt;
-        if (has_true_ray) sample.true_ray = &*true_ray, sample.frame = result_.band->camera_frame();
+        if (has_true_ray) {
+            sample.true_ray = &*true_ray;
+            sample.frame = result_.band->camera_frame();
+        }
+
+        // The decision margin of a miss among several primitives is that of the one missed most narrowly.
         const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
         const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired &&
                                     result_.inputs->primitives.size() > 1;
@@ -195,13 +221,16 @@ private:
         return primitives[stability::nearest_decision(*sample.ray, primitives, sample.convention, sample.range)];
     }
 
+    /// Measures a correct hit. Everything that the sample points to lives until it has been measured.
     template <class Which>
     void measure_hit(std::size_t i, const Ray<double>& ray, const Which& applies) {
         const FormatInputs& in = *result_.inputs;
         const intersect::Info& info = *row_.form->info;
         const Primitive<double> primitive = primitive_of(i);
-        const Truth truth = result_.truth(i);
-        Sample sample = sample_of(i, ray, primitive, truth);
+        const Truth ray_truth = result_.truth(i);
+        Sample sample = sample_of(i, ray, primitive, ray_truth);
+
+        // Other truths of the ray: rounded, and of the inputs as the format holds them.
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded =
                 result_.band->rounded_truth(i, row_.format.parameters, info.direction, row_.convention());
@@ -209,13 +238,17 @@ private:
                                  ? in.find_stored_truth(i, row_.convention())
                                  : Truth{};
         if (needs_ & metric::needs_stored_truth)
-            sample.stored_truth = in.is_ideal ? sample.truth : in_unit_of(stored, info);
+            sample.stored_truth = in.is_ideal ? sample.true_t : in_unit_of(stored, info);
+
+        // Sensitivity of the truth to the inputs.
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
         const auto reach = [&](truth::Perturbed inputs) {
             return result_.band->reach(i, row_.convention(), info.direction, in, inputs);
         };
         if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbed::componentwise);
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
+
+        // The form without rounding, the operations to blame, and the form's own statements.
         std::optional<truth::Certified> unrounded;
         if (needs_ & metric::needs_unrounded)
             unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
@@ -225,6 +258,7 @@ private:
         const unsigned statement_needs = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
         const FormStatements statements(row_, statement_needs, in, ray, i, measured_index(i), -1);
         statements.fill(sample);
+
         fill(i, sample, applies);
     }
 
@@ -254,9 +288,9 @@ private:
 
     /// Sample of a correct hit, with the members that need no further computation.
     [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Primitive<double>& primitive,
-                                   const Truth& truth) const {
+                                   const Truth& ray_truth) const {
         Sample sample = plain_sample_of(i, ray);
-        sample.truth = in_unit_of(truth, *row_.form->info);
+        sample.true_t = in_unit_of(ray_truth, *row_.form->info);
         sample.primitive = &primitive;
         sample.weights = row_.form->of(primitive.shape).info->weights;
         return sample;
@@ -297,10 +331,12 @@ void measure_form(const FormRequest& request, const FormInputs& form_inputs, For
     const answer::Answers evaluated =
         request.answers ? answer::Answers{} : answer::evaluate(*tested_form.form, form_inputs.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : evaluated;
+
     // The columns are taken out of `idle_columns`: a thread that waits in here may start another form.
     thread_local std::optional<RowColumns> idle_columns;
     RowColumns columns_of_thread = std::exchange(idle_columns, std::nullopt).value_or(RowColumns{});
     columns_of_thread.make(form_inputs.band.pixels(), request.metrics);
+
     BandResult result{.y0 = form_inputs.band.y0(),
                       .scanlines = form_inputs.band.scanlines(),
                       .width = form_inputs.inputs.rays.width,
@@ -310,9 +346,11 @@ void measure_form(const FormRequest& request, const FormInputs& form_inputs, For
                       .convention = tested_form.convention(),
                       .outcomes = std::move(columns_of_thread.outcomes),
                       .metrics = std::move(columns_of_thread.metrics)};
-    const TrueLengths& truth = form_inputs.columns.lengths(tested_form.convention(), tested_form.form->info->direction);
-    Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
+    const TrueLengths& true_lengths =
+        form_inputs.columns.lengths(tested_form.convention(), tested_form.form->info->direction);
+    Measurement(request, true_lengths, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
+
     columns_of_thread.outcomes = std::move(result.outcomes);
     columns_of_thread.metrics = std::move(result.metrics);
     idle_columns = std::move(columns_of_thread);

@@ -37,7 +37,7 @@ FormatInputs select_pixels(const FormatInputs& all, const intersect::Info& info,
 
 /// Scan of one form over a part of a band; `pixels` are those on which every precision so far was enough.
 struct Scan {
-    std::size_t form;  ///< index in the study
+    std::size_t form_index;  ///< index in the study
     std::vector<std::uint32_t> pixels;
 };
 
@@ -48,6 +48,8 @@ void test_precision(Scan& scan, const intersect::table::Intersector& form, const
     const int precision = inputs.format.parameters.precision;
     const answer::Answers answers = answer::evaluate(form, select_pixels(inputs, *form.info, scan.pixels));
     const bool returns_t = form.info->roots != intersect::Roots::none;
+
+    // Pixels that stay in the scan move to its front.
     std::size_t kept_count = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
@@ -63,13 +65,13 @@ void test_precision(Scan& scan, const intersect::table::Intersector& form, const
 }
 
 /// Scans of every form over every part of the band. The parts depend on the picture alone.
-std::vector<Scan> scans_of(const std::vector<BitsNeededBand>& results) {
+std::vector<Scan> make_scans(const std::vector<BitsNeededBand>& results) {
     constexpr std::size_t part_size = 2048;  // small enough to share among threads, large enough for a batch to pay
     std::vector<Scan> scans;
     for (std::size_t f = 0; f < results.size(); ++f) {
         const std::size_t n = results[f].bits_needed.size();
         for (std::size_t begin = 0; begin < n; begin += part_size) {
-            Scan scan{f, {}};
+            Scan scan{.form_index = f, .pixels = {}};
             for (std::size_t i = begin; i < std::min(n, begin + part_size); ++i) {
                 if (results[f].truth(i).decision != Truth::Decision::unresolved)
                     scan.pixels.push_back(static_cast<std::uint32_t>(i));
@@ -82,32 +84,32 @@ std::vector<Scan> scans_of(const std::vector<BitsNeededBand>& results) {
 
 }  // namespace
 
-bool has_correct_bits(double t, const truth::Certified& truth, int correct_bits) {
+bool has_correct_bits(double t, const truth::Certified& true_t, int correct_bits) {
     if (!std::isfinite(t)) return false;
-    const long ulp = ulp_exponent({correct_bits, binary64.emin, binary64.emax}, truth.floor_log2());
-    return std::fabs(truth::scaled_difference(truth::as_certified(t), truth, ulp)) <= 0.5;
+    const long ulp = ulp_exponent({correct_bits, binary64.emin, binary64.emax}, true_t.floor_log2());
+    return std::fabs(truth::scaled_difference(truth::as_certified(t), true_t, ulp)) <= 0.5;
 }
 
-bool is_precision_enough(const Truth& truth, const intersect::Info& form, int precision, Answer form_answer,
+bool is_precision_enough(const Truth& ray_truth, const intersect::Info& info, int precision, Answer form_answer,
                          int correct_bits) {
-    switch (answer::classify(truth.decision, form_answer.hit, form_answer.t)) {
+    switch (answer::classify(ray_truth.decision, form_answer.hit, form_answer.t)) {
         case answer::Outcome::agree_miss: return true;
         case answer::Outcome::agree_hit:
             return precision >= correct_bits &&
-                   (form_answer.primitive_index < 0 || form_answer.primitive_index == truth.primitive) &&
-                   has_correct_bits(form_answer.t, form.direction == Direction::unit ? truth.distance : truth.t,
+                   (form_answer.primitive_index < 0 || form_answer.primitive_index == ray_truth.primitive) &&
+                   has_correct_bits(form_answer.t, info.direction == Direction::unit ? ray_truth.distance : ray_truth.t,
                                     correct_bits);
         default: return false;
     }
 }
 
-void BitsNeededSummary::add(const Truth& truth, double bits_needed) {
+void BitsNeededSummary::add(const Truth& ray_truth, double bits_needed) {
     if (std::isnan(bits_needed)) {
         ++unresolved;
     } else if (bits_needed == beyond_most_precision) {
-        ++(truth.is_hit() ? hits_beyond : misses_beyond);
+        ++(ray_truth.is_hit() ? hits_beyond : misses_beyond);
     } else {
-        ++(truth.is_hit() ? hits : misses)[static_cast<std::size_t>(bits_needed)];
+        ++(ray_truth.is_hit() ? hits : misses)[static_cast<std::size_t>(bits_needed)];
     }
 }
 
@@ -141,6 +143,7 @@ double PrecisionCounts::mean() const {
 double PrecisionCounts::quantile(double q) const {
     const std::uint64_t n = count();
     if (n == 0) return missing;
+
     const auto rank =
         std::clamp<std::uint64_t>(static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n))), 1, n);
     std::uint64_t seen = 0;
@@ -165,23 +168,28 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
                            .form = form->info,
                            .bits_needed = std::vector<double>(band.pixels(), missing)});
     }
-    std::vector<Scan> scans = scans_of(results);
+
+    // A pixel leaves its scan at the first precision, from the largest down, that is not enough.
+    std::vector<Scan> scans = make_scans(results);
     for (int precision = most_precision; precision >= least_precision; --precision) {
         const auto needs_unit_rays = [&](const Scan& s) {
-            return !s.pixels.empty() && results[s.form].form->direction == Direction::unit;
+            return !s.pixels.empty() && results[s.form_index].form->direction == Direction::unit;
         };
         if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
             const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(precision)),
                                                     {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
-                test_precision(scans[s], *tested_forms[scans[s].form], inputs, bits, results[scans[s].form]);
+                test_precision(scans[s], *tested_forms[scans[s].form_index], inputs, bits,
+                               results[scans[s].form_index]);
             });
         }
         if (precision > least_precision)
             progress(band.pixels() * tested_forms.size());  // the driver counts the last one
     }
+
+    // The smallest precision is enough for the pixels that are left.
     for (const Scan& s : scans) {
-        for (const std::uint32_t i : s.pixels) results[s.form].bits_needed[i] = least_precision;
+        for (const std::uint32_t i : s.pixels) results[s.form_index].bits_needed[i] = least_precision;
     }
     return results;
 }

@@ -20,7 +20,7 @@ inline constexpr double beyond_most_precision = std::numeric_limits<double>::inf
 /// True if t has B correct bits: |t − t*| ≤ ½ ulp_B(t*), with the ulp of B significand bits and binary64's exponents.
 /// t* is the midpoint of its certificate, as in every metric, and is known to 2^-72 of itself. So a t that close to the
 /// limit may be on either side of it.
-bool has_correct_bits(double t, const truth::Certified& truth, int correct_bits);
+bool has_correct_bits(double t, const truth::Certified& true_t, int correct_bits);
 
 /// Answer of a form to a ray.
 struct Answer {
@@ -32,7 +32,7 @@ struct Answer {
 /// True if precision P suffices on one ray. The form must decide as the truth does (by the form's own convention on
 /// touching). On a hit it must also hit the right primitive, t must have B correct bits, and P − lost_bits(P) ≥ B.
 /// So P ≥ B on a hit: a narrower number that is near t* by luck does not have B bits.
-bool is_precision_enough(const truth::Truth& truth, const intersect::Info& form, int precision, Answer form_answer,
+bool is_precision_enough(const truth::Truth& ray_truth, const intersect::Info& info, int precision, Answer form_answer,
                          int correct_bits);
 
 /// Element P is the number of pixels that need P bits. Statistics of whole numbers are exact.
@@ -50,7 +50,7 @@ struct BitsNeededSummary {
     std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_precision` bits suffice
     std::uint64_t unresolved = 0;
 
-    void add(const truth::Truth& truth, double bits_needed);
+    void add(const truth::Truth& ray_truth, double bits_needed);
     /// Adds the summary of other pixels.
     void append(const BitsNeededSummary& other);
     /// Hits and misses together.

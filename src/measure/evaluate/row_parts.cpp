@@ -19,7 +19,8 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
     const std::size_t n = truth.decision.size();
     const answer::OutcomeTable table(returns_t);
     out.correct_t.resize(n);
-    std::uint64_t true_hits = 0;
+
+    // Compares the decisions, then the primitives.
     Outcome* const outcomes = out.outcomes.data();
     double* const correct_t = out.correct_t.data();
     for (std::size_t i = 0; i < n; ++i)
@@ -31,9 +32,14 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
         outcomes[i] = is_wrong_primitive ? Outcome::wrong_primitive : outcomes[i];
     }
     if (returns_t) refine_outcomes(band_answers, truth, out.outcomes);
+
+    // Only the t of correct hits have errors.
     for (std::size_t i = 0; i < n; ++i) {
         correct_t[i] = (returns_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }
+
+    // Counts the rays of the band.
+    std::uint64_t true_hits = 0;
     for (const Truth::Decision decision : truth.decision)
         true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
@@ -48,16 +54,22 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     const intersect::table::Intersector& form = *tested_form.form;
     const auto& rays = inputs.rays_for(*form.info);
     const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
+
+    // The bound, and the arithmetic of the filter.
     if ((needs & metric::needs_bound) && form.bounded)
         bounded_ = form.bounded(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_filter_arithmetic) && form.filter_arithmetic)
         filter_arithmetic_ = form.filter_arithmetic(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
+
+    // The levels of the boxes around the primitive that the ray truly meets.
     if ((needs & metric::needs_levels) && true_primitive >= 0) {
         const Primitive<double> hit_primitive = inputs.primitives[static_cast<std::size_t>(true_primitive)];
         const intersect::table::Intersector& part_form = form.of(hit_primitive.shape);
         if (intersect::bounding_box::has_box(part_form))
             levels_ = answer::levels_of(part_form, tested_form.format, ray, hit_primitive, rays.range(i));
     }
+
+    // The margin at the end of the ray, and the steps, for the tested primitive.
     if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
     const Primitive<double> tested_primitive = inputs.primitives[primitive];
     const intersect::table::Intersector& part_form = form.of(tested_primitive.shape);
@@ -105,6 +117,8 @@ void RowSums::keep_faults(FormSummary& summary) const {
 
 void RowSums::add(const RaySubset& part) const {
     FormSummary& summary = *part.summary;
+
+    // Outcomes, and the ray with the largest error.
     std::optional<std::size_t> worst_index;
     double largest = summary.worst.size;
     summary.rays += part.rays.size();
@@ -116,11 +130,14 @@ void RowSums::add(const RaySubset& part) const {
         largest = std::fabs(ulps_[i]);
     }
     if (worst_index) summary.worst = worst_hit(*worst_index);
+
     std::vector<double> values(part.rays.size());
     for (std::size_t m = 0; m < request_.metrics.size(); ++m) {
         std::ranges::transform(part.rays, values.begin(), [&](std::uint32_t i) { return result_.metrics[m][i]; });
         summary.add(m, *request_.metrics[m], values);
     }
+
+    // The first ray of each wrong decision.
     for (std::size_t kind = 0; kind < wrong_decisions.size(); ++kind) {
         if (summary.faults.at(kind) || summary.count(wrong_decisions[kind]) == 0) continue;
         const auto has_decision = [&](std::uint32_t i) { return result_.outcomes[i] == wrong_decisions[kind]; };
@@ -131,9 +148,10 @@ void RowSums::add(const RaySubset& part) const {
 
 WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, returns_t = row_.form->info->roots != intersect::Roots::none;
-    const Truth truth = result_.truth(i);
-    const int object = hit ? result_.answers->object[i] : truth.primitive;
+    const Truth ray_truth = result_.truth(i);
+    const int object = hit ? result_.answers->object[i] : ray_truth.primitive;
     const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, object);
+
     // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
@@ -146,14 +164,15 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
                .t = hit && returns_t ? result_.answers->t[i] : missing,
                .outcome = outcome,
                .touching = row_.touching};
-    if (truth.is_hit())
+    if (ray_truth.is_hit())
         w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
+
     // Two primitives decide which hit is nearest: the form's and the true one. A distance field depends on all
     // primitives.
     std::set<int> deciding;
     if (is_primitive(row_.form->shape)) {
         if (hit) deciding.insert(object);
-        if (truth.is_hit()) deciding.insert(truth.primitive);
+        if (ray_truth.is_hit()) deciding.insert(ray_truth.primitive);
     }
     w.given = result_.band->original_group(i, deciding);
     return w;

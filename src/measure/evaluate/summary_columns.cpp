@@ -35,7 +35,7 @@ enum class Shown { always, for_meshes, in_claims };
 /// miss, although its ray truly hits or misses.
 Columns outcome_columns() {
     Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.rays); }}};
-    const auto count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
+    const auto add_count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
         columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
                            .kind = Kind::count,
                            .unit = "",
@@ -43,7 +43,8 @@ Columns outcome_columns() {
                            .value = [o](const S& s) { return to_double(s.count(o)); },
                            .only_for_meshes = shown == Shown::for_meshes});
     };
-    const auto share = [&columns](const char* name, const char* meaning, double (*value)(const S&), Shown shown) {
+    const auto add_fraction = [&columns](const char* name, const char* meaning, double (*value)(const S&),
+                                         Shown shown) {
         columns.push_back({.name = name,
                            .kind = Kind::number,
                            .unit = "1",
@@ -52,43 +53,54 @@ Columns outcome_columns() {
                            .is_in_tables = shown != Shown::in_claims,
                            .only_for_meshes = shown == Shown::for_meshes});
     };
-    count(Outcome::agree_hit,
-          "correct hits: form and truth agree that the ray hits, and which primitive it hits first");
-    count(Outcome::agree_miss, "correct misses: form and truth agree that the ray misses");
-    count(Outcome::false_hit, "rays that the form hits and the truth misses");
-    count(Outcome::false_miss, "rays that the form misses and the truth hits");
-    count(Outcome::not_a_number, "rays on which the form reports a hit at NaN");
-    count(Outcome::unresolved, "rays whose truth was not proved within the stated limit");
-    share(
+
+    // Counts of the outcomes of every scene.
+    add_count(Outcome::agree_hit,
+              "correct hits: form and truth agree that the ray hits, and which primitive it hits first");
+    add_count(Outcome::agree_miss, "correct misses: form and truth agree that the ray misses");
+    add_count(Outcome::false_hit, "rays that the form hits and the truth misses");
+    add_count(Outcome::false_miss, "rays that the form misses and the truth hits");
+    add_count(Outcome::not_a_number, "rays on which the form reports a hit at NaN");
+    add_count(Outcome::unresolved, "rays whose truth was not proved within the stated limit");
+
+    // Fractions of them.
+    add_fraction(
         "false_hit_fraction", "false_hit among the rays that truly miss",
         [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_misses()); }, Shown::always);
-    share("false_miss_fraction", "false_miss among the rays that truly hit", fraction_of_hits<Outcome::false_miss>,
-          Shown::always);
-    share(
+    add_fraction("false_miss_fraction", "false_miss among the rays that truly hit",
+                 fraction_of_hits<Outcome::false_miss>, Shown::always);
+    add_fraction(
         "not_a_number_fraction", "not_a_number among all rays",
         [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::in_claims);
-    count(Outcome::wrong_primitive, "wrong primitives: form and truth hit, but the form hits another primitive first");
-    share("wrong_primitive_fraction", "wrong_primitive among the rays that truly hit",
-          fraction_of_hits<Outcome::wrong_primitive>, Shown::in_claims);
-    share(
+
+    // Wrong primitives, and all wrong decisions together.
+    add_count(Outcome::wrong_primitive,
+              "wrong primitives: form and truth hit, but the form hits another primitive first");
+    add_fraction("wrong_primitive_fraction", "wrong_primitive among the rays that truly hit",
+                 fraction_of_hits<Outcome::wrong_primitive>, Shown::in_claims);
+    add_fraction(
         "wrong_fraction",
         "not_a_number, false_hit, false_miss, wrong_primitive, crack, double_hit and out_of_order among all rays whose "
         "truth is known",
         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::in_claims);
-    count(Outcome::crack, "rays that the form lets through a mesh: it claims neither the triangle met nor a neighbour",
-          Shown::for_meshes);
-    count(Outcome::double_hit, "rays that cross a mesh once where the form claims two neighbouring triangles",
-          Shown::for_meshes);
-    count(Outcome::wrong_neighbour, "rays on which the form hits a neighbour of the triangle met; not a wrong decision",
-          Shown::for_meshes);
-    count(Outcome::out_of_order,
-          "rays on which the form accepts a triangle and answers one that is truly behind it and not its neighbour",
-          Shown::for_meshes);
-    share("crack_fraction", "crack among the rays that truly hit", fraction_of_hits<Outcome::crack>, Shown::for_meshes);
-    share("double_hit_fraction", "double_hit among the rays that truly hit", fraction_of_hits<Outcome::double_hit>,
-          Shown::for_meshes);
-    share("out_of_order_fraction", "out_of_order among the rays that truly hit",
-          fraction_of_hits<Outcome::out_of_order>, Shown::for_meshes);
+
+    // Outcomes of scenes with meshes.
+    add_count(Outcome::crack,
+              "rays that the form lets through a mesh: it claims neither the triangle met nor a neighbour",
+              Shown::for_meshes);
+    add_count(Outcome::double_hit, "rays that cross a mesh once where the form claims two neighbouring triangles",
+              Shown::for_meshes);
+    add_count(Outcome::wrong_neighbour,
+              "rays on which the form hits a neighbour of the triangle met; not a wrong decision", Shown::for_meshes);
+    add_count(Outcome::out_of_order,
+              "rays on which the form accepts a triangle and answers one that is truly behind it and not its neighbour",
+              Shown::for_meshes);
+    add_fraction("crack_fraction", "crack among the rays that truly hit", fraction_of_hits<Outcome::crack>,
+                 Shown::for_meshes);
+    add_fraction("double_hit_fraction", "double_hit among the rays that truly hit",
+                 fraction_of_hits<Outcome::double_hit>, Shown::for_meshes);
+    add_fraction("out_of_order_fraction", "out_of_order among the rays that truly hit",
+                 fraction_of_hits<Outcome::out_of_order>, Shown::for_meshes);
     return columns;
 }
 
@@ -156,13 +168,15 @@ void add_both_hit(std::size_t m, Columns& columns) {
                        }});
 }
 
+/// Rays that the statistics of a metric are about, for their meaning.
+std::string_view population_of(metric::MetricDomain domain) {
+    using metric::MetricDomain;
+    if (domain == MetricDomain::marches || domain == MetricDomain::every) return " over all rays";
+    return domain == MetricDomain::pairs ? " over the rays that both hit" : " over agree_hit";
+}
+
 void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
-    const std::string name = column_name(metric), population = metric.domain == metric::MetricDomain::marches ||
-                                                                       metric.domain == metric::MetricDomain::every
-                                                                   ? " over all rays"
-                                                               : metric.domain == metric::MetricDomain::pairs
-                                                                   ? " over the rays that both hit"
-                                                                   : " over agree_hit";
+    const std::string name = column_name(metric), population(population_of(metric.domain));
     for (const metric::Statistic& statistic : metric::statistics) {
         const bool is_bucketed = statistic.q > 0 && statistic.q < 1;
         columns.push_back({column_name(metric, statistic), Kind::number, std::string(metric.unit),
@@ -170,6 +184,7 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
                                name + "|" + population,
                            [m, statistic](const S& s) { return statistic.of(s.metrics[m]); }});
     }
+
     // These bounds are valid only for random rays: the rays of a picture are not independent.
     const auto add_bound = [&](const char* suffix, double metric::Bounds::*bound) {
         columns.push_back({.name = name + "_p99" + suffix,
@@ -240,6 +255,8 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
                         value_of_worst_ray([](const W& w) { return w.t; }));
     add_decimal_and_hex(columns, "worst_truth", "t* there, correctly rounded to binary64, in the same unit",
                         value_of_worst_ray([](const W& w) { return w.truth; }));
+
+    // The numbers of the ray.
     const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
         columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
                            "the worst ray as the format holds it (before any normalisation), or the primitive that the "
@@ -252,6 +269,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
     for (int k = 0; k < 3; ++k)
         add_hex(std::string("direction_") + axes[k],
                 value_of_worst_ray([k](const W& w) { return w.ray.direction[k]; }));
+
     // Shapes may share the name of a number: its column has the number of the primitive that was hit.
     std::vector<std::string> names;
     for (const Shape shape : shapes)

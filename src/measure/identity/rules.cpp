@@ -28,8 +28,8 @@ std::set<NodeId> RewriteFinder::innermost_names() const {
     return names;
 }
 
-void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& visit, bool with_names) const {
-    const std::set<NodeId> names = with_names ? innermost_names() : std::set<NodeId>();
+void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& visit, InnermostNames treatment) const {
+    const std::set<NodeId> names = treatment == InnermostNames::kept_as_well ? innermost_names() : std::set<NodeId>();
     for (const NodeId i : formula_nodes) {
         const TapeOp op = terms[i].op;
         if ((op != TapeOp::add && op != TapeOp::sub) || !terms.has_answer_format(i) || terms.factors_of(i)) continue;
@@ -41,7 +41,7 @@ void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& 
     }
 }
 
-std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit) {
+std::vector<Rewrite> find_rewrites(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit) {
     RewriteFinder finder(terms, outputs, unit);
     for (const Rule& rule : rules) {
         finder.rule = &rule;

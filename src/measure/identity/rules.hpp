@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <string_view>
@@ -19,6 +20,9 @@ struct Rewrite {
     const Rule* rule;
     std::vector<std::pair<NodeId, NodeId>> replacements;
 };
+
+/// Treatment of innermost names in sums: they are multiplied out, or each sum is also visited with them as atoms.
+enum class InnermostNames : std::uint8_t { multiplied_out, kept_as_well };
 
 /// Finds the rewrites of a formula that the rules allow.
 class RewriteFinder {
@@ -44,8 +48,9 @@ public:
     /// multiplying them out.
     [[nodiscard]] std::set<NodeId> innermost_names() const;
     /// Calls visit(node, sum) for every number of the formula that is a sum of products, except dot products. With
-    /// `with_names`, calls it again if the sum is different when innermost names are not multiplied out.
-    void for_each_sum(const std::function<void(NodeId, const Sum&)>& visit, bool with_names = false) const;
+    /// `kept_as_well`, calls it again if the sum is different when innermost names are not multiplied out.
+    void for_each_sum(const std::function<void(NodeId, const Sum&)>& visit,
+                      InnermostNames treatment = InnermostNames::multiplied_out) const;
     /// Adds a rewrite for each replacement by itself, and one for all of them at once.
     void add_each(const std::vector<std::pair<NodeId, NodeId>>& replacements);
 };
@@ -104,7 +109,7 @@ inline constexpr Rule rules[]{
     {"exchange", "min(a, b) = min(b, a), and the same for max", "neither is NaN", find_exchanges},
 };
 
-/// All rewrites that the rules find, in the order of the rules.
-std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit);
+/// Finds all rewrites that the rules allow, in the order of the rules.
+std::vector<Rewrite> find_rewrites(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit);
 
 }  // namespace lostbits::measure::identity

@@ -1,5 +1,7 @@
 // Rules for the square of a combination of two vectors, which a formula has multiplied out.
 
+#include <algorithm>
+
 #include "measure/identity/rules.hpp"
 
 namespace lostbits::measure::identity {
@@ -61,29 +63,38 @@ private:
         bool has_replaced = false;
         for (const auto& [product, factor] : sum_) {
             if (!rewritten.contains(product)) continue;
-            for (const auto& [dot, exponent] : product) {
-                const auto factors = terms_.factors_of(dot);
-                if (!factors || (factors->first != c.a && factors->second != c.a) || !product.contains(c.x)) continue;
-                const Triple& v = factors->first == c.a ? factors->second : factors->first;
-                const bool is_square = v == c.a;
-                if (is_square ? exponent != 1 : exponent != 2) continue;
-                const auto av = terms_.known_dot(c.a, is_square ? c.b : v),
-                           bv = terms_.known_dot(c.b, is_square ? c.b : v);
-                if (!av || !bv) continue;
-                const Product rest = times(product, times(power(c.x, -2), power(dot, -exponent)));
-                const Product last_product = times(rest, times(power(c.y, 2), power(*bv, is_square ? 1 : 2)));
-                Product middle_product = times(rest, times(power(c.x, 1), power(c.y, 1)));
-                middle_product = times(middle_product, is_square ? power(*av, 1) : times(power(*av, 1), power(*bv, 1)));
-                const Ratio doubled = factor * Ratio(c.is_difference ? -2 : 2, 1);
-                if (!is_in(rewritten, last_product, factor) || !is_in(rewritten, middle_product, doubled)) continue;
-                const NodeId combined_dot = is_square ? terms_.dot(u, u) : terms_.dot(u, v);
-                for (const Product& removed : {product, last_product, middle_product}) rewritten.erase(removed);
-                rewritten = plus(rewritten, Sum{{times(rest, power(combined_dot, is_square ? 1 : 2)), factor}});
-                has_replaced = true;
-                break;
-            }
+            has_replaced |= std::ranges::any_of(product, [&, &first = product, &x = factor](const auto& dot_power) {
+                return replace_three(c, u, first, x, dot_power, rewritten);
+            });
         }
         return has_replaced;
+    }
+    /// Replaces x² (a·a) or x² (a·v)² in `first` and the two products that belong to it. `dot_power` is an atom of
+    /// `first` with its power. Returns false and changes nothing if the atom is not that dot product, or if a product
+    /// is missing.
+    bool replace_three(const Combination& c, const Triple& u, const Product& first, const Ratio& factor,
+                       const std::pair<const NodeId, int>& dot_power, Sum& rewritten) {
+        const auto& [dot, exponent] = dot_power;
+        const auto factors = terms_.factors_of(dot);
+        if (!factors || (factors->first != c.a && factors->second != c.a) || !first.contains(c.x)) return false;
+        const Triple& v = factors->first == c.a ? factors->second : factors->first;
+        const bool is_square = v == c.a;
+        if (is_square ? exponent != 1 : exponent != 2) return false;
+
+        // The products with x y and y² that must be in the sum too.
+        const auto av = terms_.known_dot(c.a, is_square ? c.b : v), bv = terms_.known_dot(c.b, is_square ? c.b : v);
+        if (!av || !bv) return false;
+        const Product rest = times(first, times(power(c.x, -2), power(dot, -exponent)));
+        const Product last = times(rest, times(power(c.y, 2), power(*bv, is_square ? 1 : 2)));
+        Product middle = times(rest, times(power(c.x, 1), power(c.y, 1)));
+        middle = times(middle, is_square ? power(*av, 1) : times(power(*av, 1), power(*bv, 1)));
+        const Ratio doubled = factor * Ratio(c.is_difference ? -2 : 2, 1);
+        if (!is_in(rewritten, last, factor) || !is_in(rewritten, middle, doubled)) return false;
+
+        const NodeId combined_dot = is_square ? terms_.dot(u, u) : terms_.dot(u, v);
+        for (const Product& removed : {first, last, middle}) rewritten.erase(removed);
+        rewritten = plus(rewritten, Sum{{times(rest, power(combined_dot, is_square ? 1 : 2)), factor}});
+        return true;
     }
     static bool is_in(const Sum& sum, const Product& product, const Ratio& factor) {
         const auto position = sum.find(product);
@@ -110,11 +121,14 @@ private:
         for (const auto& [dot, exponent] : y->begin()->first) {
             const auto factors = terms_.factors_of(dot);
             if (!factors || exponent < 1 || (factors->first != c.a && factors->second != c.a)) continue;
+
+            // p and q, from y = q (v·a) and x = p + q (v·b).
             const Triple v = factors->first == c.a ? factors->second : factors->first;
             const auto vb = terms_.known_dot(v, c.b);
             const Sum q = times(*y, Sum{{power(dot, -1), Ratio(1, 1)}});
             const Sum p = vb ? plus(*x, times(q, Sum{{power(*vb, 1), Ratio(-1, 1)}})) : Sum();
             if (p.empty() || p.size() >= x->size()) continue;
+
             const NodeId first = write_sum(terms_, p, finder_.newest_nodes),
                          second = write_sum(terms_, q, finder_.newest_nodes);
             const Triple perpendicular = terms_.cross(v, terms_.cross(c.a, c.b));
@@ -142,7 +156,7 @@ void find_combinations(RewriteFinder& finder) {
             for (Sum& rewritten : CombinationFinder(finder, sum).find_all())
                 rewritten_sums.emplace_back(i, std::move(rewritten));
         },
-        true);
+        InnermostNames::kept_as_well);
     for (const auto& [i, rewritten] : rewritten_sums)
         finder.add_rewrite(i, write_sum(finder.terms, rewritten, finder.newest_nodes, finder.terms[i].label));
 }

@@ -19,7 +19,8 @@ std::optional<Difference> difference_of(const Terms& terms, const Triple& v) {
     for (std::size_t k = 0; k < 3; ++k) {
         const TapeNode& n = terms[v[k]];
         if (n.op != TapeOp::sub) return std::nullopt;
-        result.p[k] = n.operands[0], result.q[k] = n.operands[1];
+        result.p[k] = n.operands[0];
+        result.q[k] = n.operands[1];
     }
     return result;
 }
@@ -30,7 +31,8 @@ std::optional<Cross> cross_of(const Terms& terms, const Triple& v) {
         const TapeNode& n = terms[v[k]];
         if (n.op != TapeOp::sub || terms[n.operands[0]].op != TapeOp::mul) return std::nullopt;
         const auto& [a, b, none] = terms[n.operands[0]].operands;
-        result.a[(k + 1) % 3] = a, result.b[(k + 2) % 3] = b;
+        result.a[(k + 1) % 3] = a;
+        result.b[(k + 2) % 3] = b;
     }
     for (std::size_t k = 0; k < 3; ++k) {
         const TapeNode& other = terms[terms[v[k]].operands[1]];
@@ -84,16 +86,28 @@ void find_edges_from_origin(RewriteFinder& finder) {
     for (const NodeId i : finder.formula_nodes) {
         const TapeNode n = terms[i];
         if (n.op != TapeOp::less_equal) continue;
+
+        // u + v <= |s|, where one condition negates both u and v.
         const TapeNode sum = terms[n.operands[0]], size = terms[n.operands[1]];
         if (sum.op != TapeOp::add || size.op != TapeOp::abs) continue;
         const auto u = negation_at(terms, sum.operands[0]), v = negation_at(terms, sum.operands[1]);
         if (!u || !v || u->negates != v->negates) continue;
         const auto first = edge_at(terms, u->x), second = edge_at(terms, v->x);
         if (!first || !second || first->o != second->o || first->d != second->d) continue;
+
+        // The third edge closes the triangle.
         Edge third = *first;
-        if (first->q == second->p) third.p = second->q, third.q = first->p;
-        else if (second->q == first->p) third.p = first->q, third.q = second->p;
-        else continue;
+        if (first->q == second->p) {
+            third.p = second->q;
+            third.q = first->p;
+        } else if (second->q == first->p) {
+            third.p = first->q;
+            third.q = second->p;
+        } else {
+            continue;
+        }
+
+        // Each edge function becomes a determinant, and the comparison the sign of the third.
         const NodeId w = determinant(terms, third, "W");
         const NodeId signed_w = terms.add(TapeOp::select, {u->negates, terms.add(TapeOp::neg, {w}), w});
         finder.add_rewrite({{u->x, determinant(terms, *first, {})},

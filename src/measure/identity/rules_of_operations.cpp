@@ -31,6 +31,7 @@ void find_fused_products(RewriteFinder& finder) {
         if ((n.op != TapeOp::sub && n.op != TapeOp::add) || !terms.has_answer_format(i)) continue;
         const TapeNode first = terms[n.operands[0]], second = terms[n.operands[1]];
         if (first.op != TapeOp::mul || second.op != TapeOp::mul) continue;
+
         const auto [a, b, unused] = first.operands;
         const auto [c, d, none] = second.operands;
         const NodeId w = n.operands[1], minus_w = terms.add(TapeOp::neg, {w}), minus_c = terms.add(TapeOp::neg, {c});
@@ -110,6 +111,7 @@ void find_scaled_lengths(RewriteFinder& finder) {
         if (terms[i].op != TapeOp::sqrt || !terms.has_answer_format(i)) continue;
         const auto factors = terms.factors_of(terms[i].operands[0]);
         if (!factors || factors->first != factors->second) continue;
+
         Triple v = factors->first;
         const auto magnitude_of = [&](std::size_t k) { return terms.add(TapeOp::abs, {v[k]}); };
         const NodeId largest = terms.add(

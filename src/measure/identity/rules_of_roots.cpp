@@ -39,25 +39,32 @@ Sum divided_by(const Sum& sum, const Sum& divisor) {
     return times(sum, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
 }
 
+/// Finds the roots in a formula, by their s. All roots of a group have the same b.
+std::map<NodeId, std::vector<Root>> find_roots_by_s(const RewriteFinder& finder) {
+    std::map<NodeId, std::vector<Root>> roots;
+    for (const NodeId i : finder.formula_nodes) {
+        auto root = root_at(finder.terms, i);
+        if (!root) continue;
+        auto& root_group = roots[root->s];
+        if (root_group.empty() || root_group.front().b == root->b) root_group.push_back(std::move(*root));
+    }
+    return roots;
+}
+
 }  // namespace
 
 void find_stable_roots(RewriteFinder& finder) {
     Terms& terms = finder.terms;
     const Sum minus_one{{{}, Ratio(-1, 1)}};
-    std::map<NodeId, std::vector<Root>> roots;
-    for (const NodeId i : finder.formula_nodes) {
-        auto root = root_at(terms, i);
-        if (!root) continue;
-        auto& root_group = roots[root->s];
-        if (root_group.empty() || root_group.front().b == root->b) root_group.push_back(std::move(*root));
-    }
-    for (const auto& [s, root_group] : roots) {
+    for (const auto& [s, root_group] : find_roots_by_s(finder)) {
         const Sum& b = root_group.front().b;
         const auto disc = multiply_out(terms, terms[s].operands[0], true);
         if (!disc) continue;
         // (b − s)(b + s): the numerators of the two roots, multiplied
         const Sum product = plus(times(b, b), times(*disc, minus_one));
         if (product.empty() || product.size() > most_products) continue;
+
+        // q = b ± s, with the sign of b
         const auto newest = finder.newest_nodes.find(s);
         const NodeId newest_root = newest == finder.newest_nodes.end() ? s : newest->second;
         const NodeId b_now = write_sum(terms, b, finder.newest_nodes);
@@ -65,6 +72,7 @@ void find_stable_roots(RewriteFinder& finder) {
         const NodeId with_sign =
             terms.add(TapeOp::select, {negative, terms.add(TapeOp::neg, {newest_root}), newest_root});
         const NodeId q = terms.add(TapeOp::add, {b_now, with_sign}, "q");
+
         std::vector<std::pair<NodeId, NodeId>> replacements;
         for (const Root& root : root_group) {
             const NodeId from_sum = terms.add(TapeOp::div, {q, write_sum(terms, root.a, finder.newest_nodes)});
@@ -87,17 +95,20 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
     Sum result;
     bool has_replaced = false;
     for (const auto& [product, factor] : sum) {
+        // The product, as a sum if it has a square of a root.
         Sum term{{{}, factor}};
         for (const auto& [atom, exponent] : product) {
             const int squares = terms[atom].op == TapeOp::sqrt ? exponent / 2 : 0;
             if (exponent != 2 * squares) term = times(term, Sum{{power(atom, exponent - 2 * squares), Ratio(1, 1)}});
             if (squares == 0) continue;
+
             has_replaced = true;
             const auto radicand = multiply_out(terms, terms[atom].operands[0]);
             if (!radicand || radicand->empty() || (squares < 0 && radicand->size() > 1)) return std::nullopt;
             const Sum factor_sum = squares > 0 ? *radicand : divided_by(Sum{{{}, Ratio(1, 1)}}, *radicand);
             for (int k = 0; k < std::abs(squares); ++k) term = times(term, factor_sum);
         }
+
         result = plus(std::move(result), term);
         if (result.size() > most_products) return std::nullopt;
     }

@@ -90,8 +90,8 @@ void add_all(RewriteFinder& finder, const std::vector<std::pair<NodeId, NodeId>>
     for (const auto& replacement : replacements) finder.add_rewrite({replacement});
 }
 
-/// a − (a·n)/|n|² n. If `uses_unit_vector`, it is computed with n/|n|.
-Triple foot_of(RewriteFinder& finder, const Triple& a, const Triple& n, bool uses_unit_vector) {
+/// Writes a − (a·n)/|n|² n. If `uses_unit_vector`, it is computed with n/|n|.
+Triple write_foot(RewriteFinder& finder, const Triple& a, const Triple& n, bool uses_unit_vector) {
     Terms& terms = finder.terms;
     const bool is_unit = finder.unit_direction == n;
     Triple direction = n;
@@ -103,6 +103,7 @@ Triple foot_of(RewriteFinder& finder, const Triple& a, const Triple& n, bool use
     } else if (!is_unit) {
         share = terms.add(TapeOp::div, {share, terms.dot(n, n)}, "share");
     }
+
     constexpr std::array<std::string_view, 3> names{"l.x", "l.y", "l.z"};
     Triple foot_point{};
     for (std::size_t k = 0; k < 3; ++k)
@@ -119,7 +120,7 @@ void find_approach(RewriteFinder& finder, bool uses_unit_vector) {
             // (n·n)(b·d) − (n·d)(b·n)
             const auto add_foot = [&](const Triple& n, const Triple& a, const Triple& b) {
                 if (uses_unit_vector && finder.unit_direction == n) return;
-                const Triple foot_point = foot_of(finder, a, n, uses_unit_vector);
+                const Triple foot_point = write_foot(finder, a, n, uses_unit_vector);
                 const NodeId dot_product = a == b ? terms.dot(foot_point, foot_point, "l^2") : terms.dot(foot_point, b);
                 replacements.emplace_back(
                     i, replace_pair(finder, i, p, times(power(terms.dot(n, n), 1), power(dot_product, 1))));
@@ -131,8 +132,9 @@ void find_approach(RewriteFinder& finder, bool uses_unit_vector) {
     add_all(finder, replacements);
 }
 
-/// The number whose square is the product. Returns nothing if there is none.
-std::optional<NodeId> root_of(RewriteFinder& finder, const Product& product, bool by_length) {
+/// Finds the number whose square is the product. Returns nothing if there is none.
+std::optional<NodeId> find_root(RewriteFinder& finder, const Product& product, bool by_length) {
+    // Halves the powers. A length stands for one square of a vector.
     Product halved;
     bool has_length = false;
     NodeId root = no_node;
@@ -148,8 +150,9 @@ std::optional<NodeId> root_of(RewriteFinder& finder, const Product& product, boo
         root = finder.terms.add(TapeOp::sqrt, {atom}, "length");
     }
     if (has_length != by_length) return std::nullopt;
+
     if (!halved.empty() || root == no_node) {
-        const NodeId rest = product_of(finder.terms, halved, Ratio(1, 1), finder.newest_nodes);
+        const NodeId rest = write_product(finder.terms, halved, Ratio(1, 1), finder.newest_nodes);
         root = root == no_node ? rest : finder.terms.add(TapeOp::mul, {root, rest});
     }
     return root;
@@ -159,25 +162,27 @@ void find_squares(RewriteFinder& finder, bool by_length) {
     Terms& terms = finder.terms;
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
         if (sum.size() != 2) return;
-        const auto [common, rest] = factor_out_common(sum);
+
+        // After the common factor, one square is positive and the other negative.
+        const auto [common, factor, rest] = factor_out_common(sum);
         const auto positive = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(1, 1); });
         const auto negative = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(-1, 1); });
         if (positive == rest.end() || negative == rest.end()) return;
-        const auto a = root_of(finder, positive->first, by_length);
-        const auto b = root_of(finder, negative->first, false);
+        const auto a = find_root(finder, positive->first, by_length);
+        const auto b = find_root(finder, negative->first, false);
         if (!a || !b) return;
+
         const NodeId product =
             terms.add(TapeOp::mul, {terms.add(TapeOp::sub, {*a, *b}), terms.add(TapeOp::add, {*a, *b})});
-        const auto& [shared, factor] = common;
-        const NodeId common_node = product_of(terms, shared, factor, finder.newest_nodes);
-        const bool is_plain = shared.empty() && factor == Ratio(1, 1);
+        const NodeId common_node = write_product(terms, common, factor, finder.newest_nodes);
+        const bool is_plain = common.empty() && factor == Ratio(1, 1);
         finder.add_rewrite(i, is_plain ? terms.name_if_unnamed(product, terms[i].label)
                                        : terms.add(TapeOp::mul, {common_node, product}, terms[i].label));
     });
 }
 
-/// Three vectors whose pairwise dot products are ab, bc and ca. Returns nothing if there are none.
-std::optional<std::array<Triple, 3>> ring_of(const Terms& terms, NodeId ab, NodeId bc, NodeId ca) {
+/// Finds three vectors whose pairwise dot products are ab, bc and ca. Returns nothing if there are none.
+std::optional<std::array<Triple, 3>> find_ring(const Terms& terms, NodeId ab, NodeId bc, NodeId ca) {
     const auto [a, b] = terms.factors_of(ab).value();
     for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
         const auto [p, q] = terms.factors_of(bc).value();
@@ -195,6 +200,8 @@ std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cro
     const auto dot = [&](std::size_t k, std::size_t l) { return terms.known_dot(v[k % 3], v[l % 3]); };
     for (std::size_t k = 0; k < 3; ++k)
         if (!dot(k, k)) return std::nullopt;
+
+    // The determinant, times the factors that remain of the cross term.
     const Ratio factor = sum.at(cross_term) * Ratio(1, 2);
     Product rest = cross_term, squares;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -206,6 +213,7 @@ std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cro
         gram[times(rest, times(power(*dot(k, k), 1), power(*dot(k + 1, k + 2), 2)))] = -factor;
     for (const auto& [product, x] : gram)
         if (const auto found = sum.find(product); found == sum.end() || !(found->second == x)) return std::nullopt;
+
     Sum rewritten = sum;
     for (const auto& [product, x] : gram) rewritten.erase(product);
     const NodeId volume = terms.dot(v[0], terms.cross(v[1], v[2]), "volume");
@@ -222,10 +230,12 @@ void find_volumes(RewriteFinder& finder) {
                 std::vector<NodeId> dots;
                 for (const auto& [atom, power] : product)
                     if (power > 0 && terms.factors_of(atom)) dots.push_back(atom);
+
+                // Three dot products of one product may be those of a cross term.
                 for (std::size_t j = 0; j < dots.size(); ++j)
                     for (std::size_t k = j + 1; k < dots.size(); ++k)
                         for (std::size_t l = k + 1; l < dots.size(); ++l) {
-                            const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
+                            const auto ring = find_ring(terms, dots[j], dots[k], dots[l]);
                             const auto rewritten = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
                             if (rewritten && !rewritten->empty())
                                 finder.add_rewrite(i,
@@ -233,7 +243,7 @@ void find_volumes(RewriteFinder& finder) {
                         }
             }
         },
-        true);
+        InnermostNames::kept_as_well);
 }
 
 void find_differences_of_squares(RewriteFinder& finder) { find_squares(finder, false); }

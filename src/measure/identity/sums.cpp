@@ -100,10 +100,11 @@ NewestNodes find_newest_nodes(const Terms& terms, const std::vector<NodeId>& for
     return newest;
 }
 
-std::pair<std::pair<Product, Ratio>, Sum> factor_out_common(const Sum& sum) {
+FactoredSum factor_out_common(const Sum& sum) {
     Product common = sum.begin()->first;
     Ratio factor = sum.begin()->second;
     for (const auto& [product, x] : sum) {
+        // The least power of each atom. A divisor of only one product is common too: the others are multiplied by it.
         Product shared;
         for (const auto& [atom, power] : common) {
             const auto found = product.find(atom);
@@ -113,16 +114,18 @@ std::pair<std::pair<Product, Ratio>, Sum> factor_out_common(const Sum& sum) {
         for (const auto& [atom, power] : product)
             if (power < 0 && !common.contains(atom)) shared[atom] = power;
         common = shared;
+
         factor = Ratio(std::gcd(factor.numerator, x.numerator), std::lcm(factor.denominator, x.denominator));
     }
     if (factor.numerator < 0) factor = -factor;
+
     Sum rest;
     for (const auto& [product, x] : sum)
         rest[times(product, inverse(common))] = x * Ratio(factor.denominator, factor.numerator);
-    return {{common, factor}, rest};
+    return {.common = common, .factor = factor, .rest = rest};
 }
 
-NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const NewestNodes& newest) {
+NodeId write_product(Terms& terms, const Product& product, const Ratio& factor, const NewestNodes& newest) {
     NodeId numerator_node = no_node, denominator_node = no_node;
     const auto multiply = [&](NodeId& accumulated, NodeId operand) {
         accumulated = accumulated == no_node ? operand : terms.add(TapeOp::mul, {accumulated, operand});
@@ -130,6 +133,8 @@ NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, con
     const auto multiply_integer = [&](NodeId& accumulated, std::int64_t x) {
         if (x != 1) multiply(accumulated, terms.constant(static_cast<std::int32_t>(x)));
     };
+
+    // Whole numbers first, then the powers of the atoms as products of squares.
     multiply_integer(numerator_node, std::abs(factor.numerator));
     multiply_integer(denominator_node, factor.denominator);
     for (const auto& [atom, power] : product) {
@@ -139,44 +144,58 @@ NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, con
             multiply(power > 0 ? numerator_node : denominator_node, terms.add(TapeOp::mul, {base, base}));
         if (std::abs(power) % 2 == 1) multiply(power > 0 ? numerator_node : denominator_node, base);
     }
+
     if (numerator_node == no_node) numerator_node = terms.constant(1);
     return denominator_node == no_node ? numerator_node : terms.add(TapeOp::div, {numerator_node, denominator_node});
 }
 
-NodeId write_sum(Terms& terms, const Sum& sum, const NewestNodes& newest, std::string_view label) {
-    if (sum.size() == 1) {
-        const auto& [product, factor] = *sum.begin();
-        const NodeId magnitude = product_of(terms, product, factor, newest);
-        return terms.name_if_unnamed(factor.numerator < 0 ? terms.add(TapeOp::neg, {magnitude}) : magnitude, label);
-    }
-    const auto [common, rest] = factor_out_common(sum);
+namespace {
+
+/// Writes the products of a sum, the positive ones first.
+NodeId write_products(Terms& terms, const Sum& sum, const NewestNodes& newest) {
     NodeId sum_node = no_node;
     for (const bool negative : {false, true}) {
-        for (const auto& [product, factor] : rest) {
+        for (const auto& [product, factor] : sum) {
             if ((factor.numerator < 0) != negative) continue;
-            const NodeId term = product_of(terms, product, factor, newest);
+            const NodeId term = write_product(terms, product, factor, newest);
             if (sum_node == no_node) sum_node = negative ? terms.add(TapeOp::neg, {term}) : term;
             else sum_node = terms.add(negative ? TapeOp::sub : TapeOp::add, {sum_node, term});
         }
     }
-    const auto& [shared, factor] = common;
-    const bool is_plain = shared.empty() && factor == Ratio(1, 1);
+    return sum_node;
+}
+
+}  // namespace
+
+NodeId write_sum(Terms& terms, const Sum& sum, const NewestNodes& newest, std::string_view label) {
+    if (sum.size() == 1) {
+        const auto& [product, factor] = *sum.begin();
+        const NodeId magnitude = write_product(terms, product, factor, newest);
+        return terms.name_if_unnamed(factor.numerator < 0 ? terms.add(TapeOp::neg, {magnitude}) : magnitude, label);
+    }
+
+    const auto [common, factor, rest] = factor_out_common(sum);
+    const NodeId sum_node = write_products(terms, rest, newest);
+    const bool is_plain = common.empty() && factor == Ratio(1, 1);
     if (is_plain) return terms.name_if_unnamed(sum_node, label);
+
+    // A common factor without a divisor is one product.
     const auto has_positive_powers = [](const Product& p) {
         return std::ranges::all_of(p, [](const auto& x) { return x.second > 0; });
     };
-    if (has_positive_powers(shared) && factor.denominator == 1)
-        return terms.add(TapeOp::mul, {product_of(terms, shared, factor, newest), sum_node}, label);
+    if (has_positive_powers(common) && factor.denominator == 1)
+        return terms.add(TapeOp::mul, {write_product(terms, common, factor, newest), sum_node}, label);
+
     // k·s/(m·n) is written as (k·s)/(m·n), not as a product with a quotient.
     Product numerator_product, denominator_product;
-    for (const auto& [atom, power] : shared)
+    for (const auto& [atom, power] : common)
         (power > 0 ? numerator_product[atom] : denominator_product[atom]) = std::abs(power);
     NodeId numerator_node = sum_node;
     if (!numerator_product.empty() || factor.numerator != 1)
         numerator_node = terms.add(
-            TapeOp::mul, {product_of(terms, numerator_product, Ratio(factor.numerator, 1), newest), sum_node});
+            TapeOp::mul, {write_product(terms, numerator_product, Ratio(factor.numerator, 1), newest), sum_node});
     return terms.add(TapeOp::div,
-                     {numerator_node, product_of(terms, denominator_product, Ratio(factor.denominator, 1), newest)},
+                     {numerator_node, write_product(terms, denominator_product, Ratio(factor.denominator, 1), newest)},
                      label);
 }
 

@@ -55,9 +55,14 @@ NewestNodes find_newest_nodes(const Terms& terms, const std::vector<NodeId>& for
 /// products first.
 NodeId write_sum(Terms& terms, const Sum& sum, const NewestNodes& newest, std::string_view label = {});
 
-/// Returns the common factor of all products, and the sum without it.
-std::pair<std::pair<Product, Ratio>, Sum> factor_out_common(const Sum& sum);
+/// A sum as the product of a common factor and the rest: factor · common · rest.
+struct FactoredSum {
+    Product common;
+    Ratio factor;
+    Sum rest;
+};
+FactoredSum factor_out_common(const Sum& sum);
 /// Writes a product with its factor, and returns its node.
-NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const NewestNodes& newest);
+NodeId write_product(Terms& terms, const Product& product, const Ratio& factor, const NewestNodes& newest);
 
 }  // namespace lostbits::measure::identity

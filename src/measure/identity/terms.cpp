@@ -70,7 +70,8 @@ NodeId Terms::meaning(NodeId i) const {
 }
 
 void Terms::unite(NodeId a, NodeId b) {
-    a = meaning(a), b = meaning(b);
+    a = meaning(a);
+    b = meaning(b);
     meaning_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
 }
 
@@ -84,6 +85,7 @@ std::optional<std::pair<Triple, Triple>> Terms::factors_of(NodeId i) const {
         else products.push_back(side);
     }
     if (products.size() != 3) return std::nullopt;
+
     std::pair<Triple, Triple> factors;
     for (std::size_t k = 0; k < 3; ++k) {
         const TapeNode& n = tape_[products[k]];
@@ -153,11 +155,14 @@ std::vector<NodeId> Terms::nodes_of(const TapeOutputs& outputs) const {
 }
 
 Tape Terms::tape(const TapeOutputs& outputs, std::vector<NodeId>* origins) const {
+    // All inputs of the form, and the nodes that the outputs are computed from.
     std::set<NodeId> nodes;
     for (NodeId i = 0; i < tape_.size(); ++i)
         if (tape_[i].op == TapeOp::input) nodes.insert(i);
     const auto used = nodes_of(outputs);
     nodes.insert(used.begin(), used.end());
+
+    // Copies them in order, with the new numbers of their operands.
     Tape result;
     std::map<NodeId, NodeId> new_nodes;
     for (const NodeId i : nodes) {
@@ -172,6 +177,7 @@ Tape Terms::tape(const TapeOutputs& outputs, std::vector<NodeId>* origins) const
         new_nodes[i] = result.add(n.op, tape_.format_of(i), n.value, {n.operands[0], n.operands[1], n.operands[2]});
         result[new_nodes[i]].label = n.label;
     }
+
     result.outputs = {new_nodes.at(outputs.hit), new_nodes.at(outputs.t), new_nodes.at(outputs.near),
                       new_nodes.at(outputs.far)};
     if (origins) origins->assign(nodes.begin(), nodes.end());

@@ -65,9 +65,10 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 constexpr std::size_t most_first_rays = 4096;  // limit of JudgeResult::first_samples
 
-class Run {
+/// Judges one file: reads it piece by piece, prepares several pieces at a time, and measures them in order.
+class RayFileJudge {
 public:
-    Run(Dump& dump, const JudgeRequest& request, const ShowJudged& show)
+    RayFileJudge(Dump& dump, const JudgeRequest& request, const ShowJudged& show)
         : dump_(dump),
           request_(request),
           show_(show),
@@ -75,6 +76,7 @@ public:
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
         if (file_form_index_ && dump.layout().decides_only() && file_form().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
+
         const bool has_own_primitives = dump.layout().primitive() || dump.layout().has_matrix();
         if (!has_own_primitives) dump.number_primitives(primitives_.size());
         if (!has_own_primitives && request.mesh) culler_.emplace(primitives_);
@@ -100,6 +102,7 @@ public:
                 intersect::process::FloatingPoint::standard().set();
                 measure(*piece);
             });
+
         tbb::parallel_pipeline(most_pieces, read_filter & prepare_filter & measure_filter);
         if (!request_.pieces) check_whole(dump_, request_, result_);
         return std::move(result_);
@@ -120,6 +123,8 @@ private:
             flow.stop();
             return piece;
         }
+
+        // Skips the pieces before the first one requested.
         try {
             bool is_read = dump_.next(record_count, piece->records);
             for (; is_read && request_.pieces && pieces_read_ < request_.pieces->first; ++pieces_read_)
@@ -141,7 +146,15 @@ private:
             piece.read_error = std::current_exception();
             return;
         }
-        const Chunk& chunk = piece.chunk;
+        RayGroup group = make_group(piece.chunk);
+        if (group.mesh && culler_) piece.culler = std::make_unique<culling::Culler>(*culler_, group.rays);
+        piece.band = std::make_unique<Band>(std::move(group), request_.limit, piece.culler.get());
+        piece.shared.emplace(*piece.band, request_.tested_forms, request_.metrics);
+        if (file_form_index_) piece.answers = make_answers(piece);
+    }
+
+    /// Makes the group of the rays of a chunk, with their primitives.
+    [[nodiscard]] RayGroup make_group(const Chunk& chunk) const {
         const std::size_t ray_count = chunk.size();
         RayGroup group;
         group.rays = chunk.rays;
@@ -152,6 +165,7 @@ private:
         group.rays.width = static_cast<int>(has_whole_lines ? width : ray_count);
         group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? ray_count / width : 1);
+
         group.paired = !chunk.primitives.empty();
         if (group.paired) {
             group.primitives = chunk.primitives;
@@ -160,10 +174,7 @@ private:
             group.mesh = request_.mesh;
         }
         group.march = request_.march;
-        if (group.mesh && culler_) piece.culler = std::make_unique<culling::Culler>(*culler_, group.rays);
-        piece.band = std::make_unique<Band>(std::move(group), request_.limit, piece.culler.get());
-        piece.shared.emplace(*piece.band, request_.tested_forms, request_.metrics);
-        if (file_form_index_) piece.answers = answers_of(piece);
+        return group;
     }
 
     /// Primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
@@ -174,27 +185,32 @@ private:
         return group;
     }
 
-    [[nodiscard]] answer::Answers answers_of(const Piece& piece) const {
+    /// Makes answers from those in the file, as a form would give them.
+    [[nodiscard]] answer::Answers make_answers(const Piece& piece) const {
         const Chunk& chunk = piece.chunk;
         answer::Answers answers{chunk.t, chunk.hit, std::vector<std::int32_t>(chunk.size(), -1)};
         for (double& t : answers.t) t = t == t ? t : missing;
         const bool may_be_behind = file_form().form->info->inside == intersect::Inside::near;
         for (std::size_t i = 0; i < chunk.size(); ++i) {
-            if (may_be_behind && answers.t[i] < 0) answers.hit[i] = 0, answers.t[i] = 0;
-            if (answers.hit[i] != 0) answers.object[i] = object_of(piece, i);
+            if (may_be_behind && answers.t[i] < 0) {
+                answers.hit[i] = 0;
+                answers.t[i] = 0;
+            }
+            if (answers.hit[i] != 0) answers.object[i] = find_object(piece, i);
         }
         return answers;
     }
 
-    /// Index of the primitive that an answer is about: the only one, else the one that the file names, else the one
-    /// that the ray truly hits, else the one whose surface is nearest to the answer.
-    [[nodiscard]] std::int32_t object_of(const Piece& piece, std::size_t i) const {
+    /// Finds the index of the primitive that an answer is about: the only one, else the one that the file names, else
+    /// the one that the ray truly hits, else the one whose surface is nearest to the answer.
+    [[nodiscard]] std::int32_t find_object(const Piece& piece, std::size_t i) const {
         const Chunk& chunk = piece.chunk;
         if (!chunk.primitives.empty()) return static_cast<std::int32_t>(i);
         if (primitives_.size() == 1) return 0;
         if (!chunk.object.empty() && chunk.object[i] >= 0) return chunk.object[i];
-        const truth::Truth& truth = piece.band->truth(i, file_form().convention());
-        if (truth.is_hit()) return truth.primitive;
+        const truth::Truth& ray_truth = piece.band->truth(i, file_form().convention());
+        if (ray_truth.is_hit()) return ray_truth.primitive;
+
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
         const auto distance = [this, &p](std::size_t s) {
             return std::fabs(intersect::table::distance(primitives_[s], p));
@@ -209,6 +225,16 @@ private:
         if (piece.read_error) std::rethrow_exception(piece.read_error);
         const Chunk& chunk = piece.chunk;
         if (chunk.size() == 0) return;
+        add_counts(chunk);
+        require_picture_size(chunk);
+        if (request_.stages) *request_.stages += piece.band->stages();
+        measure_rows(piece);
+        if (file_form_index_) add_first_samples(piece);
+        request_.progress(chunk.size(), piece.records.bytes.size());
+    }
+
+    /// Counts the rays of a chunk, and what its numbers tell of their format.
+    void add_counts(const Chunk& chunk) {
         result_.rays += chunk.size();
         result_.rounded += chunk.rounded;
         result_.most_digits = std::max(result_.most_digits, chunk.digits);
@@ -219,28 +245,37 @@ private:
             result_.float_answers += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
                                                 (are_all_floats && scene::dump::is_float_in_decimal(t)));
         }
+    }
+
+    /// Throws if the rays so far do not fit the picture.
+    void require_picture_size(const Chunk& chunk) const {
         if (request_.picture && result_.rays > pixels()) throw_wrong_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
             throw_wrong_size("has");
-        if (request_.stages) *request_.stages += piece.band->stages();
+    }
+
+    /// Measures every row on a piece, into the summaries of all rays and those of the groups.
+    void measure_rows(const Piece& piece) {
+        const Chunk& chunk = piece.chunk;
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         const auto rays_by_value = group_rays(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.tested_forms.size(), [&](std::size_t r) {
             const TestedForm& tested_form = request_.tested_forms[r];
+
+            // The function that shows the results, and the groups that they are added to.
             evaluate::Show show;
             if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
             std::vector<evaluate::RaySubset> parts;
             for (const auto& [value, rays] : rays_by_value)
                 parts.push_back({rays, &result_.groups.at(value).summaries[r]});
-            evaluate::measure_form({.tested_form = tested_form,
+
+            evaluate::measure_form({.row = tested_form,
                                     .metrics = request_.metrics,
                                     .show = show,
                                     .first = first,
                                     .answers = request_.is_file_form(tested_form) ? &piece.answers : nullptr},
                                    piece.shared->inputs_of(tested_form), result_.summaries[r], parts);
         });
-        if (file_form_index_) add_first_samples(piece);
-        request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
     /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
@@ -261,13 +296,14 @@ private:
         const TestedForm& tested_form = file_form();
         const FormatInputs& inputs = piece.shared->inputs_of(tested_form).inputs;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < most_first_rays; ++i) {
-            const truth::Truth truth = piece.band->truth(i, tested_form.convention());
+            const truth::Truth ray_truth = piece.band->truth(i, tested_form.convention());
             const bool hit = piece.answers.hit[i] != 0;
-            if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
-            const int primitive = truth.is_hit() ? truth.primitive : piece.answers.object[i];
+            if (ray_truth.decision == truth::Truth::Decision::unresolved || !(hit || ray_truth.is_hit())) continue;
+
+            const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.object[i];
             result_.first_samples.push_back(contract::answer_sample(
                 inputs.rays_for(*tested_form.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)],
-                truth, tested_form, hit, piece.answers.t[i]));
+                ray_truth, tested_form, hit, piece.answers.t[i]));
         }
     }
 
@@ -302,9 +338,8 @@ void JudgeResult::append(JudgeResult&& next) {
 
 std::optional<std::size_t> JudgeRequest::file_form_index() const {
     const auto found =
-        std::ranges::find_if(tested_forms, [this](const TestedForm& tested_form) { return is_file_form(tested_form); });
-    return found == tested_forms.end() ? std::nullopt
-                                       : std::optional(static_cast<std::size_t>(found - tested_forms.begin()));
+        std::ranges::find_if(rows, [this](const TestedForm& tested_form) { return is_file_form(tested_form); });
+    return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
 }
 
 std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file) const {
@@ -331,7 +366,7 @@ void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResul
 }
 
 JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged& show) {
-    return Run(dump, request, show).run();
+    return RayFileJudge(dump, request, show).run();
 }
 
 std::string name_of_answers(const std::string& name) {

@@ -21,23 +21,24 @@ namespace {
 /// Number of pieces that are decoded together, and the number of records in each.
 constexpr std::size_t most_pieces = 16, records_per_piece = 4096;
 
-PrimitiveList<double> primitive_list(const MeshAnswersRequest& request) {
+PrimitiveList<double> triangles_of(const MeshAnswersRequest& request) {
     scene::rays::RayGroup group;
     group.mesh = request.mesh;
     return scene::rays::primitive_list_of(group);
 }
 
-class MeshRun {
+/// Judges one file of answers about a mesh: reads some pieces, measures their answers, and so on.
+class MeshFileJudge {
 public:
-    MeshRun(Dump& dump, const MeshAnswersRequest& request, const ShowAnswers& show)
-        : dump_(dump), request_(request), show_(show), primitives_(primitive_list(request)), culler_(primitives_) {
+    MeshFileJudge(Dump& dump, const MeshAnswersRequest& request, const ShowAnswers& show)
+        : dump_(dump), request_(request), show_(show), primitives_(triangles_of(request)), culler_(primitives_) {
         result_.kind = dump.layout().answers();
         if (dump.layout().has(scene::dump::slot::object)) dump.number_primitives(primitives_.size());
     }
 
     MeshAnswersResult run() {
-        while (read_pieces()) measure(false);
-        measure(true);
+        while (read_pieces()) measure(complete_answers());
+        measure(pending_.size());
         if (result_.rays == 0)
             throw InputError(dump_.name() + ": has no records; write one for each ray or point after the header");
         return std::move(result_);
@@ -55,6 +56,8 @@ private:
             if (!dump_.next(records_per_piece, records)) break;
             pieces.push_back(std::move(records));
         }
+
+        // Decodes them at the same time, and appends them in order.
         std::vector<Chunk> chunks(pieces.size());
         intersect::process::in_parallel(std::size_t{0}, pieces.size(),
                                         [&](std::size_t k) { chunks[k] = dump_.decode(pieces[k]); });
@@ -92,15 +95,21 @@ private:
             throw_error("the record before it is of another ray; write the same ray in all records of its hits");
     }
 
-    /// Measures what was read. Unless this is the end, the last ray stays pending, since further hits of it may follow.
-    void measure(bool is_end) {
-        const std::size_t n = pending_.size() - (is_end || pending_.empty() || !is_list() ? 0 : 1);
+    /// Number of answers that are complete before the end of the file: in a list, further hits of the last ray may
+    /// follow.
+    [[nodiscard]] std::size_t complete_answers() const {
+        return pending_.size() - (pending_.empty() || !is_list() ? 0 : 1);
+    }
+
+    /// Measures the first n answers that were read.
+    void measure(std::size_t n) {
         intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, n, 64), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 request_.limit.stop.check();
                 judge(pending_[i]);
             }
         });
+
         for (std::size_t i = 0; i < n; ++i) add(pending_[i]);
         if (show_) show_(std::span(pending_).first(n));
         pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(n));
@@ -110,7 +119,7 @@ private:
     void judge(JudgedAnswer& answer) const {
         const crossing::Triangles triangles{primitives_, culler_.index_for_truth()};
         if (result_.kind == AnswerKind::inside) return judge_point(answer, triangles);
-        const MeshCrossings crossings = crossings_of(answer.ray, triangles, answer.range, request_.limit);
+        const MeshCrossings crossings = find_crossings(answer.ray, triangles, answer.range, request_.limit);
         if (is_list()) {
             answer.judgement = judge_list(answer.ray, answer.hits, crossings, *request_.mesh, request_.contract);
             find_errors(answer);
@@ -148,12 +157,14 @@ private:
         const auto outcome = static_cast<std::size_t>(answer.judgement.outcome);
         ++result_.outcomes[outcome];
         if (is_fault(answer.judgement.outcome) && !result_.first[outcome]) result_.first[outcome] = answer;
+
         result_.crossings += answer.judgement.crossings;
         result_.listed_hits += answer.hits.size();
         result_.missing_crossings += answer.judgement.missing_crossings;
         result_.double_hits += answer.judgement.double_hits;
         result_.false_hits += answer.judgement.false_hits;
         result_.neighbour_hits += answer.judgement.neighbour_hits;
+
         for (const double ulps : answer.ulps) {
             if (std::isnan(ulps)) continue;
             result_.ulps.add(ulps);
@@ -188,7 +199,7 @@ void require_inside(const scene::triangle::Mesh& mesh, const std::string& file) 
 }
 
 MeshAnswersResult judge_mesh_answers(Dump& dump, const MeshAnswersRequest& request, const ShowAnswers& show) {
-    return MeshRun(dump, request, show).run();
+    return MeshFileJudge(dump, request, show).run();
 }
 
 }  // namespace lostbits::measure::judge

@@ -38,6 +38,7 @@ SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Fa
         if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.hits_front, {}});
         found->owners.push_back(&owner);
     }
+
     for (Surface& s : surfaces_)
         s.touches = std::ranges::any_of(
             surfaces_, [&s](const Surface& other) { return other.rank == s.rank && other.is_front != s.is_front; });
@@ -71,6 +72,8 @@ public:
           hit_counts_(surfaces_.all().size()) {
         judgement_.crossings_of_hits.resize(hits.size());
         judgement_.crossings = surfaces_.all().size();
+
+        // Hits of triangles that the ray meets come first: the other hits get what is left.
         surface_of_hit_.assign(hits.size(), no_surface);
         for (std::size_t i = 0; i < hits.size(); ++i) match_owned(i);
         for (std::size_t i = 0; i < hits.size(); ++i)
@@ -81,6 +84,8 @@ public:
         count_missing();
         for (const std::size_t n : hit_counts_) judgement_.double_hits += n > 1 ? n - 1 : 0;
         judgement_.false_hits = static_cast<std::size_t>(std::ranges::count(surface_of_hit_, no_surface));
+
+        // The last fault that is set is the outcome.
         set_outcome_if(judgement_.neighbour_hits > 0, MeshOutcome::wrong_neighbour);
         set_outcome_if(is_out_of_order(), MeshOutcome::out_of_order);
         set_outcome_if(judgement_.double_hits > 0, MeshOutcome::double_hit);
@@ -104,7 +109,8 @@ private:
         for (std::size_t s = 0; s < surfaces.size(); ++s)
             for (const MeshCrossing* const owner : surfaces[s].owners)
                 if (static_cast<std::int64_t>(owner->triangle) == hits_[i].triangle) {
-                    surface_of_hit_[i] = s, judgement_.crossings_of_hits[i] = owner;
+                    surface_of_hit_[i] = s;
+                    judgement_.crossings_of_hits[i] = owner;
                     ++hit_counts_[s];
                     return;
                 }
@@ -122,6 +128,8 @@ private:
                                          contract_.unit ? owner.distance : owner.t, 0))
                                    : 0;
         };
+
+        // Finds the best crossing on the right side whose triangles share a vertex with the hit's triangle.
         for (std::size_t s = 0; s < surfaces.size(); ++s) {
             if (facing != 0 && (facing > 0) != surfaces[s].is_front) continue;
             const bool shares_vertex = std::ranges::any_of(surfaces[s].owners, [&](const MeshCrossing* owner) {
@@ -131,6 +139,7 @@ private:
             const auto rank = [&](std::size_t k) { return std::pair(hit_counts_[k] > 0, distance(k)); };
             if (surface_of_hit_[i] == no_surface || rank(s) < rank(surface_of_hit_[i])) surface_of_hit_[i] = s;
         }
+
         if (surface_of_hit_[i] == no_surface) return;
         if (hit_counts_[surface_of_hit_[i]] == 0) ++judgement_.neighbour_hits;
         ++hit_counts_[surface_of_hit_[i]];
@@ -191,6 +200,7 @@ MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
     const SurfaceCrossings surfaces(crossings, contract.facing);
     const auto answer = static_cast<std::size_t>(count), total = surfaces.all().size(),
                least = surfaces.certain_count();
+
     if (answer % 2 == total % 2 && (parity || (answer >= least && answer <= total))) return MeshOutcome::agree;
     if (total == 0) return MeshOutcome::false_hit;
     const bool is_border =

@@ -20,15 +20,15 @@ Real largest(const Vec<Real>& v) { return max(max(Real(abs(v.x)), Real(abs(v.y))
 
 /// Lost bits of the largest component of the difference, which is measured in ulps of the largest component of the true
 /// vector.
-double vector_lost_bits(const Vec<Real>& given, const Vec<Real>& truth, const FloatFormat& format) {
-    const Real size = largest(truth);
+double vector_lost_bits(const Vec<Real>& given, const Vec<Real>& true_vector, const FloatFormat& format) {
+    const Real size = largest(true_vector);
     long floor_log2 = format.emin;
     if (size != 0) {
         int exponent = 0;
         frexp(size, &exponent);
         floor_log2 = exponent - 1;
     }
-    const Real ulps = ldexp(largest(given - truth), -static_cast<int>(ulp_exponent(format, floor_log2)));
+    const Real ulps = ldexp(largest(given - true_vector), -static_cast<int>(ulp_exponent(format, floor_log2)));
     return truth::lost_bits(ulps.convert_to<double>(), format.precision);
 }
 
@@ -54,8 +54,8 @@ double origin_lost_bits(const Sample& s) {
 double direction_error(const Sample& s) {
     if (!s.true_ray) return missing;
     if (!has_direction(s)) return HUGE_VAL;
-    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &truth = s.true_ray->direction;
-    return atan2(length(cross(d, truth)), dot(d, truth)).convert_to<double>();
+    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &true_d = s.true_ray->direction;
+    return atan2(length(cross(d, true_d)), dot(d, true_d)).convert_to<double>();
 }
 
 double direction_lost_bits(const Sample& s) {
@@ -69,10 +69,11 @@ double direction_lost_bits(const Sample& s) {
 double pixel_error(const Sample& s) {
     if (!s.true_ray || !s.frame) return missing;
     if (!has_direction(s)) return HUGE_VAL;
-    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &truth = s.true_ray->direction, &forward = s.frame->forward;
+    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &true_d = s.true_ray->direction;
+    const Vec<Real>& forward = s.frame->forward;
     const Real depth = dot(d, forward);
     if (depth <= 0) return HUGE_VAL;
-    const Real distance = length((1 / depth) * d - (1 / dot(truth, forward)) * truth);
+    const Real distance = length((1 / depth) * d - (1 / dot(true_d, forward)) * true_d);
     return Real(distance / s.frame->pitch).convert_to<double>();
 }
 

@@ -18,11 +18,11 @@ namespace {
 
 /// (x − y) in ulps of the format at t*.
 double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) {
-    return truth::scaled_difference(x, y, ulp_exponent(s.format->parameters, s.truth->floor_log2()));
+    return truth::scaled_difference(x, y, ulp_exponent(s.format->parameters, s.true_t->floor_log2()));
 }
 
 double error_at_zero(const Sample& s) {
-    if (!s.truth->is_zero() || !s.primitive) return missing;
+    if (!s.true_t->is_zero() || !s.primitive) return missing;
     if (s.t == 0) return 0;
     double largest = 0;
     const auto include = [&largest](double x) { largest = std::max(largest, std::fabs(x)); };
@@ -38,7 +38,7 @@ double root(const Sample& s) {
     if (s.march) return missing;
     if (s.outcome != answer::Outcome::agree_hit || !s.primitive) return 0;
     const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot distinguish nearer crossings
-    return !is_close && stability::is_wrong_root(*s.ray, *s.primitive, *s.truth, s.t) ? 2 : 1;
+    return !is_close && stability::is_wrong_root(*s.ray, *s.primitive, *s.true_t, s.t) ? 2 : 1;
 }
 
 double derivative_error(const Sample& s) {
@@ -46,6 +46,8 @@ double derivative_error(const Sample& s) {
     if (s.attribution->attribution->subject != s.attribution->tape->outputs.t) return missing;
     const std::vector<double> exact = truth::gradient(*s.ray, *s.primitive, s.convention, s.range);
     if (exact.empty()) return missing;
+
+    // Each error is divided by the largest derivative of its vector.
     const std::vector<double> computed = stability::forward_derivatives(*s.attribution->tape);
     double worst = 0;
     const auto compare_vector = [&](std::size_t first, std::size_t count) {
@@ -56,10 +58,13 @@ double derivative_error(const Sample& s) {
         }
         worst = std::max(worst, error == 0 ? 0 : error / largest);
     };
-    compare_vector(0, 3);
-    if (s.direction != intersect::Direction::unit) compare_vector(3, 3);
+
+    // Derivatives are in the order of the inputs: origin, direction, numbers of the primitive.
+    constexpr std::size_t origin = 0, direction = 3, primitive = 6;
+    compare_vector(origin, 3);
+    if (s.direction != intersect::Direction::unit) compare_vector(direction, 3);
     for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
-        if (key.kind != Key::Kind::direction) compare_vector(6 + first, key.count());
+        if (key.kind != Key::Kind::direction) compare_vector(primitive + first, key.count());
     });
     return in_roundoffs(worst, s);
 }
@@ -90,7 +95,7 @@ constexpr Metric rows_of_t[] = {
 
 }  // namespace
 
-double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.format->parameters); }
+double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.true_t, s.format->parameters); }
 double lost_bits(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->parameters.precision); }
 double correct_bits(const Sample& s) { return s.format->parameters.precision - lost_bits(s); }
 
@@ -104,14 +109,14 @@ double herbie(const Sample& s) {
 
 double absolute_error(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.truth, 0));
+    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.true_t, 0));
 }
 
 double relative_error(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
-    if (s.truth->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.truth, s.truth->exponent) /
-                     (s.truth->hi + s.truth->lo));
+    if (s.true_t->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
+    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.true_t, s.true_t->exponent) /
+                     (s.true_t->hi + s.true_t->lo));
 }
 
 double distance_error(const Sample& s) {
@@ -119,7 +124,7 @@ double distance_error(const Sample& s) {
     return absolute_error(s) * std::hypot(d.x, d.y, d.z);
 }
 
-double input_error(const Sample& s) { return s.stored_truth ? in_ulps(s, *s.stored_truth, *s.truth) : missing; }
+double input_error(const Sample& s) { return s.stored_truth ? in_ulps(s, *s.stored_truth, *s.true_t) : missing; }
 double model_error(const Sample& s) {
     return s.stored_truth && s.unrounded ? in_ulps(s, *s.unrounded, *s.stored_truth) : missing;
 }

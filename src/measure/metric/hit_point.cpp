@@ -190,11 +190,15 @@ double normal_error(const Sample& s) {
     const auto normal_at = [](const auto& ray, const auto& primitive, const auto& p) {
         return lift_vec<Real>(visit(primitive, [&](const auto& shape) { return shape.outward_normal(ray, p); }));
     };
+
+    // The normal where the ray truly hits.
     const Ray<Real> ray = lift_ray<Real>(*s.ray);
-    const truth::Certified& t = *s.truth;
-    const Real t_true = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
+    const truth::Certified& t = *s.true_t;
+    const Real true_t = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
     const Vec<Real> exact =
-        normal_at(ray, lift_primitive<Real>(*s.primitive), Vec<Real>(ray.origin + t_true * ray.direction));
+        normal_at(ray, lift_primitive<Real>(*s.primitive), Vec<Real>(ray.origin + true_t * ray.direction));
+
+    // Its angle with the normal that the format computes.
     return compute_in_format(s, [&]<class F>() {
         const Primitive<F> primitive = lift_primitive<F>(*s.primitive);
         const Ray<F> ray_in_format{to_format<F>(s.ray->origin), to_format<F>(s.ray->direction)};
@@ -206,7 +210,7 @@ double normal_error(const Sample& s) {
 
 double point_error(const Sample& s) {
     const Vec<double> p = hit_point(s);
-    const truth::Certified& t = *s.truth;
+    const truth::Certified& t = *s.true_t;
     double worst = 0, largest = 0;
     for (int i = 0; i < 3; ++i) {
         const Ball scale(std::ldexp(1, static_cast<int>(std::clamp<std::int64_t>(t.exponent, -800, 800))));
@@ -238,7 +242,8 @@ double padding(const Sample& s) {
                 largest = box_padding;
         return largest;
     }
-    if (!s.truth || !s.primitive || s.primitive->shape != bounding_box_shape) return missing;
+
+    if (!s.true_t || !s.primitive || s.primitive->shape != bounding_box_shape) return missing;
     return padding_of(*s.ray, bounding_box_of(*s.primitive));
 }
 

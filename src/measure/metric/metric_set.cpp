@@ -33,7 +33,7 @@ double cancellation(const Sample& s) {
 double step_error(const Sample& s) {
     const auto found = std::ranges::find(intersect::transform::step_names, s.label);
     const auto k = static_cast<std::size_t>(found - intersect::transform::step_names.begin());
-    return s.steps ? s.steps->error(k, ulp_exponent(s.format->parameters, s.truth->floor_log2())) : missing;
+    return s.steps ? s.steps->error(k, ulp_exponent(s.format->parameters, s.true_t->floor_log2())) : missing;
 }
 
 double number_of(std::string_view label) {
@@ -78,6 +78,8 @@ void add_once(Texts& texts, const Text& text) {
 void require_known_label(const Metric& metric, const std::vector<const Intersector*>& forms,
                          const attribution::Setting& setting) {
     std::vector<std::string> labels;
+
+    // Steps have fixed names.
     if ((metric.needs & needs_steps) != 0) {
         if (std::ranges::find(intersect::transform::step_names, metric.label) != intersect::transform::step_names.end())
             return;
@@ -86,6 +88,8 @@ void require_known_label(const Metric& metric, const std::vector<const Intersect
         throw InputError("--metric " + std::string(metric.name) + ": no step is named \"" + label + "\"; " +
                          text::did_you_mean(label, labels));
     }
+
+    // The names of operations are those of the forms.
     for (const Intersector* form : forms) {
         for (const std::string_view label : attribution::labels_of(*form, setting)) add_once(labels, label);
     }
@@ -102,10 +106,13 @@ const Metric* MetricSet::find(std::string_view name) {
     if (const Metric* const row = find_metric(name)) return row;
     const auto owned_metric = std::ranges::find(owned_, name, &OwnedMetric::name);
     if (owned_metric != owned_.end()) return &owned_metric->metric;
+
+    // Makes the metric of a new label.
     const auto kind = std::ranges::find_if(
         labelled_metrics, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
     if (kind == std::end(labelled_metrics)) return nullptr;
     if (kind->needs == needs_nothing) return make_metric_with_number(*kind, name);
+
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
     owned.layer = std::string(kind->layer) + owned.name.substr(kind->name.size());
@@ -125,6 +132,7 @@ const Metric* MetricSet::make_metric_with_number(const Metric& kind, std::string
     if (std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.metric.name; }) != owned_.end())
         throw InputError("--metric " + std::string(name) +
                          ": this metric takes one number per run; measure the other number in another run");
+
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
     owned.metric = kind;
@@ -135,7 +143,7 @@ const Metric* MetricSet::make_metric_with_number(const Metric& kind, std::string
     return &owned.metric;
 }
 
-const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) {
+const Metric* MetricSet::make_culprit(const std::vector<std::string>& operations) {
     OwnedMetric& owned = owned_.emplace_back();
     owned.operations = operations;
     owned.categories.emplace_back(no_culprit);
@@ -156,7 +164,7 @@ std::vector<const Metric*> MetricSet::adapt_to_forms(std::vector<const Metric*> 
             for (const std::string& operation : attribution::operation_names(*form, setting))
                 add_once(operations, operation);
         }
-        m = culprit_of(operations);
+        m = make_culprit(operations);
     }
     return metrics;
 }

@@ -20,7 +20,7 @@ public:
     const Metric* find(std::string_view name);
 
     /// Makes a `culprit` metric whose categories are `none` and these operations.
-    const Metric* culprit_of(const std::vector<std::string>& operations);
+    const Metric* make_culprit(const std::vector<std::string>& operations);
 
     /// Adapts the metrics to these forms: the categories of `culprit` are the operations of each form, and an operation
     /// of several forms is listed once. Throws InputError for a label that no form has, with did-you-mean.

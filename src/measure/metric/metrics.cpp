@@ -19,9 +19,9 @@ using truth::missing;
 namespace {
 
 double condition_number(const Sample& s) { return s.condition; }
-double inherent(const Sample& s) { return truth::inherent_bits(s.reach, *s.truth, s.format->parameters); }
-double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise, *s.truth, s.format->parameters); }
-double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->parameters, s.reach); }
+double inherent(const Sample& s) { return truth::inherent_bits(s.reach, *s.true_t, s.format->parameters); }
+double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise, *s.true_t, s.format->parameters); }
+double excess(const Sample& s) { return truth::excess_bits(s.t, *s.true_t, s.format->parameters, s.reach); }
 
 double culprit(const Sample& s) { return s.attribution ? s.attribution->culprit : missing; }
 double cancelled(const Sample& s) {
@@ -45,7 +45,7 @@ double worst_step(const Sample& s) {
 double bound(const Sample& s) {
     if (!s.bounded) return missing;
     if (!(s.bounded->error < HUGE_VAL)) return HUGE_VAL;
-    return std::ldexp(s.bounded->error, -static_cast<int>(ulp_exponent(s.format->parameters, s.truth->floor_log2())));
+    return std::ldexp(s.bounded->error, -static_cast<int>(ulp_exponent(s.format->parameters, s.true_t->floor_log2())));
 }
 
 double bound_ratio(const Sample& s) {

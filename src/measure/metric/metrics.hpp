@@ -25,10 +25,11 @@ namespace lostbits::measure::metric {
 /// `march`, `bounded` and `filter_arithmetic` are set. Null pointers stand for values that no selected metric needs, or
 /// that do not exist (a form that misses in exact arithmetic has no `unrounded`).
 struct Sample {
-    double t = truth::missing;                ///< the form's answer, a number of the format
-    const Format* format = nullptr;           ///< the format of the form under test
-    const truth::Certified* truth = nullptr;  ///< t*, in the unit of the form's answer (a distance for unit directions)
-    double truth_rounded = truth::missing;    ///< RN_F(t*)
+    double t = truth::missing;       ///< the form's answer, a number of the format
+    const Format* format = nullptr;  ///< the format of the form under test
+    const truth::Certified* true_t =
+        nullptr;                            ///< t*, in the unit of the form's answer (a distance for unit directions)
+    double truth_rounded = truth::missing;  ///< RN_F(t*)
     const truth::Certified* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
     const truth::Certified* unrounded = nullptr;  ///< the form without rounding, on the inputs as the format holds them
     double condition = truth::missing;            ///< κ of the problem at its ideal inputs
@@ -115,8 +116,11 @@ struct MetricNames {
 /// Builds a row of the table; `rest` gives the members that are not parameters.
 constexpr Metric table_row(MetricNames names, std::string_view meaning, double (*value)(const Sample&),
                            Metric rest = {}) {
-    rest.name = names.name, rest.unit = names.unit, rest.layer = names.layer;
-    rest.meaning = meaning, rest.value = value;
+    rest.name = names.name;
+    rest.unit = names.unit;
+    rest.layer = names.layer;
+    rest.meaning = meaning;
+    rest.value = value;
     return rest;
 }
 

@@ -15,11 +15,15 @@ namespace lostbits::measure::metric {
 
 void ExactTotal::add(double x) {
     if (x == 0) return;
+
+    // |x| = significand·2^(position − 1074)
     const auto bits = std::bit_cast<std::uint64_t>(x);
     const auto exponent = static_cast<unsigned>(bits >> 52 & 0x7ff);
     const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
     const std::uint64_t significand = exponent == 0 ? fraction : fraction | std::uint64_t{1} << 52;
-    const unsigned position = exponent == 0 ? 0 : exponent - 1;  // |x| = significand·2^(position − 1074)
+    const unsigned position = exponent == 0 ? 0 : exponent - 1;
+
+    // The shifted significand lies in three limbs.
     const unsigned shift = position % limb_bits;
     const std::uint64_t low = (significand & 0xffffffffU) << shift, high = (significand >> limb_bits) << shift;
     const std::uint64_t parts[3] = {low & 0xffffffffU, (low >> limb_bits) + (high & 0xffffffffU), high >> limb_bits};
@@ -52,6 +56,7 @@ double ExactTotal::divided_by(std::uint64_t n) const {
     const auto& limbs = normalised.limbs_;
     std::size_t top = limbs.size() - 1;
     while (top > 0 && limbs[top] == 0) --top;
+
     // Everything is in units of the top limb. Five limbs have at least 129 bits, more than two doubles.
     DoubleDouble sum{0, 0};
     for (std::size_t i = 0; i < 5 && i <= top; ++i) {
@@ -59,6 +64,7 @@ double ExactTotal::divided_by(std::uint64_t n) const {
         const DoubleDouble s = two_sum(sum.hi, term);
         sum = quick_two_sum(s.hi, s.lo + sum.lo);
     }
+
     const auto count = static_cast<double>(n);
     const double mean = sum.hi / count;
     return std::ldexp(mean + (quotient_residual(sum.hi, count, mean) + sum.lo) / count,
@@ -148,8 +154,11 @@ double Quantiles::at(double q, const Sums& sums) const {
     if (rank >= sums.count()) return sums.largest();
     std::uint64_t cumulative_count = sums.zeros();
     if (rank <= cumulative_count) return 0;
+
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         if (!binades_[b]) continue;
+
+        // Skips a binade below the rank as a whole. Binade 0 has the zeros, which are counted already.
         if (b > 0 && carries_.empty()) {
             const std::uint64_t binade_count =
                 std::accumulate(binades_[b]->begin(), binades_[b]->end(), std::uint64_t{0});
@@ -159,6 +168,7 @@ double Quantiles::at(double q, const Sums& sums) const {
             }
         }
         for (std::uint32_t i = 0; i < buckets_per_binade; ++i) {
+            // Finds the bucket that has the rank, and returns its middle.
             const std::uint32_t index = b * buckets_per_binade + i;
             cumulative_count += bucket_count(index) - (index == 0 ? sums.zeros() : 0);
             if (rank > cumulative_count) continue;
@@ -188,11 +198,15 @@ Ranks ranks_around(double q, std::uint64_t n) {
         p *= (samples - static_cast<double>(k) + 1) / static_cast<double>(k) * odds;
         above.push_back(p);
     }
+
+    // Lists the probabilities of all k that matter, in rising order.
     const double total =
         std::accumulate(below.begin(), below.end(), 0.0) + std::accumulate(above.begin(), above.end(), 0.0);
     std::ranges::reverse(below);
     below.insert(below.end(), above.begin(), above.end());
     const std::uint64_t first = likeliest - (below.size() - above.size());
+
+    // Moves each rank to the last k that leaves enough probability outside.
     Ranks ranks{first, n + 1};
     double sum = 0;  // P(K <= k), times the total
     for (std::size_t i = 0; i < below.size(); ++i) {

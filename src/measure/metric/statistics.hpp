@@ -191,17 +191,17 @@ private:
     Bounds sealed_bounds_{};
 };
 
-/// Least share of the true hits on which form and truth must agree. A form that misses nearly everything may be exact
-/// on the few hits that it finds. Below this share, pictures, plots, tables on the terminal and the page withhold
-/// quantiles over agreed hits, and say so. CSV files contain the quantiles in any case, beside the counts.
+/// Least fraction of the true hits on which form and truth must agree. A form that misses nearly everything may be
+/// exact on the few hits that it finds. Below this fraction, pictures, plots, tables on the terminal and the page
+/// withhold quantiles over agreed hits, and say so. CSV files contain the quantiles in any case, beside the counts.
 inline constexpr double least_agreement = 0.1;
 
 struct Agreement {
     std::uint64_t agreed;     ///< rays whose error is measured: form and truth agree on the hit
     std::uint64_t true_hits;  ///< rays that truly hit
 
-    /// Share of the true hits that agree; NaN if no ray truly hits.
-    [[nodiscard]] double share() const { return truth::fraction(agreed, true_hits); }
+    /// Fraction of the true hits that agree; NaN if no ray truly hits.
+    [[nodiscard]] double agreed_fraction() const { return truth::fraction(agreed, true_hits); }
     /// True if a quantile over the agreed hits may stand for the form.
     [[nodiscard]] bool is_enough() const {
         return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
@@ -229,6 +229,7 @@ inline Spread spread_of(double own, const std::vector<double>& other_draws) {
     const auto exists = [](double x) { return !std::isnan(x); };
     if (exists(own)) values.push_back(own);
     std::ranges::copy_if(other_draws, std::back_inserter(values), exists);
+
     constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
     if (values.empty()) return {no_value, no_value, no_value, 0};
     std::ranges::sort(values);

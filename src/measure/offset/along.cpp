@@ -22,19 +22,32 @@ std::vector<double> factors_along(SceneAxis axis) {
     return factors;
 }
 
-Scene move_along(const Scene& scene, SceneAxis axis, double factor) {
-    if (scene.flake || scene.camera.kind == Camera::Kind::pixel_plane)
-        throw InputError("--along: scene " + scene.id +
-                         (scene.flake ? " has a [sphereflake], whose numbers are fixed"
-                                      : " has a camera with its pixels in the plane z = 0, which cannot move") +
-                         "; try another scene");
+namespace {
+
+/// Throws InputError for a scene whose primitives or camera cannot be moved.
+void require_movable(const Scene& scene) {
+    if (!scene.flake && scene.camera.kind != Camera::Kind::pixel_plane) return;
+    throw InputError("--along: scene " + scene.id +
+                     (scene.flake ? " has a [sphereflake], whose numbers are fixed"
+                                  : " has a camera with its pixels in the plane z = 0, which cannot move") +
+                     "; try another scene");
+}
+
+/// Reduces the picture to 48 columns, with the same ratio of its sides.
+void reduce_picture(Scene& scene) {
     constexpr int most_columns = 48;
+    if (scene.width <= most_columns) return;
+    scene.height = std::max(1, scene.height * most_columns / scene.width);
+    scene.width = most_columns;
+}
+
+}  // namespace
+
+Scene move_along(const Scene& scene, SceneAxis axis, double factor) {
+    require_movable(scene);
     Scene moved_scene = scene;
+    reduce_picture(moved_scene);
     const Real scale(factor);
-    if (moved_scene.width > most_columns) {
-        moved_scene.height = std::max(1, moved_scene.height * most_columns / moved_scene.width);
-        moved_scene.width = most_columns;
-    }
     switch (axis) {
         case SceneAxis::distance: {
             auto farther_scene = scene::file::move_farther(std::move(moved_scene), scale);

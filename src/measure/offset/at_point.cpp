@@ -31,9 +31,9 @@ struct StoredAs<RoundedAny> {
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
-/// Returns the t, in doubles, at which a ray comes out of the primitive that it goes into; nothing if the ray never
+/// Finds the t, in doubles, at which a ray comes out of the primitive that it goes into; nothing if the ray never
 /// comes out.
-std::optional<double> exit_of(const Ray<double>& ray, const Primitive<double>& primitive) {
+std::optional<double> find_exit(const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto ends = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     return ends && ends->far > 0 ? std::optional(ends->far) : std::nullopt;
 }
@@ -58,10 +58,23 @@ double least_distance(const Vec<double>& p, const Primitive<double>& primitive) 
     return std::max(0.0, (separation.first() - separation.radius()) * (1 - 0x1p-50));
 }
 
+/// Adds the faults and the size of the offset of a new ray that leaves p.
+void add_new_ray(const NewRay& r, const Vec<double>& p, StrategyAtPoint& strategy_result) {
+    const auto add_if = [](bool condition, std::uint8_t& count) {
+        count = static_cast<std::uint8_t>(count + (condition ? 1 : 0));
+    };
+    for (std::size_t f = 0; f < fault_names.size(); ++f)
+        add_if(r.has(static_cast<Fault>(f)), strategy_result.fault_counts[f]);
+    add_if(r.is_bad(), strategy_result.bad_rays);
+    if (!r.has(Fault::not_finite))
+        strategy_result.offset_size = std::max(strategy_result.offset_size, distance(r.ray.origin, p) + r.tmin);
+}
+
 }  // namespace
 
 /// Far sides of the departed primitive (the one that the hit point lies on) for the rays to one `Side` of its surface.
-/// For rays that go into the primitive, the far side is where they come out.
+/// For a ray that goes into the primitive, the far side begins half of the way to its exit (`t_begin`), and its wall is
+/// the exit (`t_wall`).
 struct FarSides {
     FarSide along_normal;
     std::vector<FarSide> along_rays;
@@ -74,33 +87,15 @@ public:
     using S = typename StoredAs<T>::type;
 
     TypedPoint(const PointWork& work, const FormHit& form_hit)
-        : work_(work), form_hit_(form_hit), departed_primitive_(work.primitives_[form_hit.primitive]) {
-        const Ray<T> ray = lift_ray<T>(form_hit.ray);
-        const T t = static_cast<T>(form_hit.t);
-        const Vec<T> point = add_scaled<T>(ray.origin, t, ray.direction);
-        StrategyInput<T> strategy_input{ray,  t,   lift_primitive<T>(departed_primitive()), {}, point, point, point,
-                                        T(1), T(1)};
-        if (strategy_input.primitive.placed) compute_object_point(strategy_input);
-        else compute_point(strategy_input.ray, strategy_input.primitive, strategy_input.point, strategy_input.normal);
-        strategy_input_.emplace(std::move(strategy_input));
-        const Vec<T>& p = strategy_input_->point;
-        p_ = as_doubles(p);
-        n_ = as_doubles(strategy_input_->normal);
-        const T no_target_distance = T(1) / T(0);
-        std::optional<Vec<T>> light;
-        if (work.light_) light = lift_vec<T>(*work.light_);
-        if (!is_finite(p_) || !is_finite(n_)) return;
-        for (const Departure<T>& departure :
-             departures_from<T>(ray, p, strategy_input_->normal, no_target_distance, light)) {
-            if (is_finite(as_doubles(departure.new_direction)))
-                departures_[departure.side_sign > T(0) ? 0 : 1].push_back(departure);
-        }
-        for (const Side side : both_sides) {
-            FarSides& sides = far_sides_[static_cast<std::size_t>(side)];
-            sides.along_normal = far_side_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
-            for (const Departure<T>& departure : departures(side))
-                sides.along_rays.push_back(far_side_ahead(side, as_doubles(departure.new_direction)));
-        }
+        : work_(work),
+          form_hit_(form_hit),
+          departed_primitive_(work.primitives_[form_hit.primitive]),
+          strategy_input_(compute_hit_point()),
+          p_(as_doubles(strategy_input_.point)),
+          n_(as_doubles(strategy_input_.normal)) {
+        if (!has_point()) return;
+        sort_departures();
+        find_far_sides();
     }
 
     [[nodiscard]] bool has_point() const { return is_finite(p_) && is_finite(n_); }
@@ -111,7 +106,7 @@ public:
     [[nodiscard]] std::vector<NewRay> rays(const Strategy& strategy, Side side) const {
         std::vector<NewRay> new_rays;
         for (const Departure<T>& departure : departures(side)) {
-            StrategyInput<T> strategy_input = *strategy_input_;
+            StrategyInput<T> strategy_input = strategy_input_;
             strategy_input.new_direction = departure.new_direction;
             strategy_input.side_sign = departure.side_sign;
             strategy_input.target_distance = departure.target_distance;
@@ -127,20 +122,28 @@ public:
         return new_rays;
     }
 
-    [[nodiscard]] OffsetVerdict verdict_on_offset(Side side, double e, bool by_form) const {
-        const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
-        const Vec<double> origin = as_doubles(add_scaled<T>(strategy_input_->point, signed_e, strategy_input_->normal));
+    /// Judges the offset e by truth: enough means that it is safe.
+    [[nodiscard]] OffsetVerdict judge_safety(Side side, double e) const {
+        const Vec<double> origin = origin_at_offset(side, e);
         const FarSide& far = far_sides_of(side).along_normal;
         if (!is_finite(origin) || e > (enters(side) ? far.t_wall : far.t_begin)) return OffsetVerdict::too_much;
-        std::vector<NewRay> new_rays;
         for (std::size_t k = 0; k < ray_count(side); ++k) {
-            const Departure<T>& departure = departures(side)[k];
-            const Ray<double> ray{origin, as_doubles(departure.new_direction)};
+            const Ray<double> ray{origin, as_doubles(departures(side)[k].new_direction)};
             if (!is_safe_ray(ray, side, far_sides_of(side).along_rays[k]))
                 return e > far.t_begin ? OffsetVerdict::too_much : OffsetVerdict::too_little;
-            if (by_form) new_rays.push_back({.ray = ray, .tmin = 0, .tmax = as_double(departure.target_distance)});
         }
-        if (!by_form) return OffsetVerdict::enough;
+        return OffsetVerdict::enough;
+    }
+
+    /// Judges the offset e by truth, and a safe one by the form's arithmetic as well: enough means that it is quiet.
+    [[nodiscard]] OffsetVerdict judge_quiet(Side side, double e) const {
+        if (const OffsetVerdict by_truth = judge_safety(side, e); by_truth != OffsetVerdict::enough) return by_truth;
+        const Vec<double> origin = origin_at_offset(side, e);
+        std::vector<NewRay> new_rays;
+        for (const Departure<T>& departure : departures(side))
+            new_rays.push_back({.ray = {origin, as_doubles(departure.new_direction)},
+                                .tmin = 0,
+                                .tmax = as_double(departure.target_distance)});
         find_faults_by_form(new_rays, side);
         const unsigned faults_by_form = bit_of(Fault::self_hit_by_form) | bit_of(Fault::lost_exit_by_form);
         const bool has_wrong_ray =
@@ -148,15 +151,64 @@ public:
         return has_wrong_ray ? OffsetVerdict::too_little : OffsetVerdict::enough;
     }
 
-    [[nodiscard]] double smallest_offset(Side side, bool by_form) const {
+    /// Returns the smallest safe offset; infinite if there is none.
+    [[nodiscard]] double safe_offset(Side side) const {
+        return smallest_offset([&](double e) { return judge_safety(side, e); });
+    }
+    /// Returns the smallest quiet offset; infinite if there is none.
+    [[nodiscard]] double quiet_offset(Side side) const {
+        return smallest_offset([&](double e) { return judge_quiet(side, e); });
+    }
+
+private:
+    /// Computes the hit point and its normal: the input of every strategy, but for the new ray.
+    [[nodiscard]] StrategyInput<T> compute_hit_point() const {
+        const Ray<T> ray = lift_ray<T>(form_hit_.ray);
+        const T t = static_cast<T>(form_hit_.t);
+        const Vec<T> point = add_scaled<T>(ray.origin, t, ray.direction);
+        StrategyInput<T> strategy_input{ray,  t,   lift_primitive<T>(departed_primitive()), {}, point, point, point,
+                                        T(1), T(1)};
+        if (strategy_input.primitive.placed) compute_object_point(strategy_input);
+        else compute_point(strategy_input.ray, strategy_input.primitive, strategy_input.point, strategy_input.normal);
+        return strategy_input;
+    }
+    /// Sorts the rays that leave the point by their side. Rays whose direction is not finite are left out.
+    void sort_departures() {
+        const T infinite_distance = T(1) / T(0);
+        std::optional<Vec<T>> light;
+        if (work_.light_) light = lift_vec<T>(*work_.light_);
+        for (const Departure<T>& departure : make_departures<T>(strategy_input_.ray, strategy_input_.point,
+                                                                strategy_input_.normal, infinite_distance, light)) {
+            const Side side = departure.side_sign > T(0) ? Side::outside : Side::inside;
+            if (is_finite(as_doubles(departure.new_direction)))
+                departures_[static_cast<std::size_t>(side)].push_back(departure);
+        }
+    }
+    /// Finds the far side ahead of each ray, and along the normal.
+    void find_far_sides() {
+        for (const Side side : both_sides) {
+            FarSides& sides = far_sides_[static_cast<std::size_t>(side)];
+            sides.along_normal = far_side_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
+            for (const Departure<T>& departure : departures(side))
+                sides.along_rays.push_back(far_side_ahead(side, as_doubles(departure.new_direction)));
+        }
+    }
+    /// Returns p ± e·n, to the side of the rays, as the format computes it.
+    [[nodiscard]] Vec<double> origin_at_offset(Side side, double e) const {
+        const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
+        return as_doubles(add_scaled<T>(strategy_input_.point, signed_e, strategy_input_.normal));
+    }
+    /// Finds the smallest offset that `judge` calls enough, up to 64 times the largest number of the point and the
+    /// primitive; infinite if there is none.
+    template <class Judge>
+    [[nodiscard]] double smallest_offset(const Judge& judge) const {
         const FloatFormat& format = work_.tested_form_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
-        return smallest_enough(format, start, 64 * size, [&](double e) { return verdict_on_offset(side, e, by_form); });
+        return smallest_enough(format, start, 64 * size, judge);
     }
 
-private:
     /// Projects p onto the surface if the kind of the points is `HitPointKind::projected`, and computes the normal
     /// there.
     void compute_point(const Ray<T>& ray, const Primitive<T>& primitive, Vec<T>& p, Vec<T>& n) const {
@@ -174,6 +226,8 @@ private:
                  intersect::bounding_box::without_world_boxes(
                      work_.tested_form_.form->of(strategy_input.primitive.shape)))
                  .method);
+
+        // The ray, the point and the normal in object space.
         const Placement<T> placed = *std::exchange(strategy_input.primitive.placed, std::nullopt);
         const auto maps = steps.maps(placed);
         const auto object_ray = steps.to_object(maps, strategy_input.ray);
@@ -182,6 +236,8 @@ private:
         ObjectPoint<T> object_point{
             ray, t, add_scaled<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world, maps.to_object};
         compute_point(ray, strategy_input.primitive, object_point.point, object_point.normal);
+
+        // The point and the normal in world space.
         if (work_.point_kind_ == HitPointKind::projected)
             strategy_input.point = maps.to_world.point(object_point.point);
         const auto& rows = maps.to_object.rows;
@@ -199,11 +255,10 @@ private:
     [[nodiscard]] bool enters(Side side) const {
         return side == Side::inside && has_inside(departed_primitive().shape);
     }
-    /// Returns the far side ahead of a ray that starts at the point. For a ray that goes into the primitive, the far
-    /// side begins half of the way to its exit.
+    /// Returns the far side ahead of a ray that starts at the point (`FarSides`).
     [[nodiscard]] FarSide far_side_ahead(Side side, const Vec<double>& w) const {
-        if (!enters(side)) return far_side({p_, w}, departed_primitive());
-        const double exit = exit_of({p_, w}, departed_primitive()).value_or(std::numeric_limits<double>::infinity());
+        if (!enters(side)) return find_far_side({p_, w}, departed_primitive());
+        const double exit = find_exit({p_, w}, departed_primitive()).value_or(std::numeric_limits<double>::infinity());
         return {exit / 2, exit};
     }
     /// True if the wall of the far side lies between the point and the start of a ray.
@@ -223,29 +278,37 @@ private:
     /// Finds the true faults of a ray. `far` is the far side ahead of a ray in the same direction that starts at the
     /// hit point.
     void find_faults(NewRay& r, Side side, const FarSide& far) const {
-        const auto add = [&r](bool condition, Fault f) { r.faults |= condition ? bit_of(f) : 0; };
         const HalfLine line{r.ray, r.tmin};
-        if (!line.is_proper()) return add(true, Fault::not_finite);
-        if (enters(side)) {
-            const Meeting meeting = find_meeting(line, departed_primitive());
-            const Meeting from_origin = r.tmin > 0 ? find_meeting({r.ray, 0}, departed_primitive()) : meeting;
-            // Beyond the far side of a convex primitive, the ray meets nothing. Beyond that of a torus, it meets the
-            // ring once more.
-            const bool lost = !meeting.meets || (is_hit_again(departed_primitive()) && is_behind_wall(side, line));
-            add(from_origin.outside, Fault::wrong_side);
-            add(r.tests_departed_primitive && meeting.outside && !lost, Fault::self_hit);
-            add(!r.tests_departed_primitive || lost, Fault::lost_exit);
-        } else {
-            const HalfLine whole_line{r.ray, 0};
-            add(has_inside(departed_primitive().shape) ? find_meeting(whole_line, departed_primitive()).inside
-                                                       : meets_before(whole_line, far.t_begin, departed_primitive()),
-                Fault::wrong_side);
-            add(r.tests_departed_primitive && meets_before(line, far.t_begin, departed_primitive()), Fault::self_hit);
-            add(far.t_wall < r.tmax && (!r.tests_departed_primitive || is_behind_wall(side, line)),
-                Fault::lost_occluder);
-        }
+        if (!line.is_proper()) return r.add_fault_if(true, Fault::not_finite);
+        if (enters(side)) find_faults_inside(line, side, r);
+        else find_faults_outside(line, side, far, r);
         const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
         if (jump > 0) find_faults_near(1.001 * jump, line, r);
+    }
+
+    /// Finds the faults of a ray that goes into the departed primitive.
+    void find_faults_inside(const HalfLine& line, Side side, NewRay& r) const {
+        const Meeting meeting = find_meeting(line, departed_primitive());
+        const Meeting from_origin = r.tmin > 0 ? find_meeting({r.ray, 0}, departed_primitive()) : meeting;
+        // Beyond the far side of a convex primitive, the ray meets nothing. Beyond that of a torus, it meets the
+        // ring once more.
+        const bool lost = !meeting.meets || (is_hit_again(departed_primitive()) && is_behind_wall(side, line));
+        r.add_fault_if(from_origin.outside, Fault::wrong_side);
+        r.add_fault_if(r.tests_departed_primitive && meeting.outside && !lost, Fault::self_hit);
+        r.add_fault_if(!r.tests_departed_primitive || lost, Fault::lost_exit);
+    }
+
+    /// Finds the faults with the departed primitive of a ray that goes away from it.
+    void find_faults_outside(const HalfLine& line, Side side, const FarSide& far, NewRay& r) const {
+        const HalfLine whole_line{r.ray, 0};
+        const bool is_wrong_side = has_inside(departed_primitive().shape)
+                                       ? find_meeting(whole_line, departed_primitive()).inside
+                                       : meets_before(whole_line, far.t_begin, departed_primitive());
+        r.add_fault_if(is_wrong_side, Fault::wrong_side);
+        r.add_fault_if(r.tests_departed_primitive && meets_before(line, far.t_begin, departed_primitive()),
+                       Fault::self_hit);
+        r.add_fault_if(far.t_wall < r.tmax && (!r.tests_departed_primitive || is_behind_wall(side, line)),
+                       Fault::lost_occluder);
     }
 
     /// Finds the faults with all other primitives whose surface may lie within a radius around p.
@@ -266,20 +329,22 @@ private:
 
     /// Finds the faults with a neighbour whose surface may lie between p and the start of the ray.
     void find_faults_with(const Primitive<double>& other, const HalfLine& line, NewRay& r) const {
-        const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other), from_start = find_meeting(line, other);
+        const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other);
+        const Meeting from_start = find_meeting(line, other);
         const bool passes_surface =
             line.tmin > 0 ? from_p.meets && !from_start.meets
                           : !from_p.inside && !from_start.inside && passes_through(p_, r.ray.origin, other);
-        if (from_p.meets && (from_p.inside != from_start.inside || passes_surface))
-            r.faults |= bit_of(Fault::lost_occluder);
-        if (!from_p.inside && from_start.inside) r.faults |= bit_of(Fault::begins_in_neighbour);
+        r.add_fault_if(from_p.meets && (from_p.inside != from_start.inside || passes_surface), Fault::lost_occluder);
+        r.add_fault_if(!from_p.inside && from_start.inside, Fault::begins_in_neighbour);
     }
 
-    /// Finds the faults by the form's own arithmetic. A hit at a larger t than the start of the far side is not a
-    /// self-hit.
+    /// Runs the form on the new rays and adds the faults that it causes. A hit beyond the start of the far side counts
+    /// as a new hit, not as a self-hit.
     void find_faults_by_form(std::vector<NewRay>& new_rays, Side side) const {
         const intersect::Info &info = *work_.tested_form_.form->info,
                               &part_info = *work_.tested_form_.form->of(departed_primitive().shape).info;
+
+        // The rays in the format, of unit length for a form that needs it.
         scene::rays::RayBlock rays;
         for (const NewRay& r : new_rays) {
             const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(r.ray.direction);
@@ -290,15 +355,16 @@ private:
         answer::KernelBuffers<S> buffers(rays);
         const auto& [t, near, far, hit] = static_cast<const answer::AnswerBuffers<S>&>(buffers);
         run_kernel(buffers.rays(), lift_primitive<S>(departed_primitive()), buffers.hits());
+
         for (std::size_t k = 0; k < new_rays.size(); ++k) {
             NewRay& r = new_rays[k];
             if (!r.tests_departed_primitive || r.has(Fault::not_finite)) continue;
-            const double first_root =
+            const double reported_t =
                 hit[k] == 0 ? truth::missing : first_reported(part_info, r, {t[k], near[k], far[k]});
-            const double far_begin = enters(side) ? exit_of(r.ray, departed_primitive()).value_or(0) / 2
+            const double far_begin = enters(side) ? find_exit(r.ray, departed_primitive()).value_or(0) / 2
                                                   : far_sides_of(side).along_rays[k].t_begin;
-            if (enters(side) && std::isnan(first_root)) r.faults |= bit_of(Fault::lost_exit_by_form);
-            else if (first_root < far_begin) r.faults |= bit_of(Fault::self_hit_by_form);
+            r.add_fault_if(enters(side) && std::isnan(reported_t), Fault::lost_exit_by_form);
+            r.add_fault_if(reported_t < far_begin, Fault::self_hit_by_form);  // false for NaN
         }
     }
 
@@ -324,8 +390,8 @@ private:
     const PointWork& work_;
     const FormHit& form_hit_;
     Primitive<double> departed_primitive_;
-    std::optional<StrategyInput<T>> strategy_input_;
-    Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
+    StrategyInput<T> strategy_input_;
+    Vec<double> p_, n_;
     std::array<std::vector<Departure<T>>, 2> departures_;
     std::array<FarSides, 2> far_sides_;
 };
@@ -338,20 +404,11 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
         for (const Side side : both_sides) {
             const auto s = static_cast<std::size_t>(side);
             sides[s].rays = static_cast<std::uint8_t>(point.ray_count(side));
-            sides[s].safe_offset = point.smallest_offset(side, false);
-            if (finds_quiet_offset) sides[s].quiet_offset = point.smallest_offset(side, true);
+            sides[s].safe_offset = point.safe_offset(side);
+            if (finds_quiet_offset) sides[s].quiet_offset = point.quiet_offset(side);
             for (std::size_t k = 0; k < strategies_.size(); ++k) {
-                StrategyAtPoint& strategy_result = by_strategy[s * strategies_.size() + k];
-                for (const NewRay& r : point.rays(*strategies_[k], side)) {
-                    for (std::size_t f = 0; f < fault_names.size(); ++f)
-                        strategy_result.fault_counts[f] =
-                            static_cast<std::uint8_t>(strategy_result.fault_counts[f] + ((r.faults >> f) & 1U));
-                    strategy_result.bad_rays =
-                        static_cast<std::uint8_t>(strategy_result.bad_rays + (r.is_bad() ? 1 : 0));
-                    if (!r.has(Fault::not_finite))
-                        strategy_result.offset_size =
-                            std::max(strategy_result.offset_size, distance(r.ray.origin, point.p()) + r.tmin);
-                }
+                StrategyAtPoint& strategy_result = by_strategy[index_at_point(side, k, strategies_.size())];
+                for (const NewRay& r : point.rays(*strategies_[k], side)) add_new_ray(r, point.p(), strategy_result);
             }
         }
         return true;
@@ -365,15 +422,16 @@ std::vector<NewRay> PointWork::rays(const FormHit& form_hit, const Strategy& str
 
 bool PointWork::is_safe(const FormHit& form_hit, Side side, double e, bool by_form) const {
     return with_number(tested_form_.format, [&]<class T>() {
-        return TypedPoint<T>(*this, form_hit).verdict_on_offset(side, e, by_form) == OffsetVerdict::enough;
+        const TypedPoint<T> point(*this, form_hit);
+        return (by_form ? point.judge_quiet(side, e) : point.judge_safety(side, e)) == OffsetVerdict::enough;
     });
 }
 
-std::optional<PointWork::Start> PointWork::start(const FormHit& form_hit) const {
-    return with_number(tested_form_.format, [&]<class T>() -> std::optional<Start> {
+std::optional<PointWork::HitPoint> PointWork::hit_point(const FormHit& form_hit) const {
+    return with_number(tested_form_.format, [&]<class T>() -> std::optional<HitPoint> {
         const TypedPoint<T> point(*this, form_hit);
         if (!point.has_point()) return std::nullopt;
-        return Start{point.p(), point.n()};
+        return HitPoint{point.p(), point.n()};
     });
 }
 

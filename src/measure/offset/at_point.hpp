@@ -63,6 +63,7 @@ struct NewRay {
     unsigned faults = 0;  ///< set of faults, by `bit_of`
 
     [[nodiscard]] bool has(Fault f) const { return (faults & bit_of(f)) != 0; }
+    void add_fault_if(bool condition, Fault f) { faults |= condition ? bit_of(f) : 0; }
     /// True if the ray has a fault other than `wrong_side`, which by itself changes no picture.
     [[nodiscard]] bool is_bad() const { return (faults & ~bit_of(Fault::wrong_side)) != 0; }
 };
@@ -78,6 +79,11 @@ struct StrategyAtPoint {
 
     [[nodiscard]] std::uint8_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
 };
+
+/// Index of the results of a strategy among those at one point: all strategies to the outside, then all to the inside.
+inline std::size_t index_at_point(Side side, std::size_t strategy, std::size_t strategy_count) {
+    return static_cast<std::size_t>(side) * strategy_count + strategy;
+}
 
 /// Results on one side of a point that do not depend on a strategy.
 struct SideOfPoint {
@@ -107,8 +113,8 @@ public:
           light_(light),
           strategies_(strategies) {}
 
-    /// Measures both sides. Strategy k to a side has index side·strategies + k in `by_strategy`. Returns false and
-    /// fills in nothing if the computed point or its normal is not finite. Searches for the quiet offset
+    /// Measures both sides. `index_at_point` says where in `by_strategy` each result goes. Returns false and fills in
+    /// nothing if the computed point or its normal is not finite. Searches for the quiet offset
     /// (`SideOfPoint::quiet_offset`) only if `finds_quiet_offset` is true; otherwise it stays missing.
     bool measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
                  bool finds_quiet_offset = true) const;
@@ -120,11 +126,11 @@ public:
     /// arithmetic as well.
     [[nodiscard]] bool is_safe(const FormHit& form_hit, Side side, double e, bool by_form) const;
     /// Computed point and its normal.
-    struct Start {
+    struct HitPoint {
         Vec<double> p, n;
     };
     /// Returns nothing if the point or its normal is not finite.
-    [[nodiscard]] std::optional<Start> start(const FormHit& form_hit) const;
+    [[nodiscard]] std::optional<HitPoint> hit_point(const FormHit& form_hit) const;
 
 private:
     const evaluate::TestedForm& tested_form_;

@@ -17,7 +17,7 @@ using truth::sign;
 namespace {
 
 template <class E>
-std::optional<Meeting> meeting_of(const QuadraticSpan<E>& s) {
+std::optional<Meeting> try_meeting(const QuadraticSpan<E>& s) {
     const auto c = sign(s.c);
     if (!c) return std::nullopt;
     if (*c < 0) return Meeting{.inside = true, .outside = false, .meets = true};
@@ -32,7 +32,7 @@ std::optional<Meeting> meeting_of(const QuadraticSpan<E>& s) {
 }
 
 template <class E>
-std::optional<Meeting> meeting_of(const SlabSpan<E>& s) {
+std::optional<Meeting> try_meeting(const SlabSpan<E>& s) {
     Tri inside = s.open, outside = !s.closed;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
         inside = inside && s.entry[i].n < E(0) && s.exit[i].n > E(0);
@@ -44,7 +44,7 @@ std::optional<Meeting> meeting_of(const SlabSpan<E>& s) {
 }
 
 template <class E, ComparableSpan<E> S>
-std::optional<Meeting> meeting_of(const S& s) {
+std::optional<Meeting> try_meeting(const S& s) {
     const Fraction<E> start{E(0), E(1)};
     const auto enters = s.compare_entry(start), leaves = s.compare_exit(start);
     const Tri open = s.is_open(), closed = s.is_hit();
@@ -57,7 +57,7 @@ std::optional<Meeting> meeting_of(const S& s) {
 
 /// A surface has no inside. A line through its rim does not meet the open surface.
 template <class E, SurfaceSpan<E> S>
-std::optional<Meeting> meeting_of(const S& s) {
+std::optional<Meeting> try_meeting(const S& s) {
     Tri on_surface = Tri::no, meets = Tri::no;
     for (int i = 0; i < S::crossings; ++i) {
         const auto crossing = s.crossing(i);
@@ -93,7 +93,7 @@ std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
 }
 
 template <class E>
-std::optional<Meeting> meeting_of(const QuarticSpan<E>& s) {
+std::optional<Meeting> try_meeting(const QuarticSpan<E>& s) {
     const auto sign_at_start = known_sign(s.f.at(s.b));
     const auto meets = is_inside_between<E>(s, nullptr);
     if (!sign_at_start || !meets) return std::nullopt;
@@ -109,9 +109,9 @@ Ray<E> ray_from_start(const HalfLine& line) {
 }
 
 template <class E>
-std::optional<Meeting> meeting_of(const HalfLine& line, const Primitive<double>& primitive) {
+std::optional<Meeting> try_meeting(const HalfLine& line, const Primitive<double>& primitive) {
     return with_span(ray_from_start<E>(line), lift_primitive<E>(primitive),
-                     [](const auto& span) { return meeting_of<E>(span); });
+                     [](const auto& span) { return try_meeting<E>(span); });
 }
 
 /// Returns the result of `find` at the first precision that decides. Numbers with a running error bound decide most
@@ -172,7 +172,7 @@ constexpr bool may_be_hit_again = decltype(std::declval<Of<double>>().span(Ray<d
 
 /// The ray starts at a point of the surface. If it goes towards the axis, its start is the near root, and the far root
 /// is the far wall if it lies between the rims.
-FarSide far_side_of(const WallSpan<double>& s) {
+FarSide find_far_side(const WallSpan<double>& s) {
     const auto& side = s.primitive.side;
     if (!(side.h < 0)) return {};
     FarSide far{.t_begin = -side.h / side.a};
@@ -183,7 +183,7 @@ FarSide far_side_of(const WallSpan<double>& s) {
 /// maximum, and f > 0 there if the line leaves the ring in between. All turning points lie within the bound: for |x| ≥
 /// 2√a (R + r) on a line that meets the ball of radius R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of
 /// x.
-FarSide far_side_of(const QuarticSpan<double>& s) {
+FarSide find_far_side(const QuarticSpan<double>& s) {
     const ApproximateRoots<double> turns = approximate_roots(s.f.slope(), s.bound);
     if (turns.count < 3) return {};
     const double turn = turns.x[1];
@@ -200,7 +200,7 @@ FarSide far_side_of(const QuarticSpan<double>& s) {
 bool HalfLine::is_proper() const { return truth::is_valid(ray) && std::isfinite(tmin) && tmin >= 0; }
 
 Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive) {
-    return escalate([&]<class E>() { return meeting_of<E>(line, primitive); });
+    return escalate([&]<class E>() { return try_meeting<E>(line, primitive); });
 }
 
 bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive) {
@@ -213,13 +213,13 @@ bool meets_before(const HalfLine& line, double end, const Primitive<double>& pri
     });
 }
 
-FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive) {
+FarSide find_far_side(const Ray<double>& ray, const Primitive<double>& primitive) {
     return visit_shape(primitive, [&]<template <class> class Of>() {
         if constexpr (!may_be_hit_again<Of>) return FarSide{};
         else
             return visit_in_object_space<Of>(
                 ray, primitive, [](const Of<double>& shape, const Ray<double>& object_ray) {
-                    return far_side_of(
+                    return find_far_side(
                         shape.span({shape.project_onto_surface(object_ray, object_ray.origin), object_ray.direction}));
                 });
     });

@@ -37,8 +37,9 @@ Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive);
 /// For a surface, true if the half-line crosses it at such a t, and not at a rim.
 bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive);
 
-/// Far side of the primitive that a ray leaves: the part of its surface that the ray may meet again ahead. Only a torus
-/// and a tube have one. For other shapes both numbers are infinite.
+/// Far side of the primitive that a ray leaves: the part of its surface that the ray may meet again ahead. For a ray
+/// that goes away from the primitive, only a torus and a tube have one; for other shapes both numbers are infinite. A
+/// ray that goes into a primitive has one where it comes out (`FarSides` in at_point.cpp).
 struct FarSide {
     double t_begin = std::numeric_limits<double>::infinity();  ///< the far side is everything at a larger t
     double t_wall = std::numeric_limits<double>::infinity();   ///< t at which the ray meets the far side, if it does
@@ -46,12 +47,12 @@ struct FarSide {
     friend bool operator==(const FarSide&, const FarSide&) = default;
 };
 
-/// Finds the far side ahead of the point of the surface that is nearest to the origin of the ray. The far side begins
-/// where the polynomial of the surface has a turning point along the ray. In a tube this is half of the way across. In
-/// a torus it is between the part that the ray leaves and the part across the hole, whether or not the ray meets the
-/// latter. The result is computed in doubles and proves nothing: it only separates a far wall from the surface that the
-/// ray leaves.
-FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive);
+/// Finds the far side of a torus or a tube ahead of the point of the surface that is nearest to the origin of the ray.
+/// The far side begins where the polynomial of the surface has a turning point along the ray. In a tube this is half of
+/// the way across. In a torus it is between the part that the ray leaves and the part across the hole, whether or not
+/// the ray meets the latter. The result is computed in doubles and proves nothing: it only separates a far wall from
+/// the surface that the ray leaves.
+FarSide find_far_side(const Ray<double>& ray, const Primitive<double>& primitive);
 
 /// True if a ray that has left the primitive may meet it again; false for convex and flat primitives.
 bool is_hit_again(const Primitive<double>& primitive);

@@ -104,25 +104,32 @@ void add_departure(const Vec<T>& w, const Vec<T>& n, const T& target_distance, s
 /// hemisphere around n, and 17 in the one around −n. The frame of a hemisphere is that of Duff et al., Building an
 /// Orthonormal Basis, Revisited (2017). Everything is computed in T.
 template <Number T>
-std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n,
-                                          const T& no_target_distance, const std::optional<Vec<T>>& light) {
+std::vector<Departure<T>> make_departures(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n,
+                                          const T& infinite_distance, const std::optional<Vec<T>>& light) {
     std::vector<Departure<T>> departures;
+
+    // To the light.
     if (light) {
         const Vec<T> to_light = *light - p;
         if (dot(n, to_light) > T(0)) add_departure<T>(unit_of<T>(to_light), n, length(to_light), departures);
     }
+
+    // Mirrored.
     const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
-    add_departure<T>(add_scaled<T>(d, -(T(2) * facing), n), n, no_target_distance, departures);
+    add_departure<T>(add_scaled<T>(d, -(T(2) * facing), n), n, infinite_distance, departures);
+
+    // Refracted.
     const bool enters = facing < T(0);
     const T index_ratio = enters ? T(glass_index[1]) / T(glass_index[0]) : T(glass_index[0]) / T(glass_index[1]);
     const T cosine = abs(facing), radicand = T(1) - index_ratio * index_ratio * (T(1) - cosine * cosine);
     if (radicand > T(0)) {
         const T normal_part = enters ? index_ratio * cosine - sqrt(radicand) : sqrt(radicand) - index_ratio * cosine;
         add_departure<T>(add_scaled<T>(Vec<T>(index_ratio * d.x, index_ratio * d.y, index_ratio * d.z), normal_part, n),
-                         n, no_target_distance, departures);
+                         n, infinite_distance, departures);
     }
 
+    // All over the two hemispheres.
     const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
     const Vec<T> tangent(T(1) + sign * n.x * n.x * a, sign * b, -(sign * n.x)),
         bitangent(b, sign + n.y * n.y * a, -n.y);
@@ -135,7 +142,7 @@ std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, co
                     add_scaled<T>(Vec<T>(x * tangent.x, x * tangent.y, x * tangent.z), y, bitangent);
                 const T height = side_sign * normal_cosine;
                 add_departure<T>(add_scaled<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, in_plane), n,
-                                 no_target_distance, departures);
+                                 infinite_distance, departures);
                 const T next_x = -y;
                 y = x;
                 x = next_x;

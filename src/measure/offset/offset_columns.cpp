@@ -16,7 +16,7 @@ double to_double(std::uint64_t n) { return static_cast<double>(n); }
 const StrategySummary& strategy_of(const S& s, Side side, std::size_t k) { return s.side_summary(side).strategies[k]; }
 
 template <Fault f>
-double fault_share(const S& s, Side side, std::size_t k) {
+double fault_fraction(const S& s, Side side, std::size_t k) {
     return fraction(strategy_of(s, side, k)[f], s.side_summary(side).rays);
 }
 
@@ -31,7 +31,7 @@ double offset_percentile(const S& s, Side side, std::size_t k) {
 }
 
 template <std::uint64_t SideSummary::*n>
-double share_of_points(const S& s, Side side, std::size_t) {
+double fraction_of_points(const S& s, Side side, std::size_t) {
     return fraction(s.side_summary(side).*n, s.points);
 }
 
@@ -51,25 +51,26 @@ constexpr OffsetColumn table[] = {
     {"self_hit_fraction", "",
      "share of rays that truly meet the primitive that they leave, except for its far wall; for rays into the "
      "primitive: the surface at which they start",
-     false, fault_share<Fault::self_hit>},
+     false, fault_fraction<Fault::self_hit>},
     {"self_hit_by_form_fraction", "", "share of rays with a self-hit by the form's own arithmetic", false,
-     fault_share<Fault::self_hit_by_form>},
+     fault_fraction<Fault::self_hit_by_form>},
     {"lost_occluder_fraction", "",
      "share of rays that start behind a surface that they should have met: that of another primitive, or a far wall of "
      "their own",
-     false, fault_share<Fault::lost_occluder>},
+     false, fault_fraction<Fault::lost_occluder>},
     {"begins_in_neighbour_fraction", "",
      "share of rays that start inside another primitive, though their point does not lie there", false,
-     fault_share<Fault::begins_in_neighbour>},
+     fault_fraction<Fault::begins_in_neighbour>},
     {"lost_exit_fraction", "",
      "share of rays into the primitive that truly start past its far side, or are not tested against it", false,
-     fault_share<Fault::lost_exit>},
+     fault_fraction<Fault::lost_exit>},
     {"lost_exit_by_form_fraction", "", "share of rays into the primitive for which the form finds no exit", false,
-     fault_share<Fault::lost_exit_by_form>},
+     fault_fraction<Fault::lost_exit_by_form>},
     {"wrong_side_fraction", "",
      "share of rays to the outside that start inside the primitive, or of rays to the inside that do not start in it",
-     false, fault_share<Fault::wrong_side>},
-    {"not_finite_fraction", "", "share of rays whose new origin is not finite", false, fault_share<Fault::not_finite>},
+     false, fault_fraction<Fault::wrong_side>},
+    {"not_finite_fraction", "", "share of rays whose new origin is not finite", false,
+     fault_fraction<Fault::not_finite>},
     {"offset_p50", "world units", "median over the points of the largest distance from p to a new origin", false,
      offset_percentile<&OfStrategy::offset_size, 50>},
     {"offset_max", "world units", "maximum over the points of the largest distance from p to a new origin", false,
@@ -85,9 +86,9 @@ constexpr OffsetColumn table[] = {
          return fraction(strategy_of(s, side, k).too_small_points, strategy_of(s, side, k).size_ratio.count());
      }},
     {"already_safe_fraction", "", "share of points that need no offset", false,
-     share_of_points<&OfSide::already_safe_points>},
+     fraction_of_points<&OfSide::already_safe_points>},
     {"never_safe_fraction", "", "share of points that no offset along the normal makes safe", false,
-     share_of_points<&OfSide::never_safe_points>},
+     fraction_of_points<&OfSide::never_safe_points>},
     {"safe_p50", "world units", "smallest safe offset of the points that have one, 0 among them: median", false,
      side_percentile<&OfSide::safe_offset, 50>},
     {"safe_p99", "world units", "the same: 99th percentile", false, side_percentile<&OfSide::safe_offset, 99>},
@@ -98,7 +99,7 @@ constexpr OffsetColumn table[] = {
     {"safe_ulps_max", "ulp", "the same: largest", false, side_percentile<&OfSide::safe_ulps, 100>},
     {"never_quiet_fraction", "",
      "share of points that no offset along the normal makes safe both by truth and by the form's own arithmetic", false,
-     share_of_points<&OfSide::never_quiet_points>},
+     fraction_of_points<&OfSide::never_quiet_points>},
     {"quiet_p50", "world units", "smallest offset that is safe by truth and by the form's arithmetic: median", false,
      side_percentile<&OfSide::quiet_offset, 50>},
     {"quiet_p99", "world units", "the same: 99th percentile", false, side_percentile<&OfSide::quiet_offset, 99>},

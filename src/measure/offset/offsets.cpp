@@ -31,6 +31,8 @@ public:
           work_(row_.tested_form, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
         const std::size_t pixel_count = band.pixels(), strategy_count = study.strategies.size();
+
+        // Nothing is a point yet.
         result_.y0 = band.y0();
         result_.scanlines = band.scanlines();
         result_.width = study.scene.width;
@@ -53,7 +55,7 @@ public:
                 if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.finds_quiet_offset)) continue;
                 result_.is_point[i] = 1;
                 result_.primitive[i] = answers_.object[i];
-                result_.ulp[i] = ulp_of(work_.start(form_hit(i))->p);
+                result_.ulp[i] = ulp_of(work_.hit_point(form_hit(i))->p);
             }
         });
     }
@@ -110,6 +112,7 @@ private:
         for (std::size_t k = 0; k < result_.strategy_count; ++k) add_strategy(i, side, k, summary);
     }
 
+    /// Adds the results of strategy k at pixel i, and keeps the first ray with each fault.
     void add_strategy(std::size_t i, Side side, std::size_t k, SideSummary& summary) const {
         const double safe_offset = result_.sides[i][static_cast<std::size_t>(side)].safe_offset;
         const StrategyAtPoint& strategy_result = result_.at(i, side, k);
@@ -119,19 +122,23 @@ private:
             s.size_ratio.add(strategy_result.offset_size / safe_offset);
             s.too_small_points += static_cast<std::uint64_t>(strategy_result.offset_size < safe_offset);
         }
+
         bool has_new_fault = false, has_fault = false;
         for (std::size_t f = 0; f < fault_names.size(); ++f) {
             s.fault_counts[f] += strategy_result.fault_counts[f];
             has_fault = has_fault || strategy_result.fault_counts[f] > 0;
             has_new_fault = has_new_fault || (strategy_result.fault_counts[f] > 0 && !s.first_bad_rays[f]);
         }
-        if (!has_fault) return;
-        s.bad_rays += strategy_result.bad_rays;
-        if (!has_new_fault) return;
+        if (has_fault) s.bad_rays += strategy_result.bad_rays;
+        if (has_new_fault) keep_first_bad_rays(i, side, k, s);
+    }
+
+    /// Makes the rays of strategy k at pixel i once more, and keeps those that are the first with a fault.
+    void keep_first_bad_rays(std::size_t i, Side side, std::size_t k, StrategySummary& s) const {
+        const auto pixel = static_cast<int>(i);
         for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
                 if (s.first_bad_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
-                const auto pixel = static_cast<int>(i);
                 s.first_bad_rays[f] =
                     BadRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
                            inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};

@@ -96,7 +96,7 @@ struct OffsetBand {
     std::size_t strategy_count = 0;
 
     [[nodiscard]] const StrategyAtPoint& at(std::size_t pixel, Side side, std::size_t strategy) const {
-        return by_strategy[(2 * pixel + static_cast<std::size_t>(side)) * strategy_count + strategy];
+        return by_strategy[both_sides.size() * pixel * strategy_count + index_at_point(side, strategy, strategy_count)];
     }
 };
 

@@ -25,6 +25,8 @@ double smallest_enough(const FloatFormat& format, double start, double most, con
     const auto number_at_index = [&](std::int64_t index) {
         return index < infinity ? truth::number_at(index, format) : std::numeric_limits<double>::infinity();
     };
+
+    // Doubles e until it is not too little.
     std::int64_t low = 0, high = truth::ordinal(start, format);
     if (high < 1) high = 1;
     OffsetVerdict at_high = judge(number_at_index(high));
@@ -35,11 +37,17 @@ double smallest_enough(const FloatFormat& format, double start, double most, con
         if (!(e <= most)) return std::numeric_limits<double>::infinity();
         at_high = judge(e);
     }
+
+    // Bisects between the last number that is too little and the first that is not.
     while (high - low > 1) {
         const std::int64_t middle = low + (high - low) / 2;
         const OffsetVerdict at_middle = judge(number_at_index(middle));
-        if (at_middle == OffsetVerdict::too_little) low = middle;
-        else high = middle, at_high = at_middle;
+        if (at_middle == OffsetVerdict::too_little) {
+            low = middle;
+        } else {
+            high = middle;
+            at_high = at_middle;
+        }
     }
     return at_high == OffsetVerdict::enough ? number_at_index(high) : std::numeric_limits<double>::infinity();
 }

@@ -130,10 +130,12 @@ struct Cycles {
 };
 
 /// Moves p along n by (1 + max |p|) 1500u; 1500u is 750ε. A ray with a target ends at 1 − 15000u of the way to it.
-struct Relative {
+struct RelativeOffset {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
         const T e = (T(1) + largest_of<T>(input.point)) * (T(1500) * unit_roundoff<T>());
+
+        // The end of a ray with a target.
         const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * input.target_distance;
         const T& distance = input.target_distance;
         const bool has_target = distance + distance > distance;  // false for an infinite distance
@@ -240,7 +242,7 @@ constexpr Strategy strategy_rows[] = {
         "chapter 6"),
     strategy_row<Cycles>("offset.cycles", "the bits of p moved by 32 toward n; p + 1e-5 n where |p| < 1",
                          "Blender Cycles, ray_offset, before it took the rule of Ray Tracing Gems"),
-    strategy_row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
+    strategy_row<RelativeOffset>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
     strategy_row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
                         "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
     strategy_row<BoundInObject>(

@@ -122,7 +122,7 @@ private:
         std::map<NodeId, int> losses;
         for (std::size_t k = 0; k < origins.size(); ++k) losses[origins[k]] = culprits[k];
 
-        auto rewrites = rewrites_of(terms_, parent.outputs, unit_);
+        auto rewrites = find_rewrites(terms_, parent.outputs, unit_);
         std::vector<std::pair<int, std::size_t>> order;
         for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-largest_loss(rewrites[k], losses), k);
         std::ranges::stable_sort(order, {}, [](const auto& x) { return x.first; });

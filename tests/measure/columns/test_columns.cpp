@@ -70,7 +70,7 @@ struct Problems {
         }
     }
     [[nodiscard]] Sample sample(std::size_t i) const {
-        return {.t = answers[i], .format = &format, .truth = &truths[i].t};
+        return {.t = answers[i], .format = &format, .true_t = &truths[i].t};
     }
 };
 

@@ -129,7 +129,7 @@ TEST_CASE("the error of a triangle's normal is the rounding of its edges", "[met
         const Ray<double> ray{{0.25, 0.25, 5}, {0, 0, -1}};
         const auto truth = measure::truth::make_certified(5, 0, 0);
         return measure::metric::normal_error(
-            Sample{.t = 5, .format = &format, .truth = &truth, .ray = &ray, .primitive = &primitive});
+            Sample{.t = 5, .format = &format, .true_t = &truth, .ray = &ray, .primitive = &primitive});
     };
     CHECK(error({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}) == 0);
     // b − a = (2^24 + 1, 0, 0) rounds and keeps its direction; (1, 0, 2^24 + 1) loses its 1.

@@ -103,7 +103,7 @@ TEST_CASE("an error at t* = 0 is relative to the size of the problem", "[measure
     const auto error = [&](double t, double exact) {
         const auto truth = measure::truth::as_certified(exact);
         return measure::metric::find_metric("error_at_zero")
-            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .primitive = &sphere});
+            ->value({.t = t, .format = &in, .true_t = &truth, .ray = &ray, .primitive = &sphere});
     };
     CHECK(error(0, 0) == 0);
     CHECK(error(0x1p-20, 0) == Approx(2 * 0x1p-20 / 5 * 0x1p24));

@@ -60,7 +60,7 @@ TEST_CASE("the error of a normal is the angle to the normal at the true hit", "[
         const Format in = *find_format("f64");
         const measure::truth::Certified truth = measure::truth::as_certified(exact);
         return measure::metric::find_metric("normal_error")
-            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .primitive = &primitive});
+            ->value({.t = t, .format = &in, .true_t = &truth, .ray = &ray, .primitive = &primitive});
     };
     const Sphere<double> sphere{{0, 0, 0}, 5};
     const Ray<double> ray{{-8, 3, 0}, {1, 0, 0}};  // meets it at (-4, 3, 0), t = 4

@@ -70,8 +70,8 @@ TEST_CASE("a quantile represents a form only if a tenth of the true hits agree")
     // Without any hit there are never enough, even where there is nothing to hit.
     CHECK_FALSE(Agreement{0, 0}.is_enough());
     CHECK_FALSE(Agreement{0, 5}.is_enough());
-    CHECK(std::isnan(Agreement{0, 0}.share()));
-    CHECK(Agreement{1, 4}.share() == 0.25);
+    CHECK(std::isnan(Agreement{0, 0}.agreed_fraction()));
+    CHECK(Agreement{1, 4}.agreed_fraction() == 0.25);
 }
 
 TEST_CASE("the number of hits behind a quantile is written out correctly") {

@@ -59,7 +59,7 @@ TEST_CASE("offsets: the far side of a torus begins outside it, between its two p
         const double round = random.uniform(-3, 3), across = 139 + 40 * std::cos(round);
         Vec<double> w = random.vec(-1, 1);
         const Ray<double> ray{{across, 0, 40 * std::sin(round)}, w};
-        const FarSide far = far_side(ray, ring);
+        const FarSide far = find_far_side(ray, ring);
         if (std::isinf(far.t_begin)) {
             CHECK(std::isinf(far.t_wall));
             continue;
@@ -79,10 +79,10 @@ TEST_CASE("offsets: the far side of a torus begins outside it, between its two p
 }
 
 TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational arithmetic", "[measure][offset]") {
-    CHECK(far_side({{99, 0, 0}, {-1, 0, 0}}, ring).t_wall == Approx(198));
-    CHECK(far_side({{-99, 0, 0}, {2, 0, 0}}, ring).t_wall == Approx(99));
-    CHECK(std::isinf(far_side({{179, 0, 0}, {1, 0, 0}}, ring).t_wall));  // from the rim that faces away
-    CHECK(std::isinf(far_side({{99, 0, 0}, {1, 0, 0}}, ring).t_wall));   // into it
+    CHECK(find_far_side({{99, 0, 0}, {-1, 0, 0}}, ring).t_wall == Approx(198));
+    CHECK(find_far_side({{-99, 0, 0}, {2, 0, 0}}, ring).t_wall == Approx(99));
+    CHECK(std::isinf(find_far_side({{179, 0, 0}, {1, 0, 0}}, ring).t_wall));  // from the rim that faces away
+    CHECK(std::isinf(find_far_side({{99, 0, 0}, {1, 0, 0}}, ring).t_wall));   // into it
     test::Seeded random(65);
     int met = 0, free = 0;
     for (int k = 0; k < 3000; ++k) {
@@ -95,7 +95,7 @@ TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational
         if (dot(w, n) < 0) w = -1.0 * w;
         if (dot(w, n) < 1e-3 * length(w)) continue;
         const Ray<double> ray{p, w};
-        const double wall = far_side(ray, ring).t_wall, last = std::isinf(wall) ? 400 / length(w) : wall;
+        const double wall = find_far_side(ray, ring).t_wall, last = std::isinf(wall) ? 400 / length(w) : wall;
         CAPTURE(k, wall);
         bool clear = true;
         for (int i = 1; i < 40; ++i) clear = clear && ring_at(ray, last * (0.01 + 0.98 * i / 40)) > 0;
@@ -117,15 +117,16 @@ TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational
 
 TEST_CASE("offsets: the next wall of a tube is opposite, between the rims", "[measure][offset]") {
     // From (1, 0, z) along d: −2 p·d/d² = 6/25 t across.
-    CHECK(far_side({{1, 0, 0}, {-3, 4, 0}}, pipe).t_wall == Approx(0.24).epsilon(1e-14));
-    CHECK(far_side({{1, 0, 0}, {-3, 4, 16}}, pipe).t_wall == Approx(0.24).epsilon(1e-14));
-    CHECK(std::isinf(far_side({{1, 0, 0}, {-3, 4, 17}}, pipe).t_wall));  // out of the open end
-    CHECK(std::isinf(far_side({{1, 0, 0}, {3, 4, 0}}, pipe).t_wall));
+    CHECK(find_far_side({{1, 0, 0}, {-3, 4, 0}}, pipe).t_wall == Approx(0.24).epsilon(1e-14));
+    CHECK(find_far_side({{1, 0, 0}, {-3, 4, 16}}, pipe).t_wall == Approx(0.24).epsilon(1e-14));
+    CHECK(std::isinf(find_far_side({{1, 0, 0}, {-3, 4, 17}}, pipe).t_wall));  // out of the open end
+    CHECK(std::isinf(find_far_side({{1, 0, 0}, {3, 4, 0}}, pipe).t_wall));
     CHECK(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.25, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.23, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0.5}, 0.25, pipe));
-    CHECK(far_side({{1, 0, 0}, {-1, 0, 0}}, Primitive<double>(Sphere<double>{{0, 0, 0}, 1})) == FarSide{});
-    CHECK(far_side({{0, 0, 0}, {0, 0, 1}}, Primitive<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})) == FarSide{});
+    CHECK(find_far_side({{1, 0, 0}, {-1, 0, 0}}, Primitive<double>(Sphere<double>{{0, 0, 0}, 1})) == FarSide{});
+    CHECK(find_far_side({{0, 0, 0}, {0, 0, 1}}, Primitive<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})) ==
+          FarSide{});
 }
 
 TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the torus loses it", "[measure][offset]") {
@@ -187,8 +188,8 @@ TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[m
     }
     // Out of the open end of a pipe, beside its rim: moved toward the axis the ray meets the wall below the rim.
     const Measured pipe_end("tube.framed", "f64", pipe, {{0, 0, 0}, {1, 0, 0}}, 1, Vec<double>(-3, 0, 8.002));
-    CHECK(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_begin == Approx(0.5));
-    CHECK(std::isinf(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_wall));
+    CHECK(find_far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_begin == Approx(0.5));
+    CHECK(std::isinf(find_far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_wall));
     CHECK(meets_before({{{0.999, 0, 0}, {-2, 0, 4.001}}, 0}, 1, pipe));
     CHECK(pipe_end.by("offset.epsilon", Side::outside)[Fault::self_hit] == 0);
 }

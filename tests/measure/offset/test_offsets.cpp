@@ -29,21 +29,21 @@ const std::vector<std::pair<std::string, std::string>> scenes{
     {"offset-thin-box", "box.baseline"},       {"world-offset", "sphere.pbrt_factored"}};
 
 /// `p + side·e·n`, each product and sum rounded once to float.
-Vec<double> moved_in_float(const PointWork::Start& at, Side side, double e) {
+Vec<double> moved_in_float(const PointWork::HitPoint& hit_point, Side side, double e) {
     Vec<double> o(0, 0, 0);
     const float signed_e = static_cast<float>(side == Side::outside ? e : -e);
     for (int i = 0; i < 3; ++i) {
-        const float step = signed_e * static_cast<float>(at.n[i]);
-        o[i] = static_cast<float>(at.p[i]) + step;
+        const float step = signed_e * static_cast<float>(hit_point.n[i]);
+        o[i] = static_cast<float>(hit_point.p[i]) + step;
     }
     return o;
 }
 
 /// Exact check of a float offset, by rationals.
 bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t k, Side side, double e) {
-    const PointWork::Start start = work.start(points.met[k]).value();
+    const PointWork::HitPoint hit_point = work.hit_point(points.met[k]).value();
     for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {
-        const Ray<double> ray{moved_in_float(start, side, e), r.ray.direction};
+        const Ray<double> ray{moved_in_float(hit_point, side, e), r.ray.direction};
         const auto exact = test::exact_meeting({ray, 0}, points.primitives[points.met[k].primitive]);
         if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
     }

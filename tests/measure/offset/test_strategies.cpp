@@ -82,7 +82,7 @@ TEST_CASE("next rays leave a point to the light, mirrored, refracted by Snell's 
     const Vec<double> n(0.48, -0.6, 0.64), p(1, 2, 3);
     const auto angle = [&](const Vec<double>& w) { return dot(n, w) / length(w); };
     const auto ways_of = [&](const Vec<double>& d, const std::optional<Vec<double>>& light) {
-        return departures_from<double>({p, d}, p, n, HUGE_VAL, light);
+        return make_departures<double>({p, d}, p, n, HUGE_VAL, light);
     };
     const Vec<double> along(0.8, 0, -0.6);  // perpendicular to n
     REQUIRE(dot(along, n) == Approx(0).margin(1e-15));

@@ -109,7 +109,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         const Tape before = tape::record_tape(*request.tested_form.form, request.tested_form.format);
         identity::Terms terms(before);
         std::vector<Tape> tapes{before};
-        for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
+        for (const auto& rewrite : identity::find_rewrites(terms, terms.outputs(), std::nullopt))
             if (rewrite.rule->name == "edges from the origin")
                 tapes.push_back(terms.tape(terms.replace_nodes(terms.outputs(), rewrite.replacements)));
         REQUIRE(tapes.size() == 2);

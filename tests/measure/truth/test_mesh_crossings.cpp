@@ -15,8 +15,8 @@
 
 namespace lostbits::test::test_mesh_crossings {
 
-using measure::crossing::crossings_of;
 using measure::crossing::facing_of;
+using measure::crossing::find_crossings;
 using measure::crossing::locate_in_mesh;
 using measure::crossing::nearest_edges;
 using measure::crossing::Triangles;
@@ -120,7 +120,7 @@ std::shared_ptr<const BoxTree> tree_of(const PrimitiveList<double>& primitives) 
 void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh, const Triangles& among) {
     bool in_plane = false;
     const auto expected = brute_force(o, d, mesh, in_plane);
-    const auto found = crossings_of({vec(o), vec(d)}, among);
+    const auto found = find_crossings({vec(o), vec(d)}, among);
     REQUIRE(found.is_resolved);
     REQUIRE(found.in_order.size() == expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -172,7 +172,7 @@ TEST_CASE("a range takes the crossings within it, and its ends follow their conv
     const PrimitiveList<double> primitives = primitives_of(mesh);
     const Ray<double> ray{{1, 1, 0}, {0, 0, 1}};
     const auto count = [&](const Range<double>& range) {
-        return crossings_of(ray, {primitives}, range).in_order.size();
+        return find_crossings(ray, {primitives}, range).in_order.size();
     };
     CHECK(count({}) == 2);
     CHECK(count({.tmin = 1, .tmax = 3}) == 2);
