@@ -81,7 +81,7 @@ public:
         const auto folder = run.run_division.path_to_write(run.run_division.out / study.scene.id);
         for (const AxisSteps& steps : steps_)
             if (!folder.empty())
-                files_.push_back(std::make_unique<output::offset::AlongFiles>(folder, study, steps.axis));
+                writers_.push_back(std::make_unique<output::offset::OffsetsAlongAxisWriter>(folder, study, steps.axis));
     }
 
     static void add_option(const shell::Command& command, StudyOptions& options) {
@@ -107,7 +107,7 @@ public:
 
     [[nodiscard]] std::vector<output::file::DataResource> resources() const {
         std::vector<output::file::DataResource> all;
-        for (const auto& files : files_) all.push_back(files->resource());
+        for (const auto& writer : writers_) all.push_back(writer->resource());
         return all;
     }
     void run(const OffsetStudy& study, shard::Division& division) {
@@ -122,15 +122,16 @@ public:
                 NoFiles no_files;
                 auto summaries =
                     shard::run_divided(moved_study, no_files, division, job_name(study, steps_[a].axis, factor));
-                if (summaries) files_[a]->add(factor, std::move(*summaries));
+                if (summaries) writers_[a]->add(factor, std::move(*summaries));
             }
-            if (!files_.empty()) files_[a]->finish();
+            if (!writers_.empty()) writers_[a]->finish();
         }
     }
 
 private:
     std::vector<AxisSteps> steps_;
-    std::vector<std::unique_ptr<output::offset::AlongFiles>> files_;  ///< one for each axis; none in a shard
+    std::vector<std::unique_ptr<output::offset::OffsetsAlongAxisWriter>>
+        writers_;  ///< one for each axis; none in a shard
 };
 
 /// The number of pixels of all rows of a study and of its further files.
@@ -149,7 +150,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
     const auto folder = run.run_division.out / study.scene.id;
     const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
     ExtraFiles<Adapter> extra_files(study, run);
-    output::study::StudyFiles<typename Adapter::View> files(
+    output::study::StudyWriter<typename Adapter::View> writer(
         study,
         {.folder = folder,
          .pixels_csv = options.pixels == "csv",
@@ -162,10 +163,10 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
         run.progress, study.scene.id,
         count_units<Adapter>(study, options.values) / run.run_division.division.share().count, run.common.quiet);
     study.progress = advance_callback(run.progress, &estimate);
-    const auto summaries = shard::run_divided(study, files, run.run_division.division, job);
+    const auto summaries = shard::run_divided(study, writer, run.run_division.division, job);
     extra_files.run(study, run.run_division.division);
     if (!summaries) return 0;
-    files.finish(*summaries);
+    writer.finish(*summaries);
     complete();
     if (!run.common.quiet) {
         run.progress.print_without_bar([&] {

@@ -85,8 +85,8 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
-                {output::sweep::wrong_title(outcome) + ": " + subject,
-                 svg_text(wrong_plot(sweep, format, outcome, size)),
+                {output::sweep::outcome_title(outcome) + ": " + subject,
+                 svg_text(outcome_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
@@ -161,10 +161,10 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
     std::vector<measure::evaluate::FormSummary> summaries;
     output::report::Picture contact_sheet = output::report::picture(
         fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
-            output::map::MapFiles sheet(request, {.folder = {},
-                                                  .drawn_metrics = {measure::metric::find_metric("lost_bits")},
-                                                  .scene_arguments = work.scene_arguments,
-                                                  .sheet_only_file = file});
+            output::map::MapWriter sheet(request, {.folder = {},
+                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
+                                                   .scene_arguments = work.scene_arguments,
+                                                   .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
                                                                 std::size_t row_index, const auto& band) {
                 draw(row_index, band);
@@ -231,7 +231,7 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
                                              ": outcomes of the next rays with every offset "
                                              "strategy",
                                          [&](const auto& file) {
-                                             output::study::StudyFiles<output::offset::OffsetView> sheet(
+                                             output::study::StudyWriter<output::offset::OffsetView> sheet(
                                                  study, {.folder = {}, .sheet_only_file = file});
                                              summaries = measure::study::run_study(study, sheet.show());
                                              sheet.finish(summaries);

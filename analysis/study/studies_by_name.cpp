@@ -57,7 +57,7 @@ StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow
 /// Draws the sheet of a study, and returns its summaries.
 template <class Adapter>
 auto draw_sheet(const typename Adapter::View::Study& study, const std::filesystem::path& file) {
-    output::study::StudyFiles<typename Adapter::View> sheet(study, {.folder = {}, .sheet_only_file = file});
+    output::study::StudyWriter<typename Adapter::View> sheet(study, {.folder = {}, .sheet_only_file = file});
     auto summaries = measure::study::run_study(study, sheet.show());
     sheet.finish(summaries);
     return summaries;

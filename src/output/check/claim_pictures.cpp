@@ -86,10 +86,10 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
-    map::MapFiles sheet(request, {.folder = {},
-                                  .drawn_metrics = request.metrics,
-                                  .scene_arguments = scene.id,
-                                  .sheet_only_file = picture_path(shown, file)});
+    map::MapWriter sheet(request, {.folder = {},
+                                   .drawn_metrics = request.metrics,
+                                   .scene_arguments = scene.id,
+                                   .sheet_only_file = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }
@@ -189,7 +189,7 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
             add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
-                     sweep::wrong_plot(measured, format, outcome));
+                     sweep::outcome_plot(measured, format, outcome));
     }
     return text;
 }

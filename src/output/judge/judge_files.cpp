@@ -155,7 +155,7 @@ struct JudgeFiles::Parts {
     JudgeFilesOptions options;
     scene::file::Scene scene;
     measure::evaluate::MapStudy map_request = {};
-    std::optional<map::MapFiles> map = {};
+    std::optional<map::MapWriter> map = {};
     std::optional<file::AtomicFile> worst_file = {};
     std::vector<std::unique_ptr<SeriesFiles>> series = {};
 

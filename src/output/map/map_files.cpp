@@ -28,7 +28,7 @@ std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
 
 }  // namespace
 
-struct MapFiles::Parts {
+struct MapWriter::Parts {
     const MapStudy& request;
     MapFilesOptions options;
     std::optional<MapPictures> pictures = {};
@@ -73,7 +73,7 @@ struct MapFiles::Parts {
     }
 };
 
-MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
+MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
     // The limit on open files is checked before an hour of work is spent.
@@ -94,13 +94,13 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     for (std::size_t r = 0; r < request.rows.size(); ++r) p.add_row(r);
 }
 
-MapFiles::~MapFiles() = default;
+MapWriter::~MapWriter() = default;
 
-measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
+measure::evaluate::ShowRows MapWriter::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row_index, pixel::Piece&& piece) { parts_->rows.at(row_index).write_piece(piece); }
+void MapWriter::put(std::size_t row_index, pixel::Piece&& piece) { parts_->rows.at(row_index).write_piece(piece); }
 
-void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
+void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
     p.pictures->finish(summaries);
     if (!p.summary) return;

@@ -41,12 +41,12 @@ struct MapFilesOptions {
 
 /// Opens every file of a map at once, before any work. Receives the bands of all series, and gives all files their
 /// final names in `finish`. If the object is destroyed without `finish`, no file gets its final name.
-class MapFiles {
+class MapWriter {
 public:
-    MapFiles(const MapStudy& request, const MapFilesOptions& options);
-    ~MapFiles();
-    MapFiles(const MapFiles&) = delete;
-    MapFiles& operator=(const MapFiles&) = delete;
+    MapWriter(const MapStudy& request, const MapFilesOptions& options);
+    ~MapWriter();
+    MapWriter(const MapWriter&) = delete;
+    MapWriter& operator=(const MapWriter&) = delete;
 
     /// Returns the function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows show();

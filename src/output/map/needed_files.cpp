@@ -135,7 +135,7 @@ using NeededFormFiles = pixel::RowFiles<BitsNeededBand, NeededPixel>;
 
 }  // namespace
 
-struct NeededFiles::Parts {
+struct NeededWriter::Parts {
     const BitsNeededStudy& request;
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
@@ -166,7 +166,7 @@ struct NeededFiles::Parts {
     }
 };
 
-NeededFiles::NeededFiles(const BitsNeededStudy& request, const NeededFilesOptions& options)
+NeededWriter::NeededWriter(const BitsNeededStudy& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options}) {
     if (!options.keep_piece)
         parts_->table.emplace(
@@ -175,13 +175,13 @@ NeededFiles::NeededFiles(const BitsNeededStudy& request, const NeededFilesOption
     for (std::size_t form = 0; form < request.rows.size(); ++form) parts_->add_form(form);
 }
 
-NeededFiles::~NeededFiles() = default;
+NeededWriter::~NeededWriter() = default;
 
-measure::study::ShowBand<BitsNeededStudy> NeededFiles::show() {
+measure::study::ShowBand<BitsNeededStudy> NeededWriter::show() {
     return [this](std::size_t form, const BitsNeededBand& band) { parts_->forms.at(form)->add_band(band); };
 }
 
-std::vector<file::DataResource> NeededFiles::resources() const {
+std::vector<file::DataResource> NeededWriter::resources() const {
     std::vector<file::DataResource> resources;
     if (parts_->table) resources.push_back(parts_->table->about());
     for (const auto& form : parts_->forms)
@@ -189,9 +189,9 @@ std::vector<file::DataResource> NeededFiles::resources() const {
     return resources;
 }
 
-void NeededFiles::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
+void NeededWriter::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
 
-void NeededFiles::finish(const std::vector<BitsNeededSummary>& summaries) {
+void NeededWriter::finish(const std::vector<BitsNeededSummary>& summaries) {
     Parts& p = *parts_;
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {

@@ -74,10 +74,10 @@ struct AlongRow {
 /// Writes `along.<axis>.csv`, which is the summary preceded by the value on the axis, and two plots per series and
 /// side: `along.<axis>.<row>.<side>.wrong.png` with the share of rays that go wrong, and `….size.png` with the offsets
 /// and the smallest safe offset.
-class AlongFiles {
+class OffsetsAlongAxisWriter {
 public:
     /// Opens the table. `study` is the study of the unchanged scene and must outlive the object.
-    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis);
+    OffsetsAlongAxisWriter(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis);
 
     void add(double axis_value, std::vector<OffsetSummary> summaries);
     /// Draws the plots and gives the table its final name.

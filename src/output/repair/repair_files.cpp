@@ -258,7 +258,7 @@ std::vector<ProbeRow> probe_rows(const RepairSummary& summary) {
     return rows;
 }
 
-RepairFiles::RepairFiles(const std::filesystem::path& folder)
+RepairWriter::RepairWriter(const std::filesystem::path& folder)
     : folder_(folder),
       forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
              form_table()),
@@ -266,7 +266,7 @@ RepairFiles::RepairFiles(const std::filesystem::path& folder)
       probes_(folder, "probes.csv", "One row per form and probe: the scene with axes exchanged, mirrored or rotated",
               probe_table()) {}
 
-void RepairFiles::finish(const RepairSummary& summary) {
+void RepairWriter::finish(const RepairSummary& summary) {
     forms_.add_all(form_rows(summary));
     minimal_.add_all(minimal_rows(summary));
     probes_.add_all(probe_rows(summary));

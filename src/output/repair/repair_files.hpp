@@ -141,9 +141,9 @@ table::Table<MinimalRow> minimal_table();
 std::vector<MinimalRow> minimal_rows(const RepairSummary& summary);
 
 /// Opens the files before the work and gives them their final names when they are complete.
-class RepairFiles {
+class RepairWriter {
 public:
-    explicit RepairFiles(const std::filesystem::path& folder);
+    explicit RepairWriter(const std::filesystem::path& folder);
     void finish(const RepairSummary& summary);
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 

@@ -50,14 +50,14 @@ struct Note {
 /// Writes the files of a study as its view describes them. Opens all files before the work starts; `finish` gives them
 /// their final names.
 template <class View>
-class StudyFiles {
+class StudyWriter {
 public:
     using Study = typename View::Study;
     using Band = typename Study::Band;
 
     /// `study` must outlive the object. If `keep_piece` is set, it receives the pieces of a shard, and no file is
     /// opened.
-    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep_piece = {})
+    StudyWriter(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep_piece = {})
         : study_(study),
           options_(std::move(options)),
           keep_piece_(std::move(keep_piece)),
@@ -70,8 +70,8 @@ public:
         if (!keep_piece_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
         for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
     }
-    StudyFiles(const StudyFiles&) = delete;
-    StudyFiles& operator=(const StudyFiles&) = delete;
+    StudyWriter(const StudyWriter&) = delete;
+    StudyWriter& operator=(const StudyWriter&) = delete;
 
     /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {

@@ -89,6 +89,41 @@ private:
     }
 };
 
+/// Adds a column for each row of the request that is judged by the convention, grouped by format. Returns the indices
+/// of these rows in the order of the columns.
+std::vector<std::size_t> add_case_columns(plot::MatrixPlotSpec& spec, const CaseRequest& request,
+                                          std::optional<intersect::Touching> touching) {
+    for (const measure::evaluate::TestedForm& tested_form : request.rows) {
+        const std::string& format = tested_form.format.name;
+        if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
+            spec.groups.push_back({format, {}});
+    }
+
+    std::vector<std::size_t> row_order;
+    for (auto& group : spec.groups) {
+        for (std::size_t r = 0; r < request.rows.size(); ++r) {
+            if (request.rows[r].format.name != group.label || request.rows[r].touching != touching) continue;
+            group.columns.push_back(map::short_name(*request.rows[r].form->info));
+            row_order.push_back(r);
+            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.rows[r]);
+        }
+    }
+    return row_order;
+}
+
+/// Adds the wrong outcomes that occur in the columns to the legend.
+void add_outcomes_to_legend(plot::MatrixPlotSpec& spec, const std::vector<std::vector<FormSummary>>& cases,
+                            const std::vector<std::size_t>& row_order) {
+    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
+                            Outcome::unresolved}) {
+        const bool occurs = std::ranges::any_of(cases, [&](const auto& rows) {
+            return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
+        });
+        if (occurs)
+            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
+    }
+}
+
 }  // namespace
 
 image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
@@ -102,32 +137,15 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
         .legend = {{"right", case_right_colour, {}}},
         .scale = scale.bar(),
         .unit = scale.unit()};
-    std::vector<std::size_t> row_order;  // indices of rows of the request, by format
-    for (const measure::evaluate::TestedForm& tested_form : request.rows) {
-        const std::string& format = tested_form.format.name;
-        if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
-            spec.groups.push_back({format, {}});
-    }
-    for (auto& group : spec.groups) {
-        for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            if (request.rows[r].format.name != group.label || request.rows[r].touching != touching) continue;
-            group.columns.push_back(map::short_name(*request.rows[r].form->info));
-            row_order.push_back(r);
-            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.rows[r]);
-        }
-    }
-    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
-                            Outcome::unresolved}) {
-        const bool occurs = std::ranges::any_of(cases, [&](const auto& rows) {
-            return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
-        });
-        if (occurs)
-            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
-    }
+    const std::vector<std::size_t> row_order = add_case_columns(spec, request, touching);
+    add_outcomes_to_legend(spec, cases, row_order);
+
+    // A line of cells for each case.
     const auto cell_of = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
         return CellLook{request.metrics, scale, format}.cell(s, verdict);
     };
-    bool has_wrong_value = false, has_within_inputs = false;
+    bool has_wrong_value = false;
+    bool has_within_inputs = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         spec.rows.push_back(request.file.name(i));
         for (const std::size_t r : row_order) {
@@ -138,6 +156,8 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
             spec.cells.push_back(cell_of(cases[i][r], verdict, request.rows[r].format.parameters));
         }
     }
+
+    // The colour bar and the paler colour are explained only if a cell has them.
     if (has_within_inputs) {
         spec.legend.insert(spec.legend.begin() + 1,
                            {within_meaning(request.file), map::make_paler(scale.bar().at(0.5)), {}});
@@ -146,24 +166,26 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     return plot::matrix_plot(spec);
 }
 
-CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument)
+CaseWriter::CaseWriter(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument)
     : request_(request),
       folder_(folder),
       file_argument_(std::move(file_argument)),
       csv_(folder, "cases.csv", "One row per case, form and format", case_table(request)) {}
 
-void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
+void CaseWriter::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string name = request_.file.name(i);
         const auto ray_arguments = [&](const measure::evaluate::WorstRay& ray) {
             const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
             return file_argument_ + " --case " + attribution::shell_word(fmt::format("{}:{}", name, ray_index));
         };
+
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             csv_.add({name,
                       measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file.right_within_bits),
                       {request_.rows[r], &cases[i][r], ray_arguments}});
     }
+
     for (const auto& touching : request_.file.conventions) {
         image::save_figure(
             folder_ / (touching ? fmt::format("matrix.{}.png", intersect::convention_name(touching)) : "matrix.png"),

@@ -29,12 +29,12 @@ struct MeasuredSweep {
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Axis of lost bits in the format called `name`: `lost bits, of 24 in f32`.
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name);
-/// Share of rays with a wrong decision or NaN.
-double share_of_wrong_rays(const FormSummary& s);
+/// Fraction of the rays that have a wrong decision or NaN.
+double wrong_fraction(const FormSummary& s);
 
 /// Writes the pictures of a sweep. For one axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with
 /// every form, the conditioning envelope (inherent bits, if the request measures them) and the sweep's own marks;
-/// `false_hit.<format>.png` and `false_miss.<format>.png` with the shares of such rays, and the same for other wrong
+/// `false_hit.<format>.png` and `false_miss.<format>.png` with the fractions of such rays, and the same for other wrong
 /// outcomes that occur; `culprit.<form>.<format>.png` if culprits are measured; and `steps.<form>.<format>.png` if
 /// steps of transforms are measured, with the value at which the median of each first reaches an ulp. For two axes see
 /// `write_planes`; `single_pictures` matters only there.
@@ -48,15 +48,15 @@ struct PlotSize {
 /// Plot of the quantile q (0.5 or 0.99) of lost bits in one format.
 image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
 
-/// Plot of the share of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
-image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
+/// Plot of the fraction of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
+image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
 
 /// True if any ray of a form in the format has the outcome.
 [[nodiscard]] bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
 /// Outcomes that have a plot of their own: false hits, false misses, and other wrong outcomes that occur.
 [[nodiscard]] std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
 /// `False hits`
-[[nodiscard]] std::string wrong_title(Outcome outcome);
+[[nodiscard]] std::string outcome_title(Outcome outcome);
 
 /// The steps of a sweep over two axes as a plane. Columns are sorted by the first axis and lines by the second, both
 /// rising.

@@ -292,7 +292,7 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     return text + timing_text(request, result);
 }
 
-TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path& folder)
+TradeWriter::TradeWriter(const TradeRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
       times_(folder, "trade.csv",
@@ -326,7 +326,7 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
     return rows;
 }
 
-void TradeFiles::finish(const TradeResult& result) {
+void TradeWriter::finish(const TradeResult& result) {
     times_.add_all(time_rows(request_, result));
     pareto_.add_all(pareto_rows(request_, result));
     const auto sets = measure::trade::trade_sets(request_);
