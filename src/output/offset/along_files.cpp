@@ -51,7 +51,7 @@ plot::LinePlotSpec OffsetsAlongAxisWriter::make_spec(std::size_t row_index, Side
                                                      plot::AxisSpec y) const {
     return {.title = fmt::format("{} along {}", title, name_of(axis_)),
             .subtitle = {study_.scene.title, subject_text(study_.rows[row_index], side)},
-            .x = {std::string(measure::offset::meaning_of(axis_)), plot::AxisSpec::Scale::log2, {}, {}},
+            .x = {.title = std::string(measure::offset::meaning_of(axis_)), .scale = plot::AxisSpec::Scale::log2},
             .y = std::move(y)};
 }
 
@@ -67,8 +67,7 @@ plot::Series OffsetsAlongAxisWriter::make_series(std::size_t row_index, Side sid
 }
 
 void OffsetsAlongAxisWriter::plot_wrong(std::size_t row_index, Side side) const {
-    auto spec = make_spec(row_index, side, "Rays that go wrong",
-                          {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
+    auto spec = make_spec(row_index, side, "Rays that go wrong", plot::fraction_axis);
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         spec.series.push_back(make_series(
             row_index, side,
@@ -81,7 +80,7 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t row_index, Side side) const 
 }
 
 void OffsetsAlongAxisWriter::plot_size(std::size_t row_index, Side side) const {
-    auto spec = make_spec(row_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
+    auto spec = make_spec(row_index, side, "Offsets", {.title = "world units", .scale = plot::AxisSpec::Scale::log10});
     spec.series = {make_series(row_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)

@@ -42,7 +42,7 @@ namespace {
 
 using plot::fraction_axis;
 
-/// A value of one row of the request at every step, by rising value of the axis.
+/// The value of one tested form at each step, sorted by the axis.
 Series make_series(const std::vector<SweepStep>& steps, std::size_t row_index, const std::string& label,
                    const std::function<double(const FormSummary&)>& value) {
     Series series{label};
@@ -97,8 +97,8 @@ void add_form_lines(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format
         spec.series.back().look = plot::form_look(*request.rows[r].form);
         spec.series.back().key = map::row_name(request.rows[r]);
 
-        // The envelope belongs to the problem and not to a form, so it is taken from any row that has hits all along.
-        // It is drawn only if the row has a line to compare with it: a form without t has an envelope but no line.
+        // Any form that hits at every step gives the same envelope. Skip forms without t: they have no line to compare
+        // it with.
         const auto& line = spec.series.back().y;
         if (quantity.envelope && !spec.envelope && std::ranges::any_of(line, [](double y) { return !std::isnan(y); })) {
             Series envelope = make_series(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
