@@ -26,16 +26,19 @@ Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vecto
               std::size_t cells, const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
+
     for (const std::string_view name : sweep_statistics) {
         const measure::evaluate::SummaryColumn* const column = measure::evaluate::find_column(columns, name);
         Json& column_values = values.emplace_back(Json::array());
         for (std::size_t c = 0; c < cells; ++c)
             column_values.push_back(number_json(column ? column->value(summary_at(c)) : measure::truth::missing));
     }
+
     for (std::size_t c = 0; c < cells; ++c) {
         outcomes.push_back(summary_at(c).outcomes);
         true_hits.push_back(summary_at(c).true_hits);
     }
+
     return {{"form", tested_form.form->info->name},
             {"format", tested_form.format.name},
             {"precision", tested_form.format.parameters.precision},
@@ -150,43 +153,68 @@ std::string draws_text(const std::vector<Onset>& onsets) {
 
 }  // namespace
 
-std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
-    struct EventColumn {
-        const char *title, *event, *statistic;
-        double share;  ///< share of the significand, or 4: 4 bits; 0: the threshold is 1
-    };
-    std::vector<EventColumn> columns{
-        {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
-        {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
-        {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_primitive", "count", 0},
-        {"first NaN", "not_a_number", "count", 0}};
-    // Most sweeps have one primitive, and most forms give no NaN, so avoid columns of dashes.
+namespace {
+
+/// A column of the table of onsets.
+struct EventColumn {
+    /// Unit of the threshold. The threshold of a count is 1.
+    enum class Threshold { bits, significands, count };
+    const char *title, *event, *statistic;
+    Threshold kind;
+    double amount;
+
+    [[nodiscard]] double threshold(const FloatFormat& format) const {
+        return kind == Threshold::significands ? amount * format.precision : amount;
+    }
+};
+
+/// Columns of the events. Most sweeps have one primitive, and most forms give no NaN, so columns of dashes are left
+/// out.
+std::vector<EventColumn> event_columns(const std::vector<Onset>& onsets) {
+    using T = EventColumn::Threshold;
+    std::vector<EventColumn> columns{{"p99 loses 4 bits", "lost_bits", "p99", T::bits, 4},
+                                     {"p99 loses half", "lost_bits", "p99", T::significands, 0.5},
+                                     {"p99 loses all", "lost_bits", "p99", T::significands, 1},
+                                     {"first false hit", "false_hit", "count", T::count, 1},
+                                     {"first false miss", "false_miss", "count", T::count, 1},
+                                     {"first wrong primitive", "wrong_primitive", "count", T::count, 1},
+                                     {"first NaN", "not_a_number", "count", T::count, 1}};
     std::erase_if(columns, [&onsets](const EventColumn& column) {
         return (std::string_view(column.event) == "wrong_primitive" ||
                 std::string_view(column.event) == "not_a_number") &&
                std::ranges::none_of(onsets, [&column](const Onset& o) { return o.found && o.event == column.event; });
     });
+    return columns;
+}
+
+/// Cell with the onset of an event for row `row_index`, or a dash.
+std::string onset_cell(const std::vector<Onset>& onsets, std::size_t row_index, const EventColumn& column,
+                       double threshold) {
+    const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
+        return o.row == row_index && o.event == column.event && o.statistic == column.statistic &&
+               o.threshold == threshold;
+    });
+    const bool is_found = onset != onsets.end() && onset->found;
+    return fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
+                       is_found && onset->from_start ? " (from the start)" : "");
+}
+
+}  // namespace
+
+std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
+    const std::vector<EventColumn> columns = event_columns(onsets);
     std::vector<std::string> names{"form", "format"};
     for (const EventColumn& column : columns) names.emplace_back(column.title);
     std::string text = begin_table(names, "",
                                    fmt::format("First value of {} at which each event happens{}",
                                                html(request.sweep.axes.front().name), draws_text(onsets)));
+
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const measure::evaluate::TestedForm& tested_form = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(tested_form.form->info->name),
                             tested_form.format.name);
-        for (const EventColumn& column : columns) {
-            const double threshold = column.share == 0   ? 1
-                                     : column.share == 4 ? 4
-                                                         : column.share * tested_form.format.parameters.precision;
-            const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
-                return o.row == r && o.event == column.event && o.statistic == column.statistic &&
-                       o.threshold == threshold;
-            });
-            const bool is_found = onset != onsets.end() && onset->found;
-            text += fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
-                                is_found && onset->from_start ? " (from the start)" : "");
-        }
+        for (const EventColumn& column : columns)
+            text += onset_cell(onsets, r, column, column.threshold(tested_form.format.parameters));
         text += "</tr>\n";
     }
     return text + end_table;
