@@ -55,6 +55,8 @@ struct MapWriter::Parts {
                 options.keep_piece ? "" : options.folder, row_name(tested_form) + ".csv",
                 fmt::format("One row per pixel: {} in {}", tested_form.form->info->name, tested_form.format.name),
                 pixel_table(request.metrics));
+
+        // The functions that turn a band into rows of the table and of the EXR.
         MapRowFiles::Writers writers{
             .add_pixel =
                 [&tested_form](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
@@ -62,6 +64,7 @@ struct MapWriter::Parts {
                 },
             .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep_piece};
+
         if (MapExr* const exr = options.exr) {
             writers.exr_rows = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
                 return preview.empty() ? exr->make_rows(tested_form, band, outcome_colours_of(band))
@@ -81,6 +84,8 @@ MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
         (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
+
+    // A shard and the sheet of a claim have no tables.
     const bool has_tables = !options.keep_piece && options.sheet_only_file.empty();
     if (has_tables)
         p.summary.emplace(
@@ -90,6 +95,7 @@ MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
     if (has_tables && asks_for_culprits(request.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
+
     p.pictures.emplace(request, p.options);
     for (std::size_t r = 0; r < request.rows.size(); ++r) p.add_row(r);
 }
@@ -104,6 +110,7 @@ void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure:
     Parts& p = *parts_;
     p.pictures->finish(summaries);
     if (!p.summary) return;
+
     const auto ray_arguments = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.ray_arguments
                    ? p.options.ray_arguments(ray)
@@ -113,6 +120,8 @@ void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure:
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, ray_arguments));
         if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
     }
+
+    // The summary is closed last, because a folder that has one is complete.
     if (p.options.exr) p.options.exr->close();
     table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows,
                         p.options.other_tables);

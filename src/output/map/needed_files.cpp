@@ -43,24 +43,28 @@ pixel::PixelValue pixel_of(double needed) {
 
 using NeededColumns = pixel::ColumnFiles<BitsNeededBand>;
 
+/// Picture of the form with the index `row_index` in the request.
+pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, std::size_t row_index,
+                                                std::shared_ptr<const pixel::Look> look) {
+    const Info& form = *request.rows[row_index]->info;
+    return {{.file = file_stem(form) + ".png",
+             .title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
+                                  request.bits == 1 ? "bit" : "bits"),
+             .subtitle = {std::string(form.title),
+                          fmt::format("colour: the smallest width from which on every width up to {} decides correctly "
+                                      "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
+                                      measure::evaluate::most_precision, request.bits)},
+             .look = std::move(look)},
+            row_index,
+            pixel::drawn_by<BitsNeededBand>(
+                [](const BitsNeededBand& band, std::size_t i) { return pixel_of(band.bits_needed[i]); })};
+}
+
 /// Makes one picture per form.
 NeededColumns make_pictures(const BitsNeededStudy& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<BitsNeededBand>> columns;
-    for (const intersect::table::Intersector* form : request.rows)
-        columns.push_back(
-            {{.file = file_stem(*form->info) + ".png",
-              .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
-                                   request.bits == 1 ? "bit" : "bits"),
-              .subtitle = {std::string(form->info->title),
-                           fmt::format(
-                               "colour: the smallest width from which on every width up to {} decides correctly "
-                               "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
-                               measure::evaluate::most_precision, request.bits)},
-              .look = look},
-             columns.size(),
-             pixel::drawn_by<BitsNeededBand>(
-                 [](const BitsNeededBand& band, std::size_t i) { return pixel_of(band.bits_needed[i]); })});
+    for (std::size_t r = 0; r < request.rows.size(); ++r) columns.push_back(make_picture(request, r, look));
     return {{.scene = request.scene,
              .sheets = {},
              .single_picture_folder = options.folder,
@@ -84,6 +88,8 @@ Table<NeededRow> needed_table() {
                     "significand bits",
                     &R::bits},
                    {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
+
+    // Statistics of the widths, over all pixels that have one and over the true hits.
     const auto add = [&table](const std::string& prefix, const char* population, const auto& counts_of) {
         for (const measure::metric::Statistic& s : statistics)
             table.add(
@@ -98,6 +104,8 @@ Table<NeededRow> needed_table() {
     add(
         "hit_needed_", " of the widths needed, over the rays that truly hit",
         [](const R& r) -> const auto& { return r.summary->hits; });
+
+    // Pixels without a width.
     using S = BitsNeededSummary;
     return table.add<S>(
         {{"hits_beyond_53", "rays that truly hit and for which not even 53 bits suffice", &S::hits_beyond},
@@ -149,6 +157,8 @@ struct NeededWriter::Parts {
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
                 options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
+
+        // The functions that turn a band into rows of the table and of the EXR.
         NeededFormFiles::Writers writers{
             .add_pixel =
                 [](table::TableFile<NeededPixel>& file, const BitsNeededBand& band, std::size_t i) {
@@ -156,6 +166,7 @@ struct NeededWriter::Parts {
                 },
             .pixels = [](const BitsNeededBand& band) { return band.bits_needed.size(); }};
         pixel::BandFiles<BitsNeededBand> files{pictures, {}, options.keep_piece};
+
         if (MapExr* const exr = options.exr) {
             writers.exr_rows = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
                 return exr->make_rows(band, preview);
