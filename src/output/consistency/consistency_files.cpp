@@ -21,9 +21,9 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
 using pixel::colour_of;
+using pixel::fraction_text;
 using pixel::PixelColumn;
 using pixel::PixelValue;
-using pixel::share_text;
 using table::Table;
 
 namespace {
@@ -57,17 +57,17 @@ std::string note_of(const Check& check, const CheckSummary& s) {
         const auto yes_count = s.count_of(CheckResult::second_alone);
         return yes_count == 0           ? "always no"
                : yes_count == s.asked() ? "always yes"
-                                        : share_text(yes_count, s.asked()) + " yes";
+                                        : fraction_text(yes_count, s.asked()) + " yes";
     }
     const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? agreement : share_text(s.decisions(), s.asked()) + " differ";
+    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.asked()) + " differ";
     if (const auto input_count = s.count_of(CheckResult::by_inputs); input_count > 0 && !check.compares_numbers)
-        note += fmt::format("\n{} by inputs", share_text(input_count, s.asked()));
+        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.asked()));
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
     else if (s.count_of(CheckResult::other_number) > 0)
-        note += fmt::format("\n{} other bits", share_text(s.count_of(CheckResult::other_number), s.asked()));
+        note += fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.asked()));
     return note;
 }
 

@@ -86,7 +86,7 @@ void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset
         const auto& strategy = side.strategies[k];
         std::string note = side.rays > 0 && strategy.bad_rays == 0
                                ? "every ray right"
-                               : pixel::share_text(strategy.bad_rays, side.rays) + " of rays wrong";
+                               : pixel::fraction_text(strategy.bad_rays, side.rays) + " of rays wrong";
         if (const double size_ratio = strategy.size_ratio.quantile(0.5); size_ratio > 0)
             note += fmt::format("\n{} x needed", file::short_decimal(size_ratio, 3));
         notes.push_back({{k + 1, line}, std::move(note)});

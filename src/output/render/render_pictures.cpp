@@ -16,10 +16,10 @@ using measure::render::SeenContent;
 using measure::render::ShadeRule;
 using measure::render::Shadow;
 using pixel::colour_of;
+using pixel::fraction_text;
 using pixel::Look;
 using pixel::PixelColumn;
 using pixel::PixelValue;
-using pixel::share_text;
 using scene::file::Stage;
 
 namespace {
@@ -228,12 +228,12 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
 std::string thumbnail_note(const RenderSummary& summary) {
     std::string text = summary.changed_pixels == 0
                            ? "every pixel right"
-                           : share_text(summary.changed_pixels, summary.pixels) + " wrong colour";
+                           : fraction_text(summary.changed_pixels, summary.pixels) + " wrong colour";
     if (const std::uint64_t wrong = summary.wrong_pixels())
-        text += fmt::format("\n{} wrong sphere", share_text(wrong, summary.pixels));
+        text += fmt::format("\n{} wrong sphere", fraction_text(wrong, summary.pixels));
     if (!summary.rule.shadows) return text;
     const auto acne = summary.count(false, Shadow::own_shadow);
-    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, summary.pixels));
+    if (acne > 0) text += fmt::format("\n{} acne", fraction_text(acne, summary.pixels));
     if (const auto flips = summary.flipped_shadows())
         text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;
