@@ -73,6 +73,7 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t row_index, Side side) const 
             row_index, side,
             [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
             study_.strategies[k]));
+
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; there is none if it misses or names another primitive"};
@@ -81,12 +82,15 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t row_index, Side side) const 
 
 void OffsetsAlongAxisWriter::plot_size(std::size_t row_index, Side side) const {
     auto spec = make_spec(row_index, side, "Offsets", {.title = "world units", .scale = plot::AxisSpec::Scale::log10});
+
+    // The smallest safe offset, and the offsets of the strategies that move the point.
     spec.series = {make_series(row_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(make_series(
                 row_index, side, [k](const SideSummary& s) { return s.strategies[k].offset_size.quantile(0.5); },
                 study_.strategies[k]));
+
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};

@@ -72,8 +72,8 @@ struct AlongRow {
 };
 
 /// Writes `along.<axis>.csv`, which is the summary preceded by the value on the axis, and two plots per series and
-/// side: `along.<axis>.<row>.<side>.wrong.png` with the share of rays that go wrong, and `….size.png` with the offsets
-/// and the smallest safe offset.
+/// side: `along.<axis>.<row>.<side>.wrong.png` with the fraction of rays that go wrong, and `….size.png` with the
+/// offsets and the smallest safe offset.
 class OffsetsAlongAxisWriter {
 public:
     /// Opens the table. `study` is the study of the unchanged scene and must outlive the object.
