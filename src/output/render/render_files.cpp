@@ -27,24 +27,33 @@ std::vector<StageRow> RenderView::summary_rows(const RenderStudy& study,
     return rows;
 }
 
+namespace {
+
+/// Adds the picture of stage `s`, the certified picture, and their difference.
+void add_stage(pixel::ExrLayers<RenderBand>& layers, const RenderStudy& study, std::size_t s) {
+    const std::string name(name_of(study.stages[s]));
+    const auto stage = static_cast<std::size_t>(study.stages[s]);
+    for (int k = 0; k < 3; ++k)
+        layers.add_number(name + "." + "rgb"[k],
+                          [s, k](const RenderBand& band, std::size_t i) { return band.painted[s][i].colour[k]; });
+    for (std::size_t k = 0; k < 3; ++k)
+        layers.add_number(name + "_true." + "rgb"[k], [stage, k](const RenderBand& band, std::size_t i) {
+            const measure::render::TrueColour& true_colour = band.truth[i].colours[stage];
+            return true_colour.is_certain ? true_colour.channel[k].hi : measure::truth::missing;
+        });
+    layers.add_number(name + ".difference",
+                      [s](const RenderBand& band, std::size_t i) { return band.painted[s][i].error; });
+}
+
+}  // namespace
+
 pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     pixel::ExrLayers<RenderBand> layers;
     layers.add_preview(
         [](const RenderBand& band, std::size_t i) { return picture_look().colour(pixel_of(band.painted.back()[i])); });
-    for (std::size_t s = 0; s < study.stages.size(); ++s) {
-        const std::string name(name_of(study.stages[s]));
-        const auto stage = static_cast<std::size_t>(study.stages[s]);
-        for (int k = 0; k < 3; ++k)
-            layers.add_number(name + "." + "rgb"[k],
-                              [s, k](const RenderBand& band, std::size_t i) { return band.painted[s][i].colour[k]; });
-        for (std::size_t k = 0; k < 3; ++k)
-            layers.add_number(name + "_true." + "rgb"[k], [stage, k](const RenderBand& band, std::size_t i) {
-                const measure::render::TrueColour& truth = band.truth[i].colours[stage];
-                return truth.is_certain ? truth.channel[k].hi : measure::truth::missing;
-            });
-        layers.add_number(name + ".difference",
-                          [s](const RenderBand& band, std::size_t i) { return band.painted[s][i].error; });
-    }
+    for (std::size_t s = 0; s < study.stages.size(); ++s) add_stage(layers, study, s);
+
+    // Errors and decisions that all stages share.
     layers.add_number("normal.angle", [](const RenderBand& band, std::size_t i) { return band.normal_angle[i]; });
     layers.add_number("point.residual", [](const RenderBand& band, std::size_t i) { return band.residual[i]; });
     layers.add_uint("class.seen", [](const RenderBand& band, std::size_t i) { return band.seen[i]; });

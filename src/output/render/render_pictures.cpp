@@ -12,6 +12,7 @@ namespace lostbits::output::render {
 
 using image::Rgb8;
 using measure::answer::Outcome;
+using measure::render::RenderBand;
 using measure::render::SeenContent;
 using measure::render::ShadeRule;
 using measure::render::Shadow;
@@ -83,6 +84,7 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
                                        map::input_note(scene, study.rows)},
                           .forms = {"certified"}};
     std::erase(spec.subtitle, "");
+
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
     for (const Stage stage : study.stages)
         for (const std::string& format : grid.formats)
@@ -97,7 +99,7 @@ public:
         for (std::size_t s = 0; s < study.stages.size(); ++s) add_reference(s);
         for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
     }
-    [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
+    [[nodiscard]] std::vector<PixelColumn<RenderBand>> release() { return std::move(columns_); }
 
 private:
     /// The certified picture, which all rows share. It is drawn from the bands of the first row.
@@ -115,6 +117,8 @@ private:
 
     void add_row(std::size_t r) {
         const std::string name = map::row_name(study_.rows[r]);
+
+        // For each stage: the picture, and how far its colours differ from the certified ones.
         for (std::size_t s = 0; s < study_.stages.size(); ++s) {
             const std::string stage(name_of(study_.stages[s]));
             const map::RowGrid::GridCell cell = grid_.cells[r];
@@ -129,6 +133,8 @@ private:
                     return difference_pixel(band.seen[i], band.painted[s][i].error);
                 });
         }
+
+        // Maps that belong to all stages.
         add(difference_map_spec(r, name + ".residual.png", residual_map.title, residual_map.note, residual_look_), r,
             [](const RenderBand& band, std::size_t i) { return difference_pixel(band.seen[i], band.residual[i]); });
         if (any_stage_has(&ShadeRule::diffuse))
@@ -207,7 +213,7 @@ PixelValue pixel_of(const measure::render::Painted& p) {
 }
 
 std::vector<PixelColumn<RenderBand>> RenderView::columns(const RenderStudy& study) {
-    return RenderColumnMaker(study).take();
+    return RenderColumnMaker(study).release();
 }
 
 pixel::Sheet RenderView::sheet(const RenderStudy& study, const std::filesystem::path& file) {
