@@ -203,8 +203,8 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
         work.map,
         {.folder = folder,
          .drawn_metrics = drawn_metrics,
-         .single_pictures = options.pictures == "all",
-         .pixels_csv = writes_pixels,
+         .draws_single_pictures = options.pictures == "all",
+         .writes_pixels_csv = writes_pixels,
          .scene_arguments =
              selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_text(options),
          .sheet_with_explanations = context.sheet_with_explanations,

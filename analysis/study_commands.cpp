@@ -153,9 +153,9 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
     output::study::StudyWriter<typename Adapter::View> writer(
         study,
         {.folder = folder,
-         .pixels_csv = options.pixels == "csv",
+         .writes_pixels_csv = options.pixels == "csv",
          .command = run.common.typed_command.for_subject(scene_arguments),
-         .single_pictures = options.pictures == "all",
+         .draws_single_pictures = options.pictures == "all",
          .other_tables = extra_files.resources()},
         shard::piece_recorder(run.run_division.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.

@@ -76,7 +76,7 @@ SweepSection case_part(const SweepWork& work, StopToken stop) {
 std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{900, 480};
     std::vector<output::report::Chart> charts;
-    for (const Format& format : output::sweep::formats_of(sweep)) {
+    for (const Format& format : output::sweep::list_formats(sweep)) {
         const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
@@ -140,7 +140,7 @@ SweepSection axes_part(const SweepWork& work, StopToken stop) {
     part.table = output::report::onset_table(request, onsets);
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     part.charts = line_charts(measured);
-    for (const Format& format : output::sweep::formats_of(measured)) {
+    for (const Format& format : output::sweep::list_formats(measured)) {
         const std::string absent = absent_charts(measured, format);
         part.json["absent"][format.name] = absent;
         if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);

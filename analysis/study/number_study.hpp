@@ -208,7 +208,7 @@ struct NumberAdapter {
                   .look = look,
                   .sheet_positions = {place_of(study, r)}},
                  r,
-                 output::pixel::drawn_by<NumberBand>([](const NumberBand& band, std::size_t i) {
+                 output::pixel::make_draw_function<NumberBand>([](const NumberBand& band, std::size_t i) {
                      const double number = band.numbers[i];
                      return std::isnan(number) ? output::pixel::PixelValue{0} : output::pixel::PixelValue{1, number};
                  })});

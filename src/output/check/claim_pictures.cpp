@@ -178,7 +178,7 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
     const auto onsets = measure::sweep::find_onsets(request, steps);
     const sweep::MeasuredSweep measured{request, steps, onsets};
     const SweepPlots plots = needed_plots(claims);
-    for (const Format& format : sweep::formats_of(measured)) {
+    for (const Format& format : sweep::list_formats(measured)) {
         const auto add_plot = [&](std::string_view name, const image::Canvas& plot) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, name, format.name);
             text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, name, format.name), file);

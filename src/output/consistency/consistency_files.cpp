@@ -94,7 +94,8 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
                     "colour: by how much more than the exact answers the chord differs from either end, clamped at "
                     "both ends of the bar");
             columns.push_back(
-                {std::move(spec), r, pixel::drawn_by<ConsistencyBand>([c](const ConsistencyBand& band, std::size_t i) {
+                {std::move(spec), r,
+                 pixel::make_draw_function<ConsistencyBand>([c](const ConsistencyBand& band, std::size_t i) {
                      const auto& pixels = band.checks[c];
                      const auto result = static_cast<std::size_t>(pixels.results[i]);
                      return pixels.excess.empty() || std::isnan(pixels.excess[i])

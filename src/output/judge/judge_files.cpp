@@ -187,7 +187,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         p.map_request,
         map::MapFilesOptions{.folder = p.options.folder,
                              .drawn_metrics = p.options.drawn_metrics,
-                             .single_pictures = p.options.single_pictures,
+                             .draws_single_pictures = p.options.single_pictures,
                              .scene_arguments = "",
                              .other_tables = tables,
                              .ray_arguments = ray_arguments,

@@ -140,10 +140,10 @@ ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form,
     append(part.spec.attributes, {{"lostbits:form", std::string(tested_form.form->info->name)},
                                   {"lostbits:format", tested_form.format.name},
                                   {"lostbits:truth", truth_name},
-                                  {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
+                                  {"lostbits:outcomes", pixel::numbered_list(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
         if (m->depends_on_forms && !m->categories.empty())
-            part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered(m->categories, "; "));
+            part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered_list(m->categories, "; "));
     }
     return part;
 }
@@ -157,7 +157,7 @@ ExrPart needed_part(const MapExrRequest& request, const Info& form) {
            {{"lostbits:form", std::string(form.name)},
             {"lostbits:format", "p" + std::to_string(least_precision) + "..p" + std::to_string(most_precision)},
             {"lostbits:bits", std::to_string(request.needed->bits)},
-            {"lostbits:truths", pixel::numbered(measure::truth::decision_names)}});
+            {"lostbits:truths", pixel::numbered_list(measure::truth::decision_names)}});
     return part;
 }
 
@@ -188,7 +188,8 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
 
     for (const TruthPart& t : truth_parts_) {
         parts.push_back(make_part(request, t.name(), "lostbits-map/2", t.layers.channels()));
-        parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
+        parts.back().spec.attributes.emplace_back("lostbits:truths",
+                                                  pixel::numbered_list(measure::truth::decision_names));
     }
 
     if (request.needed) {

@@ -50,7 +50,7 @@ struct MapWriter::Parts {
     void add_row(std::size_t r) {
         const TestedForm& tested_form = request.rows[r];
         std::unique_ptr<table::TableFile<BandRay>> pixels;
-        if (options.pixels_csv)
+        if (options.writes_pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
                 options.keep_piece ? "" : options.folder, row_name(tested_form) + ".csv",
                 fmt::format("One row per pixel: {} in {}", tested_form.form->info->name, tested_form.format.name),
@@ -81,7 +81,7 @@ MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
     Parts& p = *parts_;
     // The limit on open files is checked before an hour of work is spent.
     const std::size_t files_per_row =
-        (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
+        (options.draws_single_pictures ? options.drawn_metrics.size() : 0) + (options.writes_pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
 
@@ -118,7 +118,7 @@ void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure:
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, ray_arguments));
-        if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
+        if (p.culprits) p.culprits->add_all(find_culprits(p.request.metrics, p.request.rows[r], summaries[r]));
     }
 
     // The summary is closed last, because a folder that has one is complete.

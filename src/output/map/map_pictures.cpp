@@ -64,7 +64,7 @@ pixel::Pages MapPictures::make_pages() {
     for (MapSheet& sheet : sheets_) pages.push_back(make_page(sheet));
     return {.scene = *request_.scene,
             .sheets = std::move(pages),
-            .single_picture_folder = options_.single_pictures ? options_.folder : "",
+            .single_picture_folder = options_.draws_single_pictures ? options_.folder : "",
             .stop = request_.limit.stop,
             .opens_files = !options_.keep_piece};
 }
@@ -157,7 +157,8 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
                                                                                  std::size_t i) {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
     };
-    if (!draws_envelope_of(m)) return {std::move(spec), drawing.row_index, pixel::drawn_by<BandResult>(pixel_of)};
+    if (!draws_envelope_of(m))
+        return {std::move(spec), drawing.row_index, pixel::make_draw_function<BandResult>(pixel_of)};
 
     // Pixels that the problem explains are paler.
     const auto paler_pixel_of = [pixel_of, look = spec.look, lost = lost_bits_index_, excess = excess_index_](
@@ -167,7 +168,7 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
         if (!is_inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = make_paler(look->colour(pixel))};
     };
-    return {std::move(spec), drawing.row_index, pixel::drawn_by<BandResult>(paler_pixel_of)};
+    return {std::move(spec), drawing.row_index, pixel::make_draw_function<BandResult>(paler_pixel_of)};
 }
 
 pixel::Look MapPictures::make_look(const Drawing& drawing) const {

@@ -115,8 +115,8 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::depends_on_forms);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
-                                 const FormSummary& summary) {
+std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
+                                   const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::depends_on_forms);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;

@@ -38,7 +38,7 @@ constexpr std::size_t max_culprits = 6;              ///< culprits that a legend
 constexpr std::size_t max_culprit_letters = 44;      ///< letters of a culprit in a legend
 constexpr std::size_t summary_culprit_letters = 48;  ///< letters of a culprit in a short summary
 
-std::string shortened(std::string_view text, std::size_t letters) {
+std::string shorten(std::string_view text, std::size_t letters) {
     return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
 }
 
@@ -175,13 +175,13 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
     std::uint64_t other_rays = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
         if (entries.size() < max_culprits)
-            entries.push_back({shortened(metric_->categories[c], max_culprit_letters), category_colour(*metric_, c),
+            entries.push_back({shorten(metric_->categories[c], max_culprit_letters), category_colour(*metric_, c),
                                pixel::count_text(counts[c], blamed_rays)});
         else other_rays += counts[c];
     }
 
     if (counts.front() > 0)
-        entries.push_back({shortened(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
+        entries.push_back({shorten(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
                            std::to_string(counts.front())});
     if (other_rays > 0)
         entries.push_back({"other operations, each in its own colour", image::style::page,
@@ -238,7 +238,7 @@ std::string MetricPaint::culprit_summary(const std::vector<std::uint64_t>& count
     if (order.empty()) return "no culprit";
     const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
     return fmt::format("{} of {} culprits:\n{}", percent(counts[order.front()], blamed_rays), blamed_rays,
-                       shortened(metric_->categories[order.front()], summary_culprit_letters));
+                       shorten(metric_->categories[order.front()], summary_culprit_letters));
 }
 
 std::string MetricPaint::category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t rays) const {

@@ -56,7 +56,7 @@ pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, 
                                       measure::evaluate::most_precision, request.bits)},
              .look = std::move(look)},
             row_index,
-            pixel::drawn_by<BitsNeededBand>(
+            pixel::make_draw_function<BitsNeededBand>(
                 [](const BitsNeededBand& band, std::size_t i) { return pixel_of(band.bits_needed[i]); })};
 }
 
@@ -153,7 +153,7 @@ struct NeededWriter::Parts {
     void add_form(std::size_t form_index) {
         const Info& form = *request.rows[form_index]->info;
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
-        if (options.pixels_csv)
+        if (options.writes_pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
                 options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));

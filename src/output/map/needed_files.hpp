@@ -19,7 +19,7 @@ inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
 struct NeededFilesOptions {
     std::filesystem::path folder;          ///< folder of the scene; created if missing
-    bool pixels_csv = false;               ///< a row per pixel in `<form>.needed.csv`
+    bool writes_pixels_csv = false;        ///< a row per pixel in `<form>.needed.csv`
     MapExr* exr = nullptr;                 ///< for the same request; null: no EXR is written
     pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };

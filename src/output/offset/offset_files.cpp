@@ -114,7 +114,7 @@ PixelColumn<OffsetBand> make_strategy_column(const OffsetStudy& study, std::size
              .look = std::move(look),
              .sheet_positions = {{strategy_index + 1, sheet_line(row_index, side)}}},
             row_index,
-            pixel::drawn_by<OffsetBand>([side, strategy_index](const OffsetBand& band, std::size_t i) {
+            pixel::make_draw_function<OffsetBand>([side, strategy_index](const OffsetBand& band, std::size_t i) {
                 return PixelValue{static_cast<std::size_t>(find_strategy_result(band, i, side, strategy_index))};
             })};
 }
@@ -130,7 +130,7 @@ PixelColumn<OffsetBand> make_safe_offset_column(const OffsetStudy& study, std::s
              .look = std::move(look),
              .sheet_positions = {{0, sheet_line(row_index, side)}}},
             row_index,
-            pixel::drawn_by<OffsetBand>(
+            pixel::make_draw_function<OffsetBand>(
                 [side](const OffsetBand& band, std::size_t i) { return safe_offset_pixel(band, i, side); })};
 }
 

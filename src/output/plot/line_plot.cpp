@@ -55,22 +55,34 @@ struct UndrawnCounts {
     }
 };
 
-std::vector<double> collect_values(const LinePlotSpec& spec, bool is_x_axis) {
-    std::vector<double> values;
-    const auto add = [&](const Series& series) {
-        for (std::size_t i = 0; i < series.x.size(); ++i) {
-            if (!std::isfinite(series.x[i]) || std::isnan(series.y[i])) continue;
-            values.push_back(is_x_axis ? series.x[i] : series.y[i]);
-            if (is_x_axis || series.low.empty()) continue;
-            values.push_back(series.low[i]);
-            values.push_back(series.high[i]);
-        }
+/// Calls `visit(series, i)` for each point with a finite x and a value, also for those of the envelope.
+template <class Visit>
+void for_each_point(const LinePlotSpec& spec, Visit visit) {
+    const auto visit_points = [&visit](const Series& series) {
+        for (std::size_t i = 0; i < series.x.size(); ++i)
+            if (std::isfinite(series.x[i]) && !std::isnan(series.y[i])) visit(series, i);
     };
-    for (const auto& series : spec.series) add(series);
-    if (spec.envelope) add(*spec.envelope);
-    for (const auto& mark : spec.marks) {
-        if (is_x_axis) values.push_back(mark.x);
-    }
+    for (const auto& series : spec.series) visit_points(series);
+    if (spec.envelope) visit_points(*spec.envelope);
+}
+
+/// Values that the x axis should show: those of the points and the marks.
+std::vector<double> collect_x_values(const LinePlotSpec& spec) {
+    std::vector<double> values;
+    for_each_point(spec, [&values](const Series& series, std::size_t i) { values.push_back(series.x[i]); });
+    for (const auto& mark : spec.marks) values.push_back(mark.x);
+    return values;
+}
+
+/// Values that the y axis should show: those of the points and their bands.
+std::vector<double> collect_y_values(const LinePlotSpec& spec) {
+    std::vector<double> values;
+    for_each_point(spec, [&values](const Series& series, std::size_t i) {
+        values.push_back(series.y[i]);
+        if (series.low.empty()) return;
+        values.push_back(series.low[i]);
+        values.push_back(series.high[i]);
+    });
     return values;
 }
 
@@ -363,7 +375,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     auto lines = plot_lines(spec.series);
     if (spec.envelope)
         static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
-    const AxisRange x(spec.x, collect_values(spec, true)), y(spec.y, collect_values(spec, false));
+    const AxisRange x(spec.x, collect_x_values(spec)), y(spec.y, collect_y_values(spec));
     for (auto& line : lines) line.label += ending_note(line, spec, x, y);
     const std::vector<PlotLine> lines_by_end_height = sort_by_end_height(lines, x, y);
     const bool has_markers =

@@ -221,7 +221,13 @@ constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels per labelled tick
 }  // namespace
 
 TextBitmap rotate_left(const TextBitmap& text) {
-    TextBitmap result{text.height, text.width, text.width, {}, text.runs, text.is_bold, true};
+    TextBitmap result{.width = text.height,
+                      .height = text.width,
+                      .baseline = text.width,
+                      .coverage = {},
+                      .runs = text.runs,
+                      .is_bold = text.is_bold,
+                      .is_rotated = true};
     result.coverage.resize(text.coverage.size());
     for (int y = 0; y < text.height; ++y) {
         for (int x = 0; x < text.width; ++x) {

@@ -115,7 +115,9 @@ public:
         }
     }
 
-    void draw_points(Canvas& canvas, bool is_faint) {
+    enum class PointKind { faint, clear };
+    void draw_points(Canvas& canvas, PointKind kind) {
+        const bool is_faint = kind == PointKind::faint;
         for (const auto& p : spec_.points) {
             if (p.is_faint != is_faint || !is_on_axes(p, x_, y_)) continue;
             const Rgb8 colour = point_colour(p.colour, p.is_faint);
@@ -185,11 +187,11 @@ private:
     Stroke stroke_;
 };
 
-AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x) {
+AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, double ScatterPoint::*coordinate) {
     std::vector<double> values;
     for (const auto& p : spec.points) {
         if (std::isnan(p.x) || std::isnan(p.y)) continue;
-        values.push_back(is_x ? p.x : p.y);
+        values.push_back(p.*coordinate);
     }
     return {axis, values};
 }
@@ -198,7 +200,7 @@ AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_
 
 Canvas scatter_plot(const ScatterPlotSpec& spec) {
     // Measure the head, the legend, the axes and the footnotes.
-    const AxisRange x = axis_range(spec, spec.x, true), y = axis_range(spec, spec.y, false);
+    const AxisRange x = axis_range(spec, spec.x, &ScatterPoint::x), y = axis_range(spec, spec.y, &ScatterPoint::y);
     const int content_width = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     const KeyLegend legend(spec.keys, content_width);
@@ -224,9 +226,9 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     page.draw_canvas(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
     ScatterPlotter plotter(spec, x, y, frame);
-    plotter.draw_points(page, true);
+    plotter.draw_points(page, ScatterPlotter::PointKind::faint);
     plotter.draw_front(page);
-    plotter.draw_points(page, false);
+    plotter.draw_points(page, ScatterPlotter::PointKind::clear);
     plotter.draw_labels(page);
     axes.draw(page, frame);
     legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);

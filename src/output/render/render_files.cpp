@@ -79,8 +79,8 @@ image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row_in
                            {"lostbits:form", std::string(study.rows[row_index].form->info->name)},
                            {"lostbits:format", study.rows[row_index].format.name},
                            image::compiler_attribute(),
-                           {"lostbits:seen", pixel::numbered(measure::render::seen_names)},
-                           {"lostbits:shadow", pixel::numbered(measure::render::shadow_names)},
+                           {"lostbits:seen", pixel::numbered_list(measure::render::seen_names)},
+                           {"lostbits:shadow", pixel::numbered_list(measure::render::shadow_names)},
                            image::primitives_attribute()}};
 }
 

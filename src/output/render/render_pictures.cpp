@@ -166,7 +166,7 @@ private:
 
     template <class ValueOf>
     void add(pixel::ColumnSpec spec, std::size_t row_index, ValueOf value_of) {
-        columns_.push_back({std::move(spec), row_index, pixel::drawn_by<RenderBand>(value_of)});
+        columns_.push_back({std::move(spec), row_index, pixel::make_draw_function<RenderBand>(value_of)});
     }
 
     const RenderStudy& study_;

@@ -52,11 +52,11 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
 /// and z alike.
 struct Proposal {
     Tape tape;
-    const RowQuality* quality;                       ///< accuracy on the rays of the search
-    const RowQuality* held_out_quality;              ///< accuracy on rays that the search did not use
-    const std::vector<RowQuality>* probe_qualities;  ///< accuracy on each probe
-    const measure::repair::Rewritten* rewritten;     ///< null for the two sets
-    const std::vector<NodeId>* wider_operations;     ///< operations of the set; null for a rewriting
+    const RowQuality* quality;                              ///< accuracy on the rays of the search
+    const RowQuality* held_out_quality;                     ///< accuracy on rays that the search did not use
+    const std::vector<RowQuality>* probe_qualities;         ///< accuracy on each probe
+    const measure::repair::Rewritten* rewritten = nullptr;  ///< null for the two sets
+    const std::vector<NodeId>* wider_operations = nullptr;  ///< operations of the set; null for a rewriting
     bool is_symmetric_set = false;
     const Price* price = nullptr;  ///< null: not timed
 

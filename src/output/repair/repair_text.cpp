@@ -20,7 +20,7 @@ using measure::attribution::TapeText;
 
 namespace {
 
-TapeText text_of(const RepairSummary& summary) {
+TapeText make_tape_text(const RepairSummary& summary) {
     return {summary.repair.tape, input_names_of(*summary.request.row.form), TapeText::Style::plain};
 }
 
@@ -318,7 +318,7 @@ std::string wider_format_name(const FloatFormat& wider) {
 }
 
 std::string operation_text(const RepairSummary& summary, NodeId operation) {
-    return text_of(summary).definition(operation);
+    return make_tape_text(summary).definition(operation);
 }
 
 std::vector<std::string> changed_lines(const RepairSummary& summary, const Tape& changed) {
@@ -355,14 +355,26 @@ std::vector<Proposal> list_proposals(const RepairSummary& summary) {
     std::vector<Proposal> proposals;
     const auto& repair = summary.repair;
     if (summary.has_wider_set())
-        proposals.push_back({widen_operations(repair, repair.wider_set->operations), &repair.wider_set->quality,
-                             &repair.set_held_out, &repair.set_probed, nullptr, &repair.wider_set->operations});
+        proposals.push_back({.tape = widen_operations(repair, repair.wider_set->operations),
+                             .quality = &repair.wider_set->quality,
+                             .held_out_quality = &repair.set_held_out,
+                             .probe_qualities = &repair.set_probed,
+                             .wider_operations = &repair.wider_set->operations});
     if (const auto& set = repair.symmetric)
-        proposals.push_back({widen_operations(repair, set->operations), &set->quality, &set->held_out, &set->probed,
-                             nullptr, &set->operations, true});
+        proposals.push_back({.tape = widen_operations(repair, set->operations),
+                             .quality = &set->quality,
+                             .held_out_quality = &set->held_out,
+                             .probe_qualities = &set->probed,
+                             .wider_operations = &set->operations,
+                             .is_symmetric_set = true});
     for (const auto& rewritten : repair.rewriting.forms)
-        proposals.push_back(
-            {rewritten.tape, &rewritten.quality, &rewritten.held_out, &rewritten.probed, &rewritten, nullptr});
+        proposals.push_back({.tape = rewritten.tape,
+                             .quality = &rewritten.quality,
+                             .held_out_quality = &rewritten.held_out,
+                             .probe_qualities = &rewritten.probed,
+                             .rewritten = &rewritten});
+
+    // The first price is that of the form itself.
     for (std::size_t k = 0; k < proposals.size() && !summary.prices.empty(); ++k)
         proposals[k].price = &summary.prices[k + 1];
     return proposals;

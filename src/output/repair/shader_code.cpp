@@ -260,14 +260,14 @@ private:
 };
 
 /// `vec3 centre, float radius`
-std::string parameters_of(const ShapeRow& shape) {
+std::string parameter_list(const ShapeRow& shape) {
     std::string text;
     for (const Key& key : shape.keys) text += fmt::format(", {} {}", key.count() == 3 ? "vec3" : "float", key.name);
     return text + (shape.takes_tmax ? ", float tmax" : "");
 }
 
 /// Properties of the function for the external intersector that reads the shader.
-std::string contract_of(const intersect::Info& info, const FormTexts& texts) {
+std::string contract_comment(const intersect::Info& info, const FormTexts& texts) {
     using namespace intersect;
     std::string text = fmt::format(
         "direction={} touching={} at_origin={} inside={}", info.direction == Direction::unit ? "unit" : "any",
@@ -322,8 +322,8 @@ std::string shader_code(const Tape& tape, const Intersector& form, const FormTex
 
     const std::string name = function_name(texts.name, row_of(form.shape));
     return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(texts),
-                       contract_of(*form.info, texts), called_helpers(body), name, parameters_of(row_of(form.shape)),
-                       has_t ? ", out float first" : "", body);
+                       contract_comment(*form.info, texts), called_helpers(body), name,
+                       parameter_list(row_of(form.shape)), has_t ? ", out float first" : "", body);
 }
 
 }  // namespace lostbits::output::repair

@@ -246,8 +246,8 @@ Json statistics_json(const MapStudy& request, const FormSummary& s) {
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
         statistics[std::string(request.metrics[m]->name)] =
-            array_of(measure::metric::quantiles,
-                     [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
+            json_array(measure::metric::quantiles,
+                       [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
     return statistics;
 }
@@ -295,7 +295,7 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_si
             {"width", scene.width},
             {"height", scene.height},
             {"own_size", has_scene_size},
-            {"metrics", array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.rows); })},
+            {"metrics", json_array(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.rows); })},
             {"rows", std::move(rows)}};
 }
 

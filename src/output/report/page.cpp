@@ -83,19 +83,19 @@ constexpr std::array kind_names{"line", "plane", "cases"};  // names of `SweepSe
 
 Json index_json(const Report& report) {
     Json json = colours_json();
-    json["quantiles"] = array_of(measure::metric::quantiles, [](const auto& q) { return q.name; });
+    json["quantiles"] = json_array(measure::metric::quantiles, [](const auto& q) { return q.name; });
     json["least_agreement"] = measure::metric::least_agreement;
-    json["maps"] = array_of(report.maps, [](const MapSection& m) { return m.index; });
-    json["sweeps"] = array_of(report.sweeps, [](const SweepSection& s) {
+    json["maps"] = json_array(report.maps, [](const MapSection& m) { return m.index; });
+    json["sweeps"] = json_array(report.sweeps, [](const SweepSection& s) {
         return Json{{"id", s.id},
                     {"title", s.title},
                     {"note", s.note},
                     {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
-                    {"charts", array_of(s.charts, [](const Chart& c) { return c.name; })},
+                    {"charts", json_array(s.charts, [](const Chart& c) { return c.name; })},
                     {"rows", s.row_names}};
     });
     json["statistics"] = sweep_statistics;
-    json["trades"] = array_of(report.trades, [](const TradeSection& t) { return t.json; });
+    json["trades"] = json_array(report.trades, [](const TradeSection& t) { return t.json; });
     return json;
 }
 
@@ -120,7 +120,9 @@ std::string title_with_name(const std::string& title, const std::string& name) {
     return fmt::format("{} <code>{}</code>", html(title), html(name));
 }
 
-std::string preformatted(const std::string& content) { return fmt::format("<pre class=\"words\">{}</pre>\n", content); }
+std::string preformatted_html(const std::string& content) {
+    return fmt::format("<pre class=\"words\">{}</pre>\n", content);
+}
 
 std::string maps_body(const std::vector<MapSection>& maps) {
     if (maps.empty()) return "";
@@ -170,7 +172,7 @@ std::string choices_body(const Report& report) {
         fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", timing_note(report));
     for (const ChoiceSection& c : report.choices)
         text += details_html("", title_with_name(c.requirement, c.scene) + "<br>" + html(second_line(c.text)),
-                             preformatted(html(c.text)) + figure_html(c.front_chart) + c.table);
+                             preformatted_html(html(c.text)) + figure_html(c.front_chart) + c.table);
     return text;
 }
 
@@ -206,7 +208,7 @@ std::string mends_body(const Report& report) {
             changes += fmt::format("<li>{}</li>\n", html(change));
         text += details_html("", title_with_name(m.form + ": " + m.requirement, m.scene),
                              fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure_html(m.front_chart) +
-                                 preformatted(mark_diff_lines(m.text)));
+                                 preformatted_html(mark_diff_lines(m.text)));
     }
     return text;
 }
@@ -302,7 +304,7 @@ std::string command_body(const Report& report) {
     if (!report.maps.empty()) parts.push_back(count_with_noun(report.maps.size(), "map"));
     if (!report.sweeps.empty()) parts.push_back(count_with_noun(report.sweeps.size(), "sweep"));
     return fmt::format("<p>{}{}Made by:</p>\n", fmt::join(parts, ", "), parts.empty() ? "" : ". ") +
-           preformatted(html(report.command));
+           preformatted_html(html(report.command));
 }
 
 /// A section of the page: its anchor, the text of the link to it, its title, and its HTML.

@@ -85,7 +85,7 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
               {"sums", lines_json(attribution::sums_text(explanation, view))},
               {"subject", view.subject()},
               {"earlier", table.first_node},
-              {"rows", array_of(table.rows, operation_json)}};
+              {"rows", json_array(table.rows, operation_json)}};
     if (explanation.primitive_count > 1 && is_primitive(explanation.form->shape))
         json["primitive"] = explanation.primitive_index;
     return json;
@@ -138,7 +138,7 @@ Json rays_json(const MapStudy& request, const TestedForm& tested_form, const std
         explained[i] =
             ray_json(rays[i], explanation, attribution::end_of_march(*tested_form.form, tested_form.format, ray));
     });
-    return array_of(explained, [](const Json& json) { return json; });
+    return json_array(explained, [](const Json& json) { return json; });
 }
 
 }  // namespace lostbits::output::report

@@ -61,7 +61,7 @@ Json with_rows(Json json, const auto& request, std::size_t cells, const auto& su
 }
 
 Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
-    return {{"name", axis.name}, {"label", axis.label}, {"values", array_of(values, number_json)}};
+    return {{"name", axis.name}, {"label", axis.label}, {"values", json_array(values, number_json)}};
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
          {"kind", "line"},
          {"axis", axis.name},
          {"label", axis.label},
-         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
+         {"steps", json_array(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
          {"is_drawn", request.sweep.has_random_rays()}},
         request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
         [&](Json& row, std::size_t r) {
@@ -115,16 +115,16 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
          {"kind", "cases"},
          {"cases", names},
          {"within_means", sweep::within_meaning(file)},
-         {"conventions", array_of(file.conventions, intersect::convention_name)}},
+         {"conventions", json_array(file.conventions, intersect::convention_name)}},
         request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
         [&](Json& row, std::size_t r) {
-            row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+            row["inherent"] = json_array(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return number_json(inherent_index < request.metrics.size()
                                        ? case_summaries[r].metrics[inherent_index].quantile(1)
                                        : measure::truth::missing);
             });
             row["judged"] = intersect::convention_name(request.rows[r].touching);
-            row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+            row["verdicts"] = json_array(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return measure::sweep::verdict_names[static_cast<std::size_t>(
                     measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
             });

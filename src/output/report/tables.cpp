@@ -30,17 +30,20 @@ std::string fraction_cell(double fraction) {
 
 /// A column of the table of strategies.
 struct StrategyColumn {
+    enum class Kind { fraction, factor };
     const char *name, *column;
-    bool is_fraction;
+    Kind kind;
 };
-constexpr StrategyColumn strategy_columns[] = {{"rays wrong", "bad_fraction", true},
-                                               {"self-hits", "self_hit_fraction", true},
-                                               {"self-hits by the form", "self_hit_by_form_fraction", true},
-                                               {"lost occluders", "lost_occluder_fraction", true},
-                                               {"lost exits", "lost_exit_fraction", true},
-                                               {"wrong side", "wrong_side_fraction", true},
-                                               {"times larger, p50", "oversize_p50", false},
-                                               {"p99", "oversize_p99", false}};
+using StrategyKind = StrategyColumn::Kind;
+constexpr StrategyColumn strategy_columns[] = {
+    {"rays wrong", "bad_fraction", StrategyKind::fraction},
+    {"self-hits", "self_hit_fraction", StrategyKind::fraction},
+    {"self-hits by the form", "self_hit_by_form_fraction", StrategyKind::fraction},
+    {"lost occluders", "lost_occluder_fraction", StrategyKind::fraction},
+    {"lost exits", "lost_exit_fraction", StrategyKind::fraction},
+    {"wrong side", "wrong_side_fraction", StrategyKind::fraction},
+    {"times larger, p50", "oversize_p50", StrategyKind::factor},
+    {"p99", "oversize_p99", StrategyKind::factor}};
 
 /// A column of the table of a map that counts an outcome.
 struct CountColumn {
@@ -189,8 +192,9 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
             for (const StrategyColumn& column : strategy_columns) {
                 const double value =
                     column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);
-                text += column.is_fraction ? fraction_cell(value)
-                                           : fmt::format("<td class=\"n\">{}</td>", number_html(value));
+                text += column.kind == StrategyKind::fraction
+                            ? fraction_cell(value)
+                            : fmt::format("<td class=\"n\">{}</td>", number_html(value));
             }
             text += "</tr>\n";
         }

@@ -99,7 +99,7 @@ private:
         pixel::BandFiles<Band> files{pictures_, {}, keep_piece_};
         std::unique_ptr<table::TableFile<Pixel>> table;
         if constexpr (requires { View::pixel_table(study_); }) {
-            if (options_.pixels_csv)
+            if (options_.writes_pixels_csv)
                 table = std::make_unique<table::TableFile<Pixel>>(keep_piece_ ? "" : options_.folder,
                                                                   View::row_name(study_, r) + ".csv", View::pixel_title,
                                                                   View::pixel_table(study_));

@@ -59,8 +59,8 @@ struct CellLook {
     [[nodiscard]] plot::MatrixCell cell(const FormSummary& s, Verdict verdict) const {
         switch (verdict) {
             case Verdict::right: return {case_right_colour, {}};
-            case Verdict::within_inputs: return value_cell(s, true);
-            case Verdict::wrong_value: return value_cell(s, false);
+            case Verdict::within_inputs: return within_inputs_cell(s);
+            case Verdict::wrong_value: return lost_bits_cell(s);
             case Verdict::false_hit: return wrong_cell(s, Outcome::false_hit);
             case Verdict::false_miss: return wrong_cell(s, Outcome::false_miss);
             case Verdict::not_a_number: return wrong_cell(s, Outcome::not_a_number);
@@ -78,10 +78,19 @@ private:
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
-    [[nodiscard]] plot::MatrixCell value_cell(const FormSummary& s, bool is_within_inputs) const {
-        const double lost_bits = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+    [[nodiscard]] double most_lost_bits(const FormSummary& s) const {
+        return s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+    }
+
+    [[nodiscard]] plot::MatrixCell lost_bits_cell(const FormSummary& s) const {
+        const double lost_bits = most_lost_bits(s);
+        return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
+    }
+
+    /// A paler cell, which also gives the bits that the inputs cost if they were measured.
+    [[nodiscard]] plot::MatrixCell within_inputs_cell(const FormSummary& s) const {
+        const double lost_bits = most_lost_bits(s);
         const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
-        if (!is_within_inputs) return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
         return {map::make_paler(scale.colour(lost_bits, format)),
                 inherent_index < metrics.size()
                     ? fmt::format("{:.0f}/{:.0f} b", lost_bits, s.metrics[inherent_index].quantile(1))

@@ -105,8 +105,8 @@ public:
         std::vector<AxisHalf> list;
         for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
             for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
-                if (positive_count_ > 0) list.push_back({row_index, ray, false});
-                if (negative_count_ > 0) list.push_back({row_index, ray, true});
+                if (positive_count_ > 0) list.push_back({.row = row_index, .ray = ray, .is_negative = false});
+                if (negative_count_ > 0) list.push_back({.row = row_index, .ray = ray, .is_negative = true});
             }
         }
         return list;

@@ -17,7 +17,7 @@ using table::when;
 namespace {
 
 template <class Row>
-Table<StepRow<Row>> along_axes(const SweepRequest& request, const Table<Row>& columns) {
+Table<StepRow<Row>> step_columns(const SweepRequest& request, const Table<Row>& columns) {
     using R = StepRow<Row>;
     Table<R> table;
     std::size_t axis_index = 0;
@@ -38,7 +38,7 @@ Table<SampleRow> sample_table(const SweepRequest& request) {
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
     summary.add({"views", views_meaning, [](const map::SummaryRow& r) { return r.summary->views; }});
-    return along_axes(request, summary);
+    return step_columns(request, summary);
 }
 
 std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vector<SweepStep>& steps) {
@@ -130,7 +130,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
 
 void SweepWriter::require_own_columns(const SweepRequest& request) {
     for (const auto& columns : {sample_table(request).columns(), onset_table(request).columns(),
-                                along_axes(request, map::culprit_table()).columns()}) {
+                                step_columns(request, map::culprit_table()).columns()}) {
         std::set<std::string> names;
         for (const file::Column& column : columns) {
             if (names.insert(column.name).second) continue;
@@ -156,7 +156,7 @@ SweepWriter::SweepWriter(const SweepRequest& request, const std::filesystem::pat
                         onset_table(request));
     if (map::asks_for_culprits(request.metrics))
         culprits_.emplace(folder, "culprits.csv", "One row per form, format, step and operation that is a culprit",
-                          along_axes(request, map::culprit_table()));
+                          step_columns(request, map::culprit_table()));
 }
 
 void SweepWriter::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
@@ -164,7 +164,7 @@ void SweepWriter::finish(const std::vector<SweepStep>& steps, const std::vector<
     if (onsets_) onsets_->add_all(onsets);
     for (std::size_t r = 0; culprits_ && r < request_.rows.size(); ++r)
         for (const SweepStep& step : steps)
-            for (const auto& culprit : map::culprits_of(request_.metrics, request_.rows[r], step.rows[r]))
+            for (const auto& culprit : map::find_culprits(request_.metrics, request_.rows[r], step.rows[r]))
                 culprits_->add({&step, culprit});
     table::close_tables(folder_, request_.sweep.title, samples_, onsets_, culprits_);
 }

@@ -264,12 +264,12 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
 }
 
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                  bool single_pictures) {
+                  bool draws_single_pictures) {
     const SweepGrid plane(request, steps);
     write_plane_sheet(folder / "contact.png", request, steps);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const std::string file_stem = map::row_name(request.rows[r]);
-        if (single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
+        if (draws_single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
         write_exr(folder / (file_stem + ".exr"), request, plane, r);
     }
 }

@@ -361,7 +361,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
 
 }  // namespace
 
-std::vector<Format> formats_of(const MeasuredSweep& sweep) {
+std::vector<Format> list_formats(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
     for (const TestedForm& tested_form : sweep.request.rows) {
         if (std::ranges::find(formats, tested_form.format) == formats.end()) formats.push_back(tested_form.format);
@@ -369,10 +369,10 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     return formats;
 }
 
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool single_pictures) {
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool draws_single_pictures) {
     const SweepRequest& request = sweep.request;
-    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, single_pictures);
-    for (const Format& format : formats_of(sweep)) {
+    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, draws_single_pictures);
+    for (const Format& format : list_formats(sweep)) {
         const SaveAs save = [&](const std::string& name, const image::Canvas& plot) {
             image::save_figure(folder / fmt::format("{}.{}.png", name, format.name), plot);
         };

@@ -24,7 +24,7 @@ struct MeasuredSweep {
 };
 
 /// The formats of the rows of a sweep, each once.
-[[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
+[[nodiscard]] std::vector<Format> list_formats(const MeasuredSweep& sweep);
 /// Axis of a plot that shows an axis of a sweep.
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Axis of lost bits in the format called `name`: `lost bits, of 24 in f32`.
@@ -37,8 +37,9 @@ double wrong_fraction(const FormSummary& s);
 /// `false_hit.<format>.png` and `false_miss.<format>.png` with the fractions of such rays, and the same for other wrong
 /// outcomes that occur; `culprit.<form>.<format>.png` if culprits are measured; and `steps.<form>.<format>.png` if
 /// steps of transforms are measured, with the value at which the median of each first reaches an ulp. For two axes see
-/// `write_planes`; `single_pictures` matters only there.
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool single_pictures = false);
+/// `write_planes`; `draws_single_pictures` matters only there.
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep,
+                       bool draws_single_pictures = false);
 
 /// Size of a picture in pixels.
 struct PlotSize {
@@ -78,13 +79,13 @@ inline constexpr const char* outline_meaning =
 inline constexpr const char* no_outline_text =
     "Nowhere does the form lose a bit beyond what half an ulp in each input would cost";
 
-/// Writes `contact.png`: a plane of each form and format. With `single_pictures` also each plane alone, as
+/// Writes `contact.png`: a plane of each form and format. With `draws_single_pictures` also each plane alone, as
 /// `<form>.<format>.png`: the 99th percentile of lost bits, or the colour of the most frequent wrong outcome if most
 /// rays are wrong. A cell is outlined where the form, not the problem, loses the bits, and hatched where too few hits
 /// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order. The rows are the
 /// values of the second axis, the highest at the top. The attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                  bool single_pictures);
+                  bool draws_single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
 image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index);
 /// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not

@@ -77,7 +77,7 @@ struct WorstRow {
     const std::optional<WorstResult>& worst;
 };
 
-scene::rays::RayGroup group_of_worst(const WorstResult& w) {
+scene::rays::RayGroup make_worst_group(const WorstResult& w) {
     scene::rays::RayGroup group = scene::rays::group_of(w.ray);
     group.primitives = {w.primitive};
     return group;
@@ -115,7 +115,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     return table.add(
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
              if (!r.worst) return std::string();
-             const scene::rays::RayGroup group = group_of_worst(*r.worst);
+             const scene::rays::RayGroup group = make_worst_group(*r.worst);
              return attribution::explain_command(attribution::explain_ray_arguments(&group), r.row);
          }});
 }
@@ -128,7 +128,7 @@ std::string worst_case_text(const WorstRequest& request, const measure::evaluate
                                   : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
     return case_text(fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, result_text),
-                     group_of_worst(w));
+                     make_worst_group(w));
 }
 
 }  // namespace

@@ -125,8 +125,8 @@ Table<ParetoRow> pareto_table() {
 
 namespace {
 
-const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::evaluate::FormSummary& s,
-                                               const char* name) {
+const measure::metric::Distribution& find_metric_values(const TradeRequest& request,
+                                                        const measure::evaluate::FormSummary& s, const char* name) {
     return s.metrics[measure::metric::index_of(request.metrics, name)];
 }
 
@@ -344,8 +344,8 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
         for (std::size_t k = 0; k < qualities.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
             rows.push_back({sets[s].name, kernel_key(request.kernels[k]), qualities[k], &accuracy,
-                            &metric_of(request, accuracy, "lost_bits"), &metric_of(request, accuracy, "excess_bits"),
-                            static_cast<bool>(is_dominated[k])});
+                            &find_metric_values(request, accuracy, "lost_bits"),
+                            &find_metric_values(request, accuracy, "excess_bits"), static_cast<bool>(is_dominated[k])});
         }
     }
     return rows;
