@@ -38,7 +38,7 @@ struct StudyRun {
 /// Files that a study writes for a scene in addition to the usual ones; most studies have none.
 template <class Adapter>
 struct ExtraFiles {
-    using Study = typename Adapter::View::Study;
+    using Study = typename Adapter::Presentation::Study;
     ExtraFiles(const Study&, const StudyRun&) {}
     static void add_option(const shell::Command&, StudyOptions&) {}
     static std::uint64_t pixels(const Study&, const study::StudyValues&) { return 0; }
@@ -136,21 +136,21 @@ private:
 
 /// The number of pixels of all rows of a study and of its further files.
 template <class Adapter>
-std::uint64_t count_units(const typename Adapter::View::Study& study, const study::StudyValues& values) {
+std::uint64_t count_units(const typename Adapter::Presentation::Study& study, const study::StudyValues& values) {
     return (study.scene.pixels() + ExtraFiles<Adapter>::pixels(study, values)) * study.rows.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a
 /// shard.
 template <class Adapter>
-std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun& run,
+std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const StudyRun& run,
                             const SceneFolders::CompleteCallback& complete) {
     const StudyOptions& options = run.options;
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.run_division.out / study.scene.id;
     const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
     ExtraFiles<Adapter> extra_files(study, run);
-    output::study::StudyWriter<typename Adapter::View> writer(
+    output::study::StudyWriter<typename Adapter::Presentation> writer(
         study,
         {.folder = folder,
          .writes_pixels_csv = options.pixels == "csv",
@@ -188,7 +188,7 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
     auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
 
-    std::vector<typename Adapter::View::Study> studies;
+    std::vector<typename Adapter::Presentation::Study> studies;
     std::vector<std::string> jobs;
     std::vector<std::filesystem::path> input_files;
     std::uint64_t units = 0;
@@ -235,7 +235,7 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
                          option.allowed_values.empty() ? shell::ValueRule{} : shell::one_of(option.allowed_values));
     }
     selection::add_changes(command, options->scenes, Adapter::example);
-    if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *options);
+    if constexpr (requires { Adapter::Presentation::pixel_title; }) selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);
     ExtraFiles<Adapter>::add_option(command, *options);
     add_shard(command, options->shard);

@@ -98,7 +98,8 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     study.progress = settings.advance_callback(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
+    result->add_table("summary", Adapter::Presentation::summary_table(),
+                      Adapter::Presentation::summary_rows(study, summaries));
     return result;
 }
 

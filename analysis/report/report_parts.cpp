@@ -232,7 +232,7 @@ std::optional<output::report::OffsetSection> offset_part(const scene::file::Scen
                                              ": outcomes of the next rays with every offset "
                                              "strategy",
                                          [&](const auto& file) {
-                                             output::study::StudyWriter<output::offset::OffsetView> sheet(
+                                             output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
                                                  study, {.folder = {}, .sheet_only_file = file});
                                              summaries = measure::study::run_study(study, sheet.show());
                                              sheet.finish(summaries);

@@ -103,12 +103,12 @@ struct NumberRow {
     const NumberSummary* summary;
 };
 
-/// An adapter, see analysis/study/studies.hpp, and its view, see output/study/study_files.hpp. One sheet has a column
-/// for each form and a line for each format. `<form>.<format>.csv` has one row per pixel,
+/// An adapter, see analysis/study/studies.hpp, and its presentation, see output/study/study_files.hpp. One sheet has a
+/// column for each form and a line for each format. `<form>.<format>.csv` has one row per pixel,
 /// `<form>.<format>.exr` one channel.
 template <class Quantity>
 struct NumberAdapter {
-    using View = NumberAdapter;
+    using Presentation = NumberAdapter;
     using Study = NumberStudy<Quantity>;
     using Band = NumberBand;
     using SummaryRow = NumberRow;

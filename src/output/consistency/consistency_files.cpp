@@ -73,11 +73,11 @@ std::string note_of(const Check& check, const CheckSummary& s) {
 
 }  // namespace
 
-std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row_index) {
+std::string ConsistencyPresentation::row_name(const ConsistencyStudy& study, std::size_t row_index) {
     return map::row_name(study.rows[row_index]);
 }
 
-std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {
+std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
     std::vector<PixelColumn<ConsistencyBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
@@ -107,7 +107,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
     return columns;
 }
 
-pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
+pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format(
@@ -129,7 +129,8 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
     return {file, std::move(spec)};
 }
 
-std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
+std::vector<study::Note> ConsistencyPresentation::notes(const ConsistencyStudy& study,
+                                                        const std::vector<RowChecks>& rows) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
@@ -137,7 +138,7 @@ std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, c
     return notes;
 }
 
-Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const ConsistencyStudy& study) {
+Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(const ConsistencyStudy& study) {
     using R = study::PixelInBand<ConsistencyBand>;
     std::string result_names;
     for (const std::string_view name : check_result_names)
@@ -166,7 +167,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
     return table;
 }
 
-Table<CheckRow> ConsistencyView::summary_table() {
+Table<CheckRow> ConsistencyPresentation::summary_table() {
     using R = CheckRow;
     Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
@@ -195,7 +196,8 @@ Table<CheckRow> ConsistencyView::summary_table() {
          {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
+std::vector<CheckRow> ConsistencyPresentation::summary_rows(const ConsistencyStudy& study,
+                                                            const std::vector<RowChecks>& rows) {
     std::vector<CheckRow> check_rows;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)

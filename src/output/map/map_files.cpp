@@ -17,7 +17,7 @@
 namespace lostbits::output::map {
 namespace {
 
-using MapRowFiles = pixel::RowFiles<BandResult, BandRay>;
+using MapRowWriter = pixel::RowWriter<BandResult, BandRay>;
 
 /// Preview of a series to which none of the metrics applies: the colours of its outcomes.
 std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
@@ -32,7 +32,7 @@ struct MapWriter::Parts {
     const MapStudy& request;
     MapFilesOptions options;
     std::optional<MapPictures> pictures = {};
-    std::deque<MapRowFiles> rows = {};
+    std::deque<MapRowWriter> rows = {};
     std::optional<table::TableFile<SummaryRow>> summary = {};
     std::optional<table::TableFile<Culprit>> culprits = {};
 
@@ -57,7 +57,7 @@ struct MapWriter::Parts {
                 pixel_table(request.metrics));
 
         // The functions that turn a band into rows of the table and of the EXR.
-        MapRowFiles::Writers writers{
+        MapRowWriter::Functions functions{
             .add_pixel =
                 [&tested_form](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
                     file.add({&band, i, &tested_form});
@@ -66,13 +66,13 @@ struct MapWriter::Parts {
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep_piece};
 
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+            functions.exr_rows = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
                 return preview.empty() ? exr->make_rows(tested_form, band, outcome_colours_of(band))
                                        : exr->make_rows(tested_form, band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }
-        rows.emplace_back(r, files, std::move(writers), std::move(pixels));
+        rows.emplace_back(r, files, std::move(functions), std::move(pixels));
     }
 };
 

@@ -41,7 +41,7 @@ pixel::PixelValue pixel_of(double needed) {
     return needed == measure::evaluate::beyond_most_precision ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
 }
 
-using NeededColumns = pixel::ColumnFiles<BitsNeededBand>;
+using NeededColumns = pixel::PictureWriter<BitsNeededBand>;
 
 /// Picture of the form with the index `row_index` in the request.
 pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, std::size_t row_index,
@@ -139,7 +139,7 @@ Table<NeededPixel> needed_pixel_table(int bits) {
              table::or_missing([](const R& r) { return r.band->bits_needed[r.i]; })}};
 }
 
-using NeededFormFiles = pixel::RowFiles<BitsNeededBand, NeededPixel>;
+using NeededFormWriter = pixel::RowWriter<BitsNeededBand, NeededPixel>;
 
 }  // namespace
 
@@ -148,7 +148,7 @@ struct NeededWriter::Parts {
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
     NeededColumns pictures = make_pictures(request, options);
-    std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
+    std::vector<std::unique_ptr<NeededFormWriter>> forms = {};
 
     void add_form(std::size_t form_index) {
         const Info& form = *request.rows[form_index]->info;
@@ -159,7 +159,7 @@ struct NeededWriter::Parts {
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
 
         // The functions that turn a band into rows of the table and of the EXR.
-        NeededFormFiles::Writers writers{
+        NeededFormWriter::Functions functions{
             .add_pixel =
                 [](table::TableFile<NeededPixel>& file, const BitsNeededBand& band, std::size_t i) {
                     file.add({&band, i, band.truth(i)});
@@ -168,12 +168,12 @@ struct NeededWriter::Parts {
         pixel::BandFiles<BitsNeededBand> files{pictures, {}, options.keep_piece};
 
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
+            functions.exr_rows = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
                 return exr->make_rows(band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }
-        forms.push_back(std::make_unique<NeededFormFiles>(form_index, files, std::move(writers), std::move(pixels)));
+        forms.push_back(std::make_unique<NeededFormWriter>(form_index, files, std::move(functions), std::move(pixels)));
     }
 };
 

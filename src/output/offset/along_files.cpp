@@ -34,10 +34,10 @@ OffsetsAlongAxisWriter::OffsetsAlongAxisWriter(const std::filesystem::path& fold
              "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<AlongRow>{
                  {std::string(name_of(axis)), std::string(measure::offset::meaning_of(axis)), &AlongRow::axis_value}}
-                 .add(OffsetView::summary_table(), &AlongRow::strategy_row)) {}
+                 .add(OffsetPresentation::summary_table(), &AlongRow::strategy_row)) {}
 
 void OffsetsAlongAxisWriter::add(double axis_value, std::vector<OffsetSummary> summaries) {
-    for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({axis_value, row});
+    for (const StrategyRow& row : OffsetPresentation::summary_rows(study_, summaries)) table_.add({axis_value, row});
     axis_values_.push_back(axis_value);
     summaries_.push_back(std::move(summaries));
 }

@@ -144,13 +144,13 @@ std::string row_name(const OffsetRow& offset_row) {
     return fmt::format("{}.{}", map::row_name(offset_row.tested_form), name_of(offset_row.point_kind));
 }
 
-std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row_index) {
+std::string OffsetPresentation::row_name(const OffsetStudy& study, std::size_t row_index) {
     return offset::row_name(study.rows[row_index]);
 }
 
 std::string side_phrase(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
-std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& study) {
+std::vector<PixelColumn<OffsetBand>> OffsetPresentation::columns(const OffsetStudy& study) {
     const auto result_look = std::make_shared<const pixel::Look>(make_strategy_result_look());
     const auto safe_offset_look = std::make_shared<const pixel::Look>(make_safe_offset_look());
     std::vector<PixelColumn<OffsetBand>> columns;
@@ -164,7 +164,7 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
     return columns;
 }
 
-pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
+pixel::Sheet OffsetPresentation::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format("{}, {} x {} pixels: outcomes of rays that leave the points that a form finds",
@@ -187,7 +187,8 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
     return {file, std::move(spec)};
 }
 
-std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
+std::vector<study::Note> OffsetPresentation::notes(const OffsetStudy& study,
+                                                   const std::vector<OffsetSummary>& summaries) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (const Side side : both_sides)
@@ -195,7 +196,7 @@ std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::
     return notes;
 }
 
-Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
+Table<study::PixelInBand<OffsetBand>> OffsetPresentation::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
     Table<R> table = study::position_columns<OffsetBand>();
     table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->primitive[r.i]; }});
@@ -224,7 +225,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
     return table;
 }
 
-Table<StrategyRow> OffsetView::summary_table() {
+Table<StrategyRow> OffsetPresentation::summary_table() {
     using R = StrategyRow;
     Table<R> table{{"strategy", "rule for the new origin: a name of `lostbits list strategies`",
                     [](const R& r) { return r.strategy->name; }},
@@ -243,8 +244,8 @@ Table<StrategyRow> OffsetView::summary_table() {
     return table;
 }
 
-std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
-                                                  const std::vector<OffsetSummary>& summaries) {
+std::vector<StrategyRow> OffsetPresentation::summary_rows(const OffsetStudy& study,
+                                                          const std::vector<OffsetSummary>& summaries) {
     std::vector<StrategyRow> rows;
     for (std::size_t r = 0; r < study.rows.size(); ++r)
         for (const Side side : both_sides)

@@ -36,10 +36,10 @@ struct StrategyRow {
     const Strategy* strategy;
     std::size_t strategy_index;
 };
-/// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
-/// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
+/// A presentation, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the
+/// strategies across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
 /// `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has one row per pixel.
-struct OffsetView {
+struct OffsetPresentation {
     using Study = OffsetStudy;
     using Band = Study::Band;
     using SummaryRow = StrategyRow;

@@ -156,9 +156,9 @@ std::function<void(const Band&, const Look&, Strip&)> make_draw_function(PixelOf
 
 /// The columns of all rows of a study, and the files that show them.
 template <class Band>
-class ColumnFiles {
+class PictureWriter {
 public:
-    ColumnFiles(Pages pages, std::vector<PixelColumn<Band>> columns)
+    PictureWriter(Pages pages, std::vector<PixelColumn<Band>> columns)
         : columns_(std::move(columns)), writer_(std::move(pages), collect_specs(columns_)) {}
 
     /// Draws this number of pixels of a row, one strip for each column of the row that a file shows.

@@ -7,7 +7,7 @@ namespace lostbits::output::render {
 
 using measure::render::RenderBand;
 
-table::Table<StageRow> RenderView::summary_table() {
+table::Table<StageRow> RenderPresentation::summary_table() {
     using R = StageRow;
     table::Table<R> table{{"stage", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
@@ -18,8 +18,8 @@ table::Table<StageRow> RenderView::summary_table() {
     return table;
 }
 
-std::vector<StageRow> RenderView::summary_rows(const RenderStudy& study,
-                                               const std::vector<RenderStudy::Summary>& summaries) {
+std::vector<StageRow> RenderPresentation::summary_rows(const RenderStudy& study,
+                                                       const std::vector<RenderStudy::Summary>& summaries) {
     std::vector<StageRow> rows;
     for (std::size_t s = 0; s < study.stages.size(); ++s)
         for (std::size_t r = 0; r < study.rows.size(); ++r)
@@ -47,7 +47,7 @@ void add_stage(pixel::ExrLayers<RenderBand>& layers, const RenderStudy& study, s
 
 }  // namespace
 
-pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
+pixel::ExrLayers<RenderBand> RenderPresentation::layers(const RenderStudy& study) {
     pixel::ExrLayers<RenderBand> layers;
     layers.add_preview(
         [](const RenderBand& band, std::size_t i) { return picture_look().colour(pixel_of(band.painted.back()[i])); });
@@ -68,8 +68,8 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     return layers;
 }
 
-image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row_index,
-                                    const std::vector<image::Channel>& channels, const std::string& command) {
+image::ExrSpec RenderPresentation::exr_spec(const RenderStudy& study, std::size_t row_index,
+                                            const std::vector<image::Channel>& channels, const std::string& command) {
     return {.width = study.scene.width,
             .height = study.scene.height,
             .channels = channels,

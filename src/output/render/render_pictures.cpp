@@ -212,16 +212,16 @@ PixelValue pixel_of(const measure::render::Painted& p) {
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
-std::vector<PixelColumn<RenderBand>> RenderView::columns(const RenderStudy& study) {
+std::vector<PixelColumn<RenderBand>> RenderPresentation::columns(const RenderStudy& study) {
     return RenderColumnMaker(study).release();
 }
 
-pixel::Sheet RenderView::sheet(const RenderStudy& study, const std::filesystem::path& file) {
+pixel::Sheet RenderPresentation::sheet(const RenderStudy& study, const std::filesystem::path& file) {
     return {file, sheet_spec(study, map::RowGrid(study.rows))};
 }
 
-std::vector<study::Note> RenderView::notes(const RenderStudy& study,
-                                           const std::vector<RenderStudy::Summary>& summaries) {
+std::vector<study::Note> RenderPresentation::notes(const RenderStudy& study,
+                                                   const std::vector<RenderStudy::Summary>& summaries) {
     const map::RowGrid grid(study.rows);
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
