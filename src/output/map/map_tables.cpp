@@ -140,6 +140,7 @@ Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metric
                          return r.result->band->rounded_truth(r.i, binary64, r.tested_form->form->info->direction,
                                                               r.result->convention);
                      }});
+
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         const auto categories = metrics[m]->categories;
         table.add({{measure::evaluate::column_name(*metrics[m]), categories.empty() ? "number" : "string",

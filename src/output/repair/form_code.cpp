@@ -96,6 +96,8 @@ std::string info_members(const intersect::Info& info, const FormTexts& texts) {
     std::string text =
         fmt::format("        .name = {},\n        .title = {},\n        .source = {},\n", file::c_string(texts.name),
                     file::c_string(texts.title), file::c_string(texts.source));
+
+    // Members with their default values are left out.
     const auto add = [&](bool is_needed, const std::string& line) {
         if (is_needed) text += "        " + line + ",\n";
     };

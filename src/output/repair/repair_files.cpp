@@ -345,6 +345,8 @@ FormTexts make_texts(const RepairSummary& summary, const Proposal& proposal, con
     const auto& repair = summary.repair;
     const std::string form_name(summary.request.row.form->info->name);
     const std::string method = method_text(summary, proposal);
+
+    // Lines of the comment at the top.
     std::vector<std::string> head_lines{
         fmt::format("{}, {}:", form_name, method),
         fmt::format("{} on every {} of {}.", choose::requirement_text(summary.request.requirement),
@@ -354,6 +356,7 @@ FormTexts make_texts(const RepairSummary& summary, const Proposal& proposal, con
         head_lines.emplace_back(are_matrices_inverse(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");
+
     return {.name = name,
             .title = form_name + ", " + method,
             .source = command,

@@ -161,6 +161,7 @@ std::string function_name(const std::string& file, const ShapeRow& shape) {
             noise4 barrier defined line file version extension pragma)");
         return std::set<std::string, std::less<>>(std::istream_iterator<std::string>(words), {});
     }();
+
     std::string name;
     for (const char c : file)
         if (c != '_' || !name.ends_with('_')) name += c;

@@ -62,6 +62,7 @@ std::optional<PagePosition> find_position_in(const SceneSubject& subject, const 
 /// or in the order of the cases. Empty if the claim names no cell, or a value between two cells. Steps of a power of
 /// two are rounded to 12 bits and claims are not, so |step − value| ≤ 2^-12 |value| counts as the same step.
 std::string cell_query(const Claim& claim, const SweepSubject& subject, const SweepSection& section) {
+    // The first case whose name matches.
     if (const auto* const case_subject = subject.part_if<SweepSubject::Case>();
         case_subject && section.kind == SweepSection::Kind::cases) {
         const auto matches = [case_subject](const std::string& name) {
@@ -73,6 +74,8 @@ std::string cell_query(const Claim& claim, const SweepSubject& subject, const Sw
                    : fmt::format("&judged={}&v={}", intersect::convention_name(claim.convention),
                                  matching_case - section.cases.begin());
     }
+
+    // The step on each axis.
     std::string text;
     const auto* const point = subject.part_if<SweepSubject::At>();
     for (std::size_t a = 0; point && a < point->values.size(); ++a) {
@@ -250,12 +253,14 @@ std::string find_title(const std::string& subject, const Report& report) {
 std::string claims_table(const Report& report) {
     std::string text;
     for (const check::ClaimSubject& subject : check::group_by_subject(report.claims)) {
+        // The rows of the claims, and the counts of their verdicts.
         check::VerdictCounts counts;
         std::string rows;
         for (const std::size_t i : subject.claims) {
             counts.add(report.claims[i], report.results[i]);
             rows += claim_row(report.claims[i], report.results[i], report);
         }
+
         const std::string title = find_title(subject.name, report);
         text += fmt::format(
             "<details open class=\"part subject\"><summary>{}<code>{}</code> <small>{}</small></summary>\n{}{}{}"

@@ -110,6 +110,8 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     const std::size_t inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
     Json names = Json::array();
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
+
+    // The file, its results, and for each row the verdicts and the bits that the inputs cost.
     return with_rows(
         {{"id", file.id},
          {"kind", "cases"},

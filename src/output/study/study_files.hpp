@@ -98,6 +98,8 @@ private:
     void add_row(std::size_t r) {
         typename Rows::Functions functions{.pixels = Presentation::pixels};
         pixel::BandFiles<Band> files{pictures_, {}, keep_piece_};
+
+        // The table of pixels, if the presentation has one and it is asked for.
         std::unique_ptr<table::TableFile<Pixel>> table;
         if constexpr (requires { Presentation::pixel_table(study_); }) {
             if (options_.writes_pixels_csv)
@@ -110,6 +112,7 @@ private:
                 file.add({&band, i});
             };
         }
+
         if constexpr (requires { Presentation::layers(study_); }) {
             if (!options_.folder.empty()) add_exr(r, functions, files);
         }

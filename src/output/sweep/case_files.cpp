@@ -34,6 +34,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
     summary.set_meaning("rays", "number of rays in the case");
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "0");
+
     table::Table<R> table{
         {"case", "name of the case", &R::name},
         {"convention",

@@ -40,6 +40,7 @@ std::vector<Layer> make_layers(const SweepRequest& request) {
             return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays));
         };
     };
+
     return {{"bits.lost_p50", quantile("lost_bits", 0.5)},
             {"bits.lost_p99", quantile("lost_bits", 0.99)},
             {"bits.lost_max", quantile("lost_bits", 1)},
