@@ -194,27 +194,28 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
                                                     .command = canonical_command(scene, options),
                                                     .needed = work.bits_needed ? &*work.bits_needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
-    std::optional<output::map::NeededFiles> needed_files;
+    std::optional<output::map::NeededWriter> needed_writer;
     if (work.bits_needed)
-        needed_files.emplace(
+        needed_writer.emplace(
             *work.bits_needed,
             output::map::NeededFilesOptions{folder, writes_pixels, exr, shard::piece_recorder(division, needed_job)});
-    output::map::MapFiles files(
-        work.map, {.folder = folder,
-                   .drawn_metrics = drawn_metrics,
-                   .single_pictures = options.pictures == "all",
-                   .pixels_csv = writes_pixels,
-                   .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) +
-                                      scene_options_text(options),
-                   .sheet_with_explanations = context.sheet_with_explanations,
-                   .draws_envelope = options.envelope,
-                   .exr = exr,
-                   .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
-                   .range = selection::parse_range(options.range, drawn_metrics),
-                   .keep_piece = shard::piece_recorder(division, job)});
+    output::map::MapWriter writer(
+        work.map,
+        {.folder = folder,
+         .drawn_metrics = drawn_metrics,
+         .draws_single_pictures = options.pictures == "all",
+         .writes_pixels_csv = writes_pixels,
+         .scene_arguments =
+             selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_text(options),
+         .sheet_with_explanations = context.sheet_with_explanations,
+         .draws_envelope = options.envelope,
+         .exr = exr,
+         .other_tables = needed_writer ? needed_writer->resources() : std::vector<output::file::DataResource>{},
+         .range = selection::parse_range(options.range, drawn_metrics),
+         .keep_piece = shard::piece_recorder(division, job)});
 
     SceneSummaries summaries;
-    auto map_summaries = shard::run_divided(work.map, files, division, job);
+    auto map_summaries = shard::run_divided(work.map, writer, division, job);
     if (map_summaries) summaries.map = std::move(*map_summaries);
     if (work.bits_needed) {
         // --bits tests the rays in many widths, so the time of the map does not predict its time.
@@ -222,12 +223,12 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
                                         work.bits_needed->units() / division.share().count, common.quiet);
         BitsNeededStudy study = *work.bits_needed;
         study.progress = advance_callback(progress, &estimate);
-        if (auto needed_summaries = shard::run_divided(study, *needed_files, division, needed_job))
+        if (auto needed_summaries = shard::run_divided(study, *needed_writer, division, needed_job))
             summaries.bits_needed = std::move(*needed_summaries);
     }
     if (!map_summaries) return 0;
-    if (work.bits_needed) needed_files->finish(summaries.bits_needed);
-    files.finish(summaries.map);
+    if (work.bits_needed) needed_writer->finish(summaries.bits_needed);
+    writer.finish(summaries.map);
     context.complete();
     if (!common.quiet) progress.print_without_bar([&] { print_results(work, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);

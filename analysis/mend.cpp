@@ -209,11 +209,11 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     if (rays) rays->set_subject_of(request);
     const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->quoted_files();
     std::unique_ptr<output::file::ResultFolder> result_folder;
-    std::optional<output::repair::RepairFiles> files;
+    std::optional<output::repair::RepairWriter> writer;
     if (!options.out.empty()) {
         const auto folder = std::filesystem::path(options.out) / request.id();
         result_folder = take_folder(folder, common, subject);
-        files.emplace(folder);
+        writer.emplace(folder);
     }
     std::optional<output::file::AtomicFile> header;
     if (!options.emit.empty()) header.emplace(options.emit);
@@ -225,14 +225,14 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
         header->write(emitted_file_text(result, options.emit, command));
         header->commit();
     }
-    if (files) {
-        files->finish(result);
-        write_page(files->folder() / "index.html", result, common.typed_command.for_subject(subject) + " -o out");
+    if (writer) {
+        writer->finish(result);
+        write_page(writer->folder() / "index.html", result, common.typed_command.for_subject(subject) + " -o out");
     }
     complete_folder(result_folder);
     fmt::print("{}", output::repair::repair_text(result));
-    if (files && !common.quiet)
-        for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
+    if (writer && !common.quiet)
+        for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (writer->folder() / name).string());
     const bool meets_requirement = repair.wider_set || best_proposal(list_proposals(result), result);
     return meets_requirement ? Exit::done : Exit::answer_is_no;
 }

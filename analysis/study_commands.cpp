@@ -38,7 +38,7 @@ struct StudyRun {
 /// Files that a study writes for a scene in addition to the usual ones; most studies have none.
 template <class Adapter>
 struct ExtraFiles {
-    using Study = typename Adapter::View::Study;
+    using Study = typename Adapter::Presentation::Study;
     ExtraFiles(const Study&, const StudyRun&) {}
     static void add_option(const shell::Command&, StudyOptions&) {}
     static std::uint64_t pixels(const Study&, const study::StudyValues&) { return 0; }
@@ -81,7 +81,7 @@ public:
         const auto folder = run.run_division.path_to_write(run.run_division.out / study.scene.id);
         for (const AxisSteps& steps : steps_)
             if (!folder.empty())
-                files_.push_back(std::make_unique<output::offset::AlongFiles>(folder, study, steps.axis));
+                writers_.push_back(std::make_unique<output::offset::OffsetsAlongAxisWriter>(folder, study, steps.axis));
     }
 
     static void add_option(const shell::Command& command, StudyOptions& options) {
@@ -107,7 +107,7 @@ public:
 
     [[nodiscard]] std::vector<output::file::DataResource> resources() const {
         std::vector<output::file::DataResource> all;
-        for (const auto& files : files_) all.push_back(files->resource());
+        for (const auto& writer : writers_) all.push_back(writer->resource());
         return all;
     }
     void run(const OffsetStudy& study, shard::Division& division) {
@@ -122,39 +122,40 @@ public:
                 NoFiles no_files;
                 auto summaries =
                     shard::run_divided(moved_study, no_files, division, job_name(study, steps_[a].axis, factor));
-                if (summaries) files_[a]->add(factor, std::move(*summaries));
+                if (summaries) writers_[a]->add(factor, std::move(*summaries));
             }
-            if (!files_.empty()) files_[a]->finish();
+            if (!writers_.empty()) writers_[a]->finish();
         }
     }
 
 private:
     std::vector<AxisSteps> steps_;
-    std::vector<std::unique_ptr<output::offset::AlongFiles>> files_;  ///< one for each axis; none in a shard
+    std::vector<std::unique_ptr<output::offset::OffsetsAlongAxisWriter>>
+        writers_;  ///< one for each axis; none in a shard
 };
 
 /// The number of pixels of all rows of a study and of its further files.
 template <class Adapter>
-std::uint64_t count_units(const typename Adapter::View::Study& study, const study::StudyValues& values) {
+std::uint64_t count_units(const typename Adapter::Presentation::Study& study, const study::StudyValues& values) {
     return (study.scene.pixels() + ExtraFiles<Adapter>::pixels(study, values)) * study.tested_forms.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a
 /// shard.
 template <class Adapter>
-std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun& run,
+std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const StudyRun& run,
                             const SceneFolders::CompleteCallback& complete) {
     const StudyOptions& options = run.options;
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.run_division.out / study.scene.id;
     const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
     ExtraFiles<Adapter> extra_files(study, run);
-    output::study::StudyFiles<typename Adapter::View> files(
+    output::study::StudyWriter<typename Adapter::Presentation> writer(
         study,
         {.folder = folder,
-         .pixels_csv = options.pixels == "csv",
+         .writes_pixels_csv = options.pixels == "csv",
          .command = run.common.typed_command.for_subject(scene_arguments),
-         .single_pictures = options.pictures == "all",
+         .draws_single_pictures = options.pictures == "all",
          .other_tables = extra_files.resources()},
         shard::piece_recorder(run.run_division.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
@@ -162,10 +163,10 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
         run.progress, study.scene.id,
         count_units<Adapter>(study, options.values) / run.run_division.division.share().count, run.common.quiet);
     study.progress = advance_callback(run.progress, &estimate);
-    const auto summaries = shard::run_divided(study, files, run.run_division.division, job);
+    const auto summaries = shard::run_divided(study, writer, run.run_division.division, job);
     extra_files.run(study, run.run_division.division);
     if (!summaries) return 0;
-    files.finish(*summaries);
+    writer.finish(*summaries);
     complete();
     if (!run.common.quiet) {
         run.progress.print_without_bar([&] {
@@ -187,7 +188,7 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
     auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
 
-    std::vector<typename Adapter::View::Study> studies;
+    std::vector<typename Adapter::Presentation::Study> studies;
     std::vector<std::string> jobs;
     std::vector<std::filesystem::path> input_files;
     std::uint64_t units = 0;
@@ -234,7 +235,7 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
                          option.allowed_values.empty() ? shell::ValueRule{} : shell::one_of(option.allowed_values));
     }
     selection::add_changes(command, options->scenes, Adapter::example);
-    if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *options);
+    if constexpr (requires { Adapter::Presentation::pixel_title; }) selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);
     ExtraFiles<Adapter>::add_option(command, *options);
     add_shard(command, options->shard);

@@ -68,13 +68,13 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, rows);
     const auto folder = chosen.folder_of(file.id);
     const auto result_folder = chosen.take_sweep_folder(file.id, path);
-    std::optional<output::sweep::CaseFiles> files;
-    if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
+    std::optional<output::sweep::CaseWriter> writer;
+    if (result_folder) writer.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
     const auto units = request.share.unit_range(file.size()).size() * request.tested_forms.size();
     const auto case_results = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!case_results) return;
-    files->finish(*case_results);
+    writer->finish(*case_results);
     complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
@@ -88,18 +88,18 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
         chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
     selection::note_forms_without_formula(chosen.extra_metrics, request.tested_forms, common.quiet);
-    output::sweep::SweepFiles::require_own_columns(request);
+    output::sweep::SweepWriter::require_own_columns(request);
     if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.tested_forms, common.stop);
     const auto folder = chosen.folder_of(sweep.id);
     const auto result_folder = chosen.take_sweep_folder(sweep.id, path);
-    const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
+    const auto writer = result_folder ? std::make_unique<output::sweep::SweepWriter>(request, folder) : nullptr;
     request.share = chosen.division().share();
     const auto units = measure::sweep::sweep_units(request) / request.share.count;
     const auto measured_sweep = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!measured_sweep) return;
     const auto& [steps, onsets] = *measured_sweep;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.options.pictures == "all");
-    files->finish(steps, onsets);
+    writer->finish(steps, onsets);
     complete_folder(result_folder);
     note_suspicions(request.tested_forms, common, [&sweep](const measure::evaluate::TestedForm& tested_form) {
         std::vector<double> first_values;

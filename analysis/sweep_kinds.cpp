@@ -110,8 +110,8 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
                    state_file_.path().string());
     const auto result_folder =
         chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
-    std::optional<output::sweep::ExhaustiveFiles> files;
-    if (result_folder) files.emplace(request_, folder_);
+    std::optional<output::sweep::ExhaustiveWriter> writer;
+    if (result_folder) writer.emplace(request_, folder_);
     const auto state = chosen_.division().result_of(
         "sweep " + sweep_.id, [&] { return try_floats(others_follow); },
         [this](const ExhaustiveState& part) { part.require_match(request_); });
@@ -123,7 +123,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
             "--resume, then join the shards",
             state->floats_tried, float_count, sweep_.id));
     const auto findings = measure::sweep::collect_findings(request_, *state);
-    files->finish(*state, findings);
+    writer->finish(*state, findings);
     if (!others_follow) output::file::remove_result(state_file_.path());
     complete_folder(result_folder);
     std::uint64_t unresolved = 0;
@@ -215,13 +215,13 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
         measure::edges::progress_units_per_row * request.share.unit_range(request.tested_forms.size()).size();
     const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!edge_results) return;
-    const output::sweep::NearestFiles files{request, *edge_results,
-                                            selection::name_of_scene(search.scene, chosen.data())};
-    files.write(folder);
+    const output::sweep::NearestWriter writer{request, *edge_results,
+                                              selection::name_of_scene(search.scene, chosen.data())};
+    writer.write(folder);
     complete_folder(result_folder);
     if (chosen.common.quiet) return;
     fmt::print("{}\n{}\n", (folder / "census.csv").string(), (folder / "worst.csv").string());
-    for (std::size_t r = 0; r < edge_results->size(); ++r) fmt::print("{}\n", files.sentence(r));
+    for (std::size_t r = 0; r < edge_results->size(); ++r) fmt::print("{}\n", writer.sentence(r));
 }
 
 }  // namespace lostbits::analysis

@@ -58,14 +58,14 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(options.out) / name;
     const auto result_folder = take_folder(folder, common, scene ? text::shell_word(options.scene) : "");
-    output::trade::TradeFiles files(request, folder);
+    output::trade::TradeWriter writer(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);
     output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
-    files.finish(result);
+    writer.finish(result);
     complete_folder(result_folder);
     progress.finish();
     if (!common.quiet)

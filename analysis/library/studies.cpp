@@ -36,7 +36,7 @@ std::unique_ptr<lostbits_result> sweep_result(const std::filesystem::path& path,
     for (const char* name : {"inherent_bits", "excess_bits"}) metrics.push_back(measure::metric::find_metric(name));
     auto request =
         study::sweep_request(sweep, chosen.tested_forms, std::move(metrics), chosen.metric_set, settings.stop());
-    output::sweep::SweepFiles::require_own_columns(request);
+    output::sweep::SweepWriter::require_own_columns(request);
     request.progress = settings.advance_callback(measure::sweep::sweep_units(request));
     const auto measured_sweep = measure::sweep::measure_sweep(request);
     auto result = std::make_unique<lostbits_result>();
@@ -98,7 +98,8 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
+    result->add_table("summary", Adapter::Presentation::summary_table(),
+                      Adapter::Presentation::summary_rows(study, summaries));
     return result;
 }
 

@@ -29,7 +29,7 @@
 namespace lostbits::analysis::report {
 
 using measure::evaluate::TestedForm;
-using output::report::SweepPart;
+using output::report::SweepSection;
 
 namespace {
 
@@ -39,7 +39,7 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
-SweepPart case_part(const SweepWork& work, StopToken stop) {
+SweepSection case_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::CaseFile file(work.path);
     measure::sweep::CaseRequest request{
         .file = file,
@@ -55,12 +55,12 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         }
     }
     const auto cases = measure::sweep::run_cases(request);
-    SweepPart part{.kind = SweepPart::Kind::cases,
-                   .id = file.id,
-                   .title = file.title,
-                   .note = file.note,
-                   .source = file.source,
-                   .row_names = row_keys(work.tested_forms)};
+    SweepSection part{.kind = SweepSection::Kind::cases,
+                      .id = file.id,
+                      .title = file.title,
+                      .note = file.note,
+                      .source = file.source,
+                      .row_names = row_keys(work.tested_forms)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = output::report::case_json(request, cases);
     for (const auto& touching : file.conventions) {
@@ -77,7 +77,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
 std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{900, 480};
     std::vector<output::report::Chart> charts;
-    for (const Format& format : output::sweep::formats_of(sweep)) {
+    for (const Format& format : output::sweep::list_formats(sweep)) {
         const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
@@ -86,8 +86,8 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
-                {output::sweep::wrong_title(outcome) + ": " + subject,
-                 svg_text(wrong_plot(sweep, format, outcome, size)),
+                {output::sweep::outcome_title(outcome) + ": " + subject,
+                 svg_text(outcome_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
@@ -105,7 +105,7 @@ std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Forma
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
 
-SweepPart axes_part(const SweepWork& work, StopToken stop) {
+SweepSection axes_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::SweepFile sweep(work.path, work.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
@@ -116,15 +116,15 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         .limit = {.stop = stop}};
     for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
-    SweepPart part{.kind = SweepPart::Kind::line,
-                   .id = sweep.id,
-                   .title = sweep.title,
-                   .note = sweep.note,
-                   .source = sweep.source,
-                   .row_names = row_keys(work.tested_forms)};
+    SweepSection part{.kind = SweepSection::Kind::line,
+                      .id = sweep.id,
+                      .title = sweep.title,
+                      .note = sweep.note,
+                      .source = sweep.source,
+                      .row_names = row_keys(work.tested_forms)};
     if (sweep.axes.size() == 2) {
         const output::sweep::SweepGrid plane(request, steps);
-        part.kind = SweepPart::Kind::plane;
+        part.kind = SweepSection::Kind::plane;
         part.axes = {plane.x, plane.y};
         part.json = output::report::plane_json(request, steps);
         for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
@@ -142,7 +142,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     part.table = output::report::onset_table(request, onsets);
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     part.charts = line_charts(measured);
-    for (const Format& format : output::sweep::formats_of(measured)) {
+    for (const Format& format : output::sweep::list_formats(measured)) {
         const std::string absent = absent_charts(measured, format);
         part.json["absent"][format.name] = absent;
         if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);
@@ -152,8 +152,8 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
 
 }  // namespace
 
-output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
-                                 const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+output::report::MapSection map_part(MapWork& work, measure::metric::MetricSet& metric_set,
+                                    const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
     measure::evaluate::MapStudy request{
         .scene = &scene, .tested_forms = work.tested_forms, .metrics = work.metrics, .limit = {.stop = stop}};
@@ -163,10 +163,10 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
     std::vector<measure::evaluate::FormSummary> summaries;
     output::report::Picture contact_sheet = output::report::picture(
         fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
-            output::map::MapFiles sheet(request, {.folder = {},
-                                                  .drawn_metrics = {measure::metric::find_metric("lost_bits")},
-                                                  .scene_arguments = work.scene_arguments,
-                                                  .sheet_only_file = file});
+            output::map::MapWriter sheet(request, {.folder = {},
+                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
+                                                   .scene_arguments = work.scene_arguments,
+                                                   .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
                                                                 std::size_t form_index, const auto& band) {
                 draw(form_index, band);
@@ -195,9 +195,9 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
-SweepPart sweep_part(const SweepWork& work, StopToken stop) {
-    SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
-                                                                                           : axes_part(work, stop);
+SweepSection sweep_part(const SweepWork& work, StopToken stop) {
+    SweepSection part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
+                                                                                              : axes_part(work, stop);
     part.json["named"] = selection::name_of_sweep(work.path, work.data);
     part.json["claimed"] = selection::sweep_name_in_claims(work.path, work.data);
     return part;
@@ -212,7 +212,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     return scenes;
 }
 
-std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<output::report::OffsetSection> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
         .scene = scene, .tested_forms = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
@@ -228,12 +228,13 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
     study.tested_forms = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
-    output::report::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
+    output::report::OffsetSection part{
+        .id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = output::report::picture(scene.title +
                                              ": outcomes of the next rays with every offset "
                                              "strategy",
                                          [&](const auto& file) {
-                                             output::study::StudyFiles<output::offset::OffsetView> sheet(
+                                             output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
                                                  study, {.folder = {}, .sheet_only_file = file});
                                              summaries = measure::study::run_study(study, sheet.show());
                                              sheet.finish(summaries);
@@ -244,7 +245,7 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
-            part.wrong_shares[static_cast<std::size_t>(side)].push_back(
+            part.wrong_fractions[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;
@@ -265,8 +266,8 @@ StudyWork parse_study(const std::string& text, const std::string& size, const st
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-output::report::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
-                                     const std::vector<std::string>& formats, StopToken stop) {
+output::report::StudySection study_part(const StudyWork& work, const std::vector<std::string>& forms,
+                                        const std::vector<std::string>& formats, StopToken stop) {
     auto part = study::study_part(work.study, work.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
@@ -276,17 +277,17 @@ output::report::StudyPart study_part(const StudyWork& work, const std::vector<st
     return std::move(*part);
 }
 
-output::report::TradePart trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
+output::report::TradeSection trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
     std::vector<TestedForm> timed = tested_forms;
     measure::trade::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
-    output::report::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
-                                   output::report::trade_json(request, result),
-                                   output::trade::trade_text(request, result),
-                                   {}};
+    output::report::TradeSection part{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                                      output::report::trade_json(request, result),
+                                      output::trade::trade_text(request, result),
+                                      {}};
     const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
         part.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),

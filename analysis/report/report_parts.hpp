@@ -30,8 +30,8 @@ struct MapWork {
 };
 /// Measures a map. `metric_set` owns the metrics that are made for the map; `advance` gets the units of work that are
 /// done.
-output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
-                                 const std::function<void(std::uint64_t)>& advance, StopToken stop);
+output::report::MapSection map_part(MapWork& work, measure::metric::MetricSet& metric_set,
+                                    const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
 /// A sweep along one axis, over a plane, or over named cases, and the forms that can test it.
 struct SweepWork {
@@ -39,7 +39,7 @@ struct SweepWork {
     std::vector<measure::evaluate::TestedForm> tested_forms;
     int further_draws = 0;  ///< more draws of random rays, for the spread of onsets
 };
-output::report::SweepPart sweep_part(const SweepWork& work, StopToken stop);
+output::report::SweepSection sweep_part(const SweepWork& work, StopToken stop);
 
 /// A scene, a requirement, and the forms that can be timed on the scene.
 struct ChoiceWork {
@@ -52,7 +52,7 @@ struct ChoiceWork {
 ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
                         const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
-output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
+output::report::ChoiceSection choice_part(const ChoiceWork& work, StopToken stop);
 
 /// A scene, a form to repair and a requirement.
 struct MendWork {
@@ -65,8 +65,8 @@ struct MendWork {
 MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
                     StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
-output::report::MendPart mend_part(const MendWork& work, StopToken stop);
-output::report::MendPart mend_part(const output::repair::RepairSummary& result);
+output::report::MendSection mend_part(const MendWork& work, StopToken stop);
+output::report::MendSection mend_part(const output::repair::RepairSummary& result);
 
 /// A study and a scene that it takes.
 struct StudyWork {
@@ -78,18 +78,18 @@ StudyWork parse_study(const std::string& text, const std::string& size, const st
                       StopToken stop);
 /// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
 /// NothingSelected if none of the forms fits.
-output::report::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
-                                     const std::vector<std::string>& formats, StopToken stop);
+output::report::StudySection study_part(const StudyWork& work, const std::vector<std::string>& forms,
+                                        const std::vector<std::string>& formats, StopToken stop);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                               const std::filesystem::path& data, StopToken stop);
 /// Measures the rays that leave the points of a scene. The first of `usual_forms` that fits the scene finds the points,
 /// in `usual_format`. Returns nothing if none of these forms fits.
-std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop);
+std::optional<output::report::OffsetSection> offset_part(const scene::file::Scene& scene, StopToken stop);
 
 /// Measures speed and accuracy of the forms of one shape, with short measurements.
-output::report::TradePart trade_part(Shape shape, const std::vector<measure::evaluate::TestedForm>& tested_forms,
-                                     StopToken stop);
+output::report::TradeSection trade_part(Shape shape, const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                        StopToken stop);
 
 }  // namespace lostbits::analysis::report

@@ -96,7 +96,7 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     return work;
 }
 
-output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
+output::report::ChoiceSection choice_part(const ChoiceWork& work, StopToken stop) {
     measure::choose::ChoiceRequest request{
         .scene = &work.scene, .tested_forms = work.tested_forms, .requirement = work.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
@@ -112,7 +112,7 @@ output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
             .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-output::report::MendPart mend_part(const MendWork& work, StopToken stop) {
+output::report::MendSection mend_part(const MendWork& work, StopToken stop) {
     measure::repair::RepairRequest request{
         .scene = &work.scene, .tested_form = work.tested_form, .requirement = work.requirement};
     request.limit.stop = stop;
@@ -120,9 +120,9 @@ output::report::MendPart mend_part(const MendWork& work, StopToken stop) {
     return mend_part(output::repair::summarize_repair(request, repair));
 }
 
-output::report::MendPart mend_part(const output::repair::RepairSummary& result) {
+output::report::MendSection mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.tested_form;
-    output::report::MendPart part{
+    output::report::MendSection part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),
         .requirement = output::choose::requirement_text(result.request.requirement),

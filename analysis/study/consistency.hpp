@@ -18,8 +18,8 @@
 namespace lostbits::analysis::study {
 
 struct ConsistencyAdapter {
-    using View = output::consistency::ConsistencyView;
-    using Study = View::Study;
+    using Presentation = output::consistency::ConsistencyPresentation;
+    using Study = Presentation::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "consistency";
     static constexpr const char* no_form_message =
@@ -80,12 +80,12 @@ struct ConsistencyAdapter {
         return count;
     }
 
-    static std::uint64_t unproved(const View::SummaryRow& row) {
+    static std::uint64_t unproved(const Presentation::SummaryRow& row) {
         return row.summary->count_of(measure::consistency::CheckResult::unresolved);
     }
 
     /// The ray of the first question with its primitives, in a form that `lostbits explain` accepts.
-    static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string&) {
+    static std::optional<measure::evaluate::WorstRay> witness(const Presentation::SummaryRow& row, const std::string&) {
         const auto& shown = row.summary->first_disagreement;
         if (!shown || shown->rays.first.primitives.empty()) return std::nullopt;
         const scene::rays::RayGroup& first = shown->rays.first;

@@ -104,12 +104,12 @@ struct NumberRow {
     const NumberSummary* summary;
 };
 
-/// An adapter, see analysis/study/studies.hpp, and its view, see output/study/study_files.hpp. One sheet has a column
-/// for each form and a line for each format. `<form>.<format>.csv` has one row per pixel,
+/// An adapter, see analysis/study/studies.hpp, and its presentation, see output/study/study_files.hpp. One sheet has a
+/// column for each form and a line for each format. `<form>.<format>.csv` has one row per pixel,
 /// `<form>.<format>.exr` one channel.
 template <class Quantity>
 struct NumberAdapter {
-    using View = NumberAdapter;
+    using Presentation = NumberAdapter;
     using Study = NumberStudy<Quantity>;
     using Band = NumberBand;
     using SummaryRow = NumberRow;
@@ -213,7 +213,7 @@ struct NumberAdapter {
                   .look = look,
                   .sheet_positions = {place_of(study, r)}},
                  r,
-                 output::pixel::drawn_by<NumberBand>([](const NumberBand& band, std::size_t i) {
+                 output::pixel::make_draw_function<NumberBand>([](const NumberBand& band, std::size_t i) {
                      const double number = band.numbers[i];
                      return std::isnan(number) ? output::pixel::PixelValue{0} : output::pixel::PixelValue{1, number};
                  })});

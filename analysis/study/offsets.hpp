@@ -17,8 +17,8 @@
 namespace lostbits::analysis::study {
 
 struct OffsetsAdapter {
-    using View = output::offset::OffsetView;
-    using Study = View::Study;
+    using Presentation = output::offset::OffsetPresentation;
+    using Study = Presentation::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "offsets";
     static constexpr const char* no_form_message =
@@ -89,7 +89,7 @@ struct OffsetsAdapter {
     }
 
     static std::uint64_t unproved(const Summaries& summaries) { return summaries.front().unresolved; }
-    static std::uint64_t unproved(const View::SummaryRow& row) { return row.summary->unresolved; }
+    static std::uint64_t unproved(const Presentation::SummaryRow& row) { return row.summary->unresolved; }
 
     /// Leaves out the search for a quiet offset, which takes as long as all the rest, if no column is about it.
     static void skip_unneeded_work(Study& study, const std::set<std::string>& columns) {
@@ -99,7 +99,8 @@ struct OffsetsAdapter {
 
     /// A ray with the fault that a column counts or, for any other column, a ray with any fault, self-hits first. It
     /// comes with the primitive that it leaves, in a form that `lostbits explain` accepts.
-    static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string& column) {
+    static std::optional<measure::evaluate::WorstRay> witness(const Presentation::SummaryRow& row,
+                                                              const std::string& column) {
         const auto bad = find_bad_ray(row.summary->side_summary(row.side).strategies[row.strategy_index], column);
         if (!bad) return std::nullopt;
         const auto explained_rays = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));

@@ -16,8 +16,8 @@
 namespace lostbits::analysis::study {
 
 struct RenderAdapter {
-    using View = output::render::RenderView;
-    using Study = View::Study;
+    using Presentation = output::render::RenderPresentation;
+    using Study = Presentation::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "render";
     static constexpr const char* no_form_message =
@@ -100,7 +100,7 @@ struct RenderAdapter {
         return max_unproved;
     }
 
-    static std::uint64_t unproved(const View::SummaryRow& row) { return row.summary->unresolved(); }
+    static std::uint64_t unproved(const Presentation::SummaryRow& row) { return row.summary->unresolved(); }
 
 private:
     /// The stage of this name, which must be known.

@@ -11,8 +11,8 @@
 
 namespace lostbits::analysis::study {
 
-/// An adapter of a study for the command line and the library: a struct with its view, its name, its options, its forms
-/// where none is named, and
+/// An adapter of a study for the command line and the library: a struct with its presentation, its name, its options,
+/// its forms where none is named, and
 ///   can_measure(form)             true for a form that can be measured; `no_form_message` is the message if none can
 ///   require(scene)                throws InputError for a scene that cannot be measured
 ///   make_study(scene, rows, values, stop)  the study of a scene with these rows. Throws InputError

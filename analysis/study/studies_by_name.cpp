@@ -20,7 +20,7 @@ namespace {
 
 /// The study that a claim asks. Work that no column of the question needs is left out.
 template <class Adapter>
-typename Adapter::View::Study make_study(const StudyQuestion& question) {
+typename Adapter::Presentation::Study make_study(const StudyQuestion& question) {
     for (const measure::evaluate::TestedForm& tested_form : question.tested_forms)
         if (!Adapter::can_measure(*tested_form.form))
             throw InputError(fmt::format("{}: is not a form for {}; {}", tested_form.form->info->name, Adapter::name,
@@ -38,8 +38,8 @@ typename Adapter::View::Study make_study(const StudyQuestion& question) {
 
 /// A row of a summary, cell by cell.
 template <class Adapter>
-StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow>& table,
-                   const typename Adapter::View::SummaryRow& row, const std::set<std::string>& columns) {
+StudyRow study_row(const output::table::Table<typename Adapter::Presentation::SummaryRow>& table,
+                   const typename Adapter::Presentation::SummaryRow& row, const std::set<std::string>& columns) {
     StudyRow row_values;
     for (const auto& column : table) {
         const output::file::Cell cell = column.value(row);
@@ -56,17 +56,18 @@ StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow
 
 /// Draws the sheet of a study, and returns its summaries.
 template <class Adapter>
-auto draw_sheet(const typename Adapter::View::Study& study, const std::filesystem::path& file) {
-    output::study::StudyFiles<typename Adapter::View> sheet(study, {.folder = {}, .sheet_only_file = file});
+auto draw_sheet(const typename Adapter::Presentation::Study& study, const std::filesystem::path& file) {
+    output::study::StudyWriter<typename Adapter::Presentation> sheet(study, {.folder = {}, .sheet_only_file = file});
     auto summaries = measure::study::run_study(study, sheet.show());
     sheet.finish(summaries);
     return summaries;
 }
 
 template <class Adapter>
-std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& scene, std::vector<std::string> forms,
-                                                      std::vector<std::string> formats,
-                                                      intersect::process::StopToken stop) {
+std::optional<output::report::StudySection> measure_part(const scene::file::Scene& scene,
+                                                         std::vector<std::string> forms,
+                                                         std::vector<std::string> formats,
+                                                         intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
@@ -78,14 +79,14 @@ std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& 
         .stop = stop};
     if (question.tested_forms.empty()) return std::nullopt;
     const auto study = make_study<Adapter>(question);
-    typename std::vector<typename Adapter::View::Study::Summary> summaries;
-    output::report::StudyPart part{
+    typename std::vector<typename Adapter::Presentation::Study::Summary> summaries;
+    output::report::StudySection part{
         .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
     part.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
                                          [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
-    const auto table = Adapter::View::summary_table();
+    const auto table = Adapter::Presentation::summary_table();
     std::vector<std::vector<output::file::Cell>> cells;
-    for (const auto& row : Adapter::View::summary_rows(study, summaries)) {
+    for (const auto& row : Adapter::Presentation::summary_rows(study, summaries)) {
         auto& line = cells.emplace_back();
         for (const auto& column : table) line.push_back(column.value(row));
     }
@@ -100,7 +101,7 @@ StudyNames StudiesByName::names(const std::string& study) const {
         using Adapter = decltype(adapter);
         StudyNames names;
         for (const StudyOption& option : Adapter::options()) names.options.push_back(option.name);
-        for (const output::file::Column& column : Adapter::View::summary_table().columns())
+        for (const output::file::Column& column : Adapter::Presentation::summary_table().columns())
             (column.type == "string" ? names.text_columns : names.number_columns).push_back(column.name);
         return names;
     });
@@ -111,9 +112,9 @@ std::vector<StudyRow> StudiesByName::measure(const std::string& study, const Stu
         using Adapter = decltype(adapter);
         const auto study_to_measure = make_study<Adapter>(question);
         const auto summaries = measure::study::run_study(study_to_measure);
-        const auto table = Adapter::View::summary_table();
+        const auto table = Adapter::Presentation::summary_table();
         std::vector<StudyRow> rows;
-        for (const auto& row : Adapter::View::summary_rows(study_to_measure, summaries))
+        for (const auto& row : Adapter::Presentation::summary_rows(study_to_measure, summaries))
             rows.push_back(study_row<Adapter>(table, row, question.columns));
         return rows;
     });
@@ -132,9 +133,9 @@ std::vector<std::string> study_names() {
     return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
 }
 
-std::optional<output::report::StudyPart> study_part(const std::string& study, const scene::file::Scene& scene,
-                                                    std::vector<std::string> forms, std::vector<std::string> formats,
-                                                    intersect::process::StopToken stop) {
+std::optional<output::report::StudySection> study_part(const std::string& study, const scene::file::Scene& scene,
+                                                       std::vector<std::string> forms, std::vector<std::string> formats,
+                                                       intersect::process::StopToken stop) {
     return with_study(study, [&](auto adapter) {
         return measure_part<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
     });

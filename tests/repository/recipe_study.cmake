@@ -30,7 +30,7 @@ using namespace lostbits::analysis::study;
 static_assert(std::tuple_size_v<Studies> == 4);
 static_assert(lostbits::measure::study::Study<AngleAdapter::Study>);
 void write(const AngleAdapter::Study& study) {
-    lostbits::output::study::StudyFiles<AngleAdapter::View>(study, {}).finish(
+    lostbits::output::study::StudyWriter<AngleAdapter::Presentation>(study, {}).finish(
         lostbits::measure::study::run_study(study));
 }
 bool is_there() { return with_study("angle", [](auto adapter) { return !adapter.options().empty(); }); }

@@ -86,10 +86,10 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
-    map::MapFiles sheet(request, {.folder = {},
-                                  .drawn_metrics = request.metrics,
-                                  .scene_arguments = scene.id,
-                                  .sheet_only_file = picture_path(shown, file)});
+    map::MapWriter sheet(request, {.folder = {},
+                                   .drawn_metrics = request.metrics,
+                                   .scene_arguments = scene.id,
+                                   .sheet_only_file = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }
@@ -182,7 +182,7 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
     const auto onsets = measure::sweep::find_onsets(request, steps);
     const sweep::MeasuredSweep measured{request, steps, onsets};
     const SweepPlots plots = needed_plots(claims);
-    for (const Format& format : sweep::formats_of(measured)) {
+    for (const Format& format : sweep::list_formats(measured)) {
         const auto add_plot = [&](std::string_view name, const image::Canvas& plot) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, name, format.name);
             text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, name, format.name), file);
@@ -193,7 +193,7 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
             add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
-                     sweep::wrong_plot(measured, format, outcome));
+                     sweep::outcome_plot(measured, format, outcome));
     }
     return text;
 }

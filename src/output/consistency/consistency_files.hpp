@@ -18,9 +18,9 @@ struct CheckRow {
     const measure::consistency::CheckSummary* summary;
 };
 
-/// A view, see output/study/study_files.hpp. One sheet shows all checks: checks across, forms and formats down.
+/// A presentation, see output/study/study_files.hpp. One sheet shows all checks: checks across, forms and formats down.
 /// `<form>.<format>.<check>.png` is one of its cells. `<form>.<format>.csv` has one row per pixel.
-struct ConsistencyView {
+struct ConsistencyPresentation {
     using Study = measure::consistency::ConsistencyStudy;
     using Band = Study::Band;
     using SummaryRow = CheckRow;

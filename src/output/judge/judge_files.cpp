@@ -155,7 +155,7 @@ struct JudgeFiles::Parts {
     JudgeFilesOptions options;
     scene::file::Scene scene;
     measure::evaluate::MapStudy map_request = {};
-    std::optional<map::MapFiles> map = {};
+    std::optional<map::MapWriter> map = {};
     std::optional<file::AtomicFile> worst_file = {};
     std::vector<std::unique_ptr<SeriesFiles>> series = {};
 
@@ -187,7 +187,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         p.map_request,
         map::MapFilesOptions{.folder = p.options.folder,
                              .drawn_metrics = p.options.drawn_metrics,
-                             .single_pictures = p.options.single_pictures,
+                             .draws_single_pictures = p.options.single_pictures,
                              .scene_arguments = "",
                              .other_tables = tables,
                              .ray_arguments = ray_arguments,

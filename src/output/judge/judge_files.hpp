@@ -27,7 +27,7 @@ struct JudgeFilesOptions {
     pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };
 
-/// Opens every file before any work and gives all files their final names in `finish`, like `MapFiles`.
+/// Opens every file before any work and gives all files their final names in `finish`, like `MapWriter`.
 class JudgeFiles {
 public:
     /// All three arguments must outlive the object.

@@ -28,7 +28,7 @@ std::string bits_text(double kept_bits) {
 }
 
 /// Sort key of a form: better forms have smaller keys.
-std::pair<std::uint64_t, double> rank_of(const MeasuredForm& form) {
+std::pair<std::uint64_t, double> sort_key(const MeasuredForm& form) {
     return {form.summary->wrong_count(), -form.kept_bits};
 }
 
@@ -39,6 +39,7 @@ std::vector<MeasuredForm> measured_forms(const MapStudy& request, const std::vec
     for (std::size_t r = 0; r < summaries.size() && lost_bits_index < request.metrics.size(); ++r) {
         const auto& row = request.tested_forms[r];
         if (row.format != request.tested_forms.front().format) continue;
+
         const FormSummary& summary = summaries[r];
         const double kept_bits = row.format.parameters.precision - summary.metrics[lost_bits_index].quantile(0.99);
         forms.push_back({short_name(*row.form->info), &summary,
@@ -47,9 +48,9 @@ std::vector<MeasuredForm> measured_forms(const MapStudy& request, const std::vec
     return forms;
 }
 
-/// A count and its share of a population of rays: `45 % of the empty rays`, `3 of the 4096 empty rays`. `all` only if
-/// all of them are counted.
-std::string count_and_share_text(std::uint64_t count, std::uint64_t population_size, const char* population) {
+/// A count and its fraction of a population of rays: `45 % of the empty rays`, `3 of the 4096 empty rays`. `all` only
+/// if all of them are counted.
+std::string count_and_fraction_text(std::uint64_t count, std::uint64_t population_size, const char* population) {
     const double percentage = 100 * static_cast<double>(count) / static_cast<double>(population_size);
     return count == population_size ? fmt::format("all {} {}", population_size, population)
            : percentage < 0.5       ? fmt::format("{} of the {} {}", count, population_size, population)
@@ -67,6 +68,8 @@ std::string wrong_decision_text(const FormSummary& summary) {
     };
     const std::uint64_t wrong = summary.wrong_count();
     if (wrong == 0) return "";
+
+    // A kind that has more than half of the wrong decisions is named.
     for (const Fault& fault :
          {Fault{Outcome::false_hit, summary.true_misses(), "hits", "empty rays"},
           {Outcome::false_miss, summary.true_hits, "misses", "true hits"},
@@ -75,26 +78,30 @@ std::string wrong_decision_text(const FormSummary& summary) {
         if (2 * summary.count(fault.outcome) > wrong)
             return fmt::format(
                 "{} {}", fault.verb,
-                count_and_share_text(summary.count(fault.outcome), fault.population_size, fault.population));
-    return fmt::format("decides {} wrongly", count_and_share_text(wrong, summary.rays, "rays"));
+                count_and_fraction_text(summary.count(fault.outcome), fault.population_size, fault.population));
+    return fmt::format("decides {} wrongly", count_and_fraction_text(wrong, summary.rays, "rays"));
 }
 
 std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = measured_forms(request, summaries);
     if (forms.empty()) return "";
+
     // The sentence names the first of equally good forms. So does the sheet, where the others share its column.
-    const MeasuredForm &best = *std::ranges::min_element(forms, {}, rank_of),
-                       &worst = *std::ranges::max_element(forms, {}, rank_of);
+    const MeasuredForm &best = *std::ranges::min_element(forms, {}, sort_key),
+                       &worst = *std::ranges::max_element(forms, {}, sort_key);
     const auto& format = request.tested_forms.front().format;
     if (best.kept_bits < 0) return "";
-    const std::string kept_phrase = fmt::format("{} of {} bits in {}", bits_text(best.kept_bits),
-                                                format.parameters.precision, format.name),
-                      fault_text = wrong_decision_text(*worst.summary);
+
+    // Forms that all do equally well share a sentence.
+    const std::string fault_text = wrong_decision_text(*worst.summary);
     if (forms.size() > 1 && fault_text.empty() && best.kept_bits - worst.kept_bits < 1)
         return fmt::format("{} keep {} of {} bits in {}",
                            forms.size() == 2 ? "Both forms" : fmt::format("All {} forms", forms.size()),
                            bits_text(worst.kept_bits), format.parameters.precision, format.name);
-    std::string text = fmt::format("{} keeps {}", best.name, kept_phrase);
+
+    // Otherwise: what the best form keeps, and what is wrong with the worst.
+    const std::string text = fmt::format("{} keeps {} of {} bits in {}", best.name, bits_text(best.kept_bits),
+                                         format.parameters.precision, format.name);
     if (fault_text.empty() && worst.kept_bits < 0) return text;
     if (forms.size() == 1) return fault_text.empty() ? text : fmt::format("{} and {}", text, fault_text);
     return fault_text.empty() ? fmt::format("{}; {} keeps {}", text, worst.name, bits_text(worst.kept_bits))

@@ -26,14 +26,14 @@ struct BarRange {
 };
 
 /// Colour scale of a metric in a format. Lost bits run from 0 to all p bits of the significand, so that a colour is a
-/// share of the significand in every format, scene and sheet. They are spaced by their square roots, so that the first
-/// bits show: a quarter of the significand is half of the ramp. Magnitudes fit the format as well (`Metric::high`). A
-/// `range` is spaced evenly, or by logarithms for a metric with a logarithmic scale.
+/// fraction of the significand in every format, scene and sheet. They are spaced by their square roots, so that the
+/// first bits show: a quarter of the significand is half of the ramp. Magnitudes fit the format as well
+/// (`Metric::high`). A `range` is spaced evenly, or by logarithms for a metric with a logarithmic scale.
 image::ColourScale metric_scale(const Metric& metric, const FloatFormat& format,
                                 const std::optional<BarRange>& range = {});
 
-/// Colours of lost bits in one picture with rows in any formats. The colours are shares of the significand: equal
-/// shares have equal colours, the colours of `metric_scale` in each format. The bar shows bits if all rows have the
+/// Colours of lost bits in one picture with rows in any formats. The colours are fractions of the significand: equal
+/// fractions have equal colours, the colours of `metric_scale` in each format. The bar shows bits if all rows have the
 /// same precision, otherwise percent.
 class LostBitsScale {
 public:
@@ -62,7 +62,7 @@ inline constexpr const char* paler_colour_meaning = "paler colour: half an ulp i
 /// An outcome in words: `false miss`, `wrong primitive`.
 std::string outcome_in_words(Outcome o);
 
-/// Legend of the outcomes other than `agree_hit`, with the count of each and its share of `total`. Outcomes with a
+/// Legend of the outcomes other than `agree_hit`, with the count of each and its fraction of `total`. Outcomes with a
 /// count of 0 are left out.
 std::vector<image::LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total);
 
@@ -98,7 +98,7 @@ public:
     [[nodiscard]] std::string note(bool has_several_formats = false) const;
     /// Meaning of `p99` in a `short_summary`, for a sheet; empty if no short summary contains a p99.
     [[nodiscard]] std::string quantile_note() const;
-    /// Summary of a row in at most four short lines: wrong decisions as shares of all pixels, then the errors of the
+    /// Summary of a row in at most four short lines: wrong decisions as fractions of all pixels, then the errors of the
     /// agreed hits, then the number of those hits.
     [[nodiscard]] std::string short_summary(const FormSummary& summary, std::size_t metric_index) const;
     /// True if the worst ray of a row is the one with the largest value of the drawn metric.
@@ -116,6 +116,15 @@ private:
     }
     [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& category_counts) const;
     [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
+
+    /// Short summaries: of culprits, of categories, of numbers that not only hits have, and of errors of hits.
+    [[nodiscard]] std::string culprit_summary(const std::vector<std::uint64_t>& counts) const;
+    [[nodiscard]] std::string category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t rays) const;
+    [[nodiscard]] std::string distribution_summary(const measure::metric::Distribution& distribution) const;
+    [[nodiscard]] std::string hit_summary(const FormSummary& summary,
+                                          const measure::metric::Distribution& distribution) const;
+    /// The unit after a number; empty for pure numbers.
+    [[nodiscard]] std::string unit_suffix() const;
 
     const Metric* metric_;
     int precision_;

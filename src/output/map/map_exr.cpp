@@ -69,9 +69,9 @@ template <class Band>
 void add_truth(pixel::ExrLayers<Band>& layers) {
     layers.add({{"class.truth", Channel::Type::u32}, {"class.truth_object", Channel::Type::u32}},
                [](const Band& band, std::size_t i, std::uint32_t* samples) {
-                   const measure::truth::Truth truth = band.result->truth(i);
-                   samples[0] = static_cast<std::uint32_t>(truth.decision);
-                   samples[1] = truth.is_hit() ? static_cast<std::uint32_t>(truth.primitive + 1) : 0;
+                   const measure::truth::Truth ray_truth = band.result->truth(i);
+                   samples[0] = static_cast<std::uint32_t>(ray_truth.decision);
+                   samples[1] = ray_truth.is_hit() ? static_cast<std::uint32_t>(ray_truth.primitive + 1) : 0;
                });
 }
 
@@ -99,11 +99,13 @@ pixel::ExrLayers<MapStrip> series_layers(const MapExrRequest& request, const Tes
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.t[i] : missing;
     });
+
     layers.add_uint("class.outcome", [](const MapStrip& strip, std::size_t i) { return strip.result->outcomes[i]; });
     layers.add_uint("class.object", [](const MapStrip& strip, std::size_t i) {
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.object[i] + 1 : 0;
     });
+
     for (const Metric* metric : request.layers)
         layers.add_number(std::string(metric->layer),
                           [metric_index = measure::metric::index_of(request.map.metrics, metric->name)](
@@ -132,16 +134,16 @@ pixel::ExrLayers<NeededStrip> needed_layers() {
     return layers;
 }
 
-ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form, const std::string& truth,
+ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form, const std::string& truth_name,
                     std::vector<Channel> channels) {
     ExrPart part = make_part(request, row_name(tested_form), "lostbits-map/2", std::move(channels));
     append(part.spec.attributes, {{"lostbits:form", std::string(tested_form.form->info->name)},
                                   {"lostbits:format", tested_form.format.name},
-                                  {"lostbits:truth", truth},
-                                  {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
+                                  {"lostbits:truth", truth_name},
+                                  {"lostbits:outcomes", pixel::numbered_list(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
         if (m->depends_on_forms && !m->categories.empty())
-            part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered(m->categories, "; "));
+            part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered_list(m->categories, "; "));
     }
     return part;
 }
@@ -155,7 +157,7 @@ ExrPart needed_part(const MapExrRequest& request, const Info& form) {
            {{"lostbits:form", std::string(form.name)},
             {"lostbits:format", "p" + std::to_string(least_precision) + "..p" + std::to_string(most_precision)},
             {"lostbits:bits", std::to_string(request.needed->bits)},
-            {"lostbits:truths", pixel::numbered(measure::truth::decision_names)}});
+            {"lostbits:truths", pixel::numbered_list(measure::truth::decision_names)}});
     return part;
 }
 
@@ -172,6 +174,8 @@ ExrScanlines band_forms(std::size_t part, const pixel::ExrLayers<Band>& layers, 
 
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
     std::vector<ExrPart> parts;
+
+    // A part for each series. The first series with a truth of its own makes the part of that truth.
     for (const TestedForm& tested_form : request.map.tested_forms) {
         series_.push_back({&tested_form, series_layers(request, tested_form)});
         const std::size_t truth_index =
@@ -181,10 +185,13 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
         parts.push_back(
             series_part(request, tested_form, truth_parts_[truth_index].name(), series_.back().layers.channels()));
     }
+
     for (const TruthPart& t : truth_parts_) {
         parts.push_back(make_part(request, t.name(), "lostbits-map/2", t.layers.channels()));
-        parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
+        parts.back().spec.attributes.emplace_back("lostbits:truths",
+                                                  pixel::numbered_list(measure::truth::decision_names));
     }
+
     if (request.needed) {
         for (const intersect::table::Intersector* form : request.needed->tested_forms) {
             needed_forms_.push_back(form->info);

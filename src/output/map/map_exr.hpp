@@ -34,12 +34,12 @@ struct MapExrRequest {
 
 /// A band of results and the preview of its pixels, which become rows of a part.
 template <class Result>
-struct Previewed {
+struct PreviewedBand {
     const Result* result;
     std::span<const image::Rgb8> preview;
 };
-using MapStrip = Previewed<BandResult>;
-using NeededStrip = Previewed<BitsNeededBand>;
+using MapStrip = PreviewedBand<BandResult>;
+using NeededStrip = PreviewedBand<BitsNeededBand>;
 
 /// The EXR file of a map. It has these parts, in this order, with channels of 32 bits:
 /// - `<form>.<format>`, one per series: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);

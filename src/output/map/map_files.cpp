@@ -17,7 +17,7 @@
 namespace lostbits::output::map {
 namespace {
 
-using MapRowFiles = pixel::RowFiles<BandResult, BandRay>;
+using MapRowWriter = pixel::RowWriter<BandResult, BandRay>;
 
 /// Preview of a series to which none of the metrics applies: the colours of its outcomes.
 std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
@@ -28,11 +28,11 @@ std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
 
 }  // namespace
 
-struct MapFiles::Parts {
+struct MapWriter::Parts {
     const MapStudy& request;
     MapFilesOptions options;
     std::optional<MapPictures> pictures = {};
-    std::deque<MapRowFiles> rows = {};
+    std::deque<MapRowWriter> rows = {};
     std::optional<table::TableFile<SummaryRow>> summary = {};
     std::optional<table::TableFile<Culprit>> culprits = {};
 
@@ -50,37 +50,43 @@ struct MapFiles::Parts {
     void add_row(std::size_t r) {
         const TestedForm& tested_form = request.tested_forms[r];
         std::unique_ptr<table::TableFile<BandRay>> pixels;
-        if (options.pixels_csv)
+        if (options.writes_pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
                 options.keep_piece ? "" : options.folder, row_name(tested_form) + ".csv",
                 fmt::format("One row per pixel: {} in {}", tested_form.form->info->name, tested_form.format.name),
                 pixel_table(request.metrics));
-        MapRowFiles::Writers writers{
+
+        // The functions that turn a band into rows of the table and of the EXR.
+        MapRowWriter::Functions functions{
             .add_pixel =
                 [&tested_form](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
                     file.add({&band, i, &tested_form});
                 },
             .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep_piece};
+
         if (MapExr* const exr = options.exr) {
-            writers.exr_scanlines = [&tested_form, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+            functions.exr_scanlines = [&tested_form, exr](const BandResult& band,
+                                                          std::span<const image::Rgb8> preview) {
                 return preview.empty() ? exr->make_rows(tested_form, band, outcome_colours_of(band))
                                        : exr->make_rows(tested_form, band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrScanlines>& pieces) { exr->write(pieces); };
         }
-        rows.emplace_back(r, files, std::move(writers), std::move(pixels));
+        rows.emplace_back(r, files, std::move(functions), std::move(pixels));
     }
 };
 
-MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
+MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
     // The limit on open files is checked before an hour of work is spent.
     const std::size_t files_per_row =
-        (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
+        (options.draws_single_pictures ? options.drawn_metrics.size() : 0) + (options.writes_pixels_csv ? 1 : 0);
     file::require_open_files(request.tested_forms.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
+
+    // A shard and the sheet of a claim have no tables.
     const bool has_tables = !options.keep_piece && options.sheet_only_file.empty();
     if (has_tables)
         p.summary.emplace(
@@ -90,20 +96,22 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     if (has_tables && asks_for_culprits(request.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
+
     p.pictures.emplace(request, p.options);
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) p.add_row(r);
 }
 
-MapFiles::~MapFiles() = default;
+MapWriter::~MapWriter() = default;
 
-measure::evaluate::ShowForms MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
+measure::evaluate::ShowForms MapWriter::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t form_index, pixel::Piece&& piece) { parts_->rows.at(form_index).write_piece(piece); }
+void MapWriter::put(std::size_t form_index, pixel::Piece&& piece) { parts_->rows.at(form_index).write_piece(piece); }
 
-void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
+void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
     p.pictures->finish(summaries);
     if (!p.summary) return;
+
     const auto ray_arguments = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.ray_arguments
                    ? p.options.ray_arguments(ray)
@@ -111,8 +119,10 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.summary->add_all(summary_rows(r, p.request.tested_forms[r], summaries[r], groups, ray_arguments));
-        if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.tested_forms[r], summaries[r]));
+        if (p.culprits) p.culprits->add_all(find_culprits(p.request.metrics, p.request.tested_forms[r], summaries[r]));
     }
+
+    // The summary is closed last, because a folder that has one is complete.
     if (p.options.exr) p.options.exr->close();
     table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows,
                         p.options.other_tables);

@@ -19,9 +19,9 @@ struct MapFilesOptions {
     std::filesystem::path folder;  ///< folder of the scene; created if missing
     /// Metrics on sheets; metrics that are drawn alike share a sheet. The first metric is also the preview.
     std::vector<const Metric*> drawn_metrics;
-    bool single_pictures = false;  ///< also a picture of each metric of each row
-    bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
-    std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
+    bool draws_single_pictures = false;  ///< also a picture of each metric of each row
+    bool writes_pixels_csv = false;      ///< a row per pixel in `<form>.<format>.csv`
+    std::string scene_arguments;         ///< names the scene to `lostbits explain`: an id and perhaps options
     /// The sheet of this run that explains p99, the order of forms and worst pixels; empty: this one.
     std::string sheet_with_explanations = {};
     /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.
@@ -41,12 +41,12 @@ struct MapFilesOptions {
 
 /// Opens every file of a map at once, before any work. Receives the bands of all series, and gives all files their
 /// final names in `finish`. If the object is destroyed without `finish`, no file gets its final name.
-class MapFiles {
+class MapWriter {
 public:
-    MapFiles(const MapStudy& request, const MapFilesOptions& options);
-    ~MapFiles();
-    MapFiles(const MapFiles&) = delete;
-    MapFiles& operator=(const MapFiles&) = delete;
+    MapWriter(const MapStudy& request, const MapFilesOptions& options);
+    ~MapWriter();
+    MapWriter(const MapWriter&) = delete;
+    MapWriter& operator=(const MapWriter&) = delete;
 
     /// Returns the function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowForms show();

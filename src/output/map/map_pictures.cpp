@@ -64,13 +64,14 @@ pixel::Pages MapPictures::make_pages() {
     for (MapSheet& sheet : sheets_) pages.push_back(make_page(sheet));
     return {.scene = *request_.scene,
             .sheets = std::move(pages),
-            .single_picture_folder = options_.single_pictures ? options_.folder : "",
+            .single_picture_folder = options_.draws_single_pictures ? options_.folder : "",
             .stop = request_.limit.stop,
             .opens_files = !options_.keep_piece};
 }
 
 pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
-    std::vector<image::ColourScale> scales;  // one per line
+    // Find the forms and lines that have pictures, and the scale of each line.
+    std::vector<image::ColourScale> scales;
     for (const TestedForm& tested_form : request_.tested_forms) {
         if (!sheet.paint.applies_to(tested_form)) continue;
         static_cast<void>(find_or_add(sheet.forms, short_name(*tested_form.form->info)));
@@ -80,10 +81,14 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
             scales.push_back(metric_scale(*m, tested_form.format.parameters, options_.range));
         }
     }
+
+    // Lines with equal scales share a bar. The sheet of a claim shows a bar for each line.
     const auto differs = [&scales](const image::ColourScale& s) { return !s.is_same_scale(scales.front()); };
     const bool is_only_file = !options_.sheet_only_file.empty();
     const bool has_several_bars = is_only_file ? scales.size() > 1 : std::ranges::any_of(scales, differs);
     if (!scales.empty() && !has_several_bars) scales.resize(1, scales.front());
+
+    // The first sheet is contact.png; the others are named after their first metric.
     const std::string name = &sheet == sheets_.data()
                                  ? "contact.png"
                                  : fmt::format("contact.{}.png", file_name_part(*sheet.metrics.front()));
@@ -117,6 +122,7 @@ std::vector<MapPictures::Column> MapPictures::make_columns() {
         for (const Metric* m : options_.drawn_metrics) {
             const auto paint = std::make_shared<const MetricPaint>(*m, tested_form.format.parameters, options_.range);
             if (!paint->applies_to(tested_form)) continue;
+
             const auto sheet = std::ranges::find_if(
                 sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
             const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*tested_form.form->info)),
@@ -146,11 +152,15 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
     if (std::string note = input_note(scene, std::span(&tested_form, 1)); !note.empty() && !options_.is_list)
         spec.subtitle.push_back(std::move(note));
+
     const auto pixel_of = [paint = drawing.paint, metric = drawing.metric_index](const BandResult& band,
                                                                                  std::size_t i) {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
     };
-    if (!draws_envelope_of(m)) return {std::move(spec), drawing.form_index, pixel::drawn_by<BandResult>(pixel_of)};
+    if (!draws_envelope_of(m))
+        return {std::move(spec), drawing.form_index, pixel::make_draw_function<BandResult>(pixel_of)};
+
+    // Pixels that the problem explains are paler.
     const auto paler_pixel_of = [pixel_of, look = spec.look, lost = lost_bits_index_, excess = excess_index_](
                                     const BandResult& band, std::size_t i) {
         const pixel::PixelValue pixel = pixel_of(band, i);
@@ -158,7 +168,7 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
         if (!is_inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = make_paler(look->colour(pixel))};
     };
-    return {std::move(spec), drawing.form_index, pixel::drawn_by<BandResult>(paler_pixel_of)};
+    return {std::move(spec), drawing.form_index, pixel::make_draw_function<BandResult>(paler_pixel_of)};
 }
 
 pixel::Look MapPictures::make_look(const Drawing& drawing) const {
@@ -197,6 +207,7 @@ pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormS
         cells.push_back({drawing.position.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
     }
+
     // The sheet of a claim needs no headline, because it stands below the claim's sentence.
     const bool has_headline = options_.sheet_only_file.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
     return {best_first(sheets_[sheet].forms.size(), cells, lost_bits_index_),
@@ -204,6 +215,7 @@ pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormS
 }
 
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {
+    // Texts and zooms of the cells.
     for (std::size_t c = 0; c < drawings_.size(); ++c) {
         const Drawing& drawing = drawings_[c];
         const measure::evaluate::WorstRay* const worst = summaries[drawing.form_index].worst_ray();
@@ -214,6 +226,7 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
         if (worst && zooms(*drawing.paint))
             files_.writer().set_zoom(drawing.position, static_cast<int>(worst->x), worst->y);
     }
+
     std::vector<pixel::SheetEnd> ends;
     for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(make_end(s, summaries));
     files_.writer().finish(ends);
@@ -232,6 +245,28 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
                        file::word_list(narrow_formats));
 }
 
+namespace {
+
+/// Lines that explain the order of the forms and the worst pixels of a sheet.
+std::vector<std::string> explanations(const SheetSubject& sheet) {
+    std::vector<std::string> lines;
+    if (!sheet.rows.empty())
+        lines.push_back(
+            fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
+                        sheet.rows.front().format.name));
+    if (sheet.paint.names_worst_ray())
+        lines.push_back(
+            sheet.scene_arguments.empty()
+                ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
+                : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
+                              "answer came about{}",
+                              sheet.scene_arguments, attribution::plugin_options(),
+                              sheet.zooms ? "; the inset enlarges its surroundings" : ""));
+    return lines;
+}
+
+}  // namespace
+
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
     const auto& [scene, scene_arguments, rows, paint, has_several_bars, zooms, sheet_with_explanations] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
@@ -239,23 +274,13 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
                                    paint.note(has_several_bars),
                                    sheet_with_explanations.empty() ? paint.quantile_note() : "",
                                    rows.empty() ? "" : input_note(scene, rows)};
-    if (!sheet_with_explanations.empty()) {
+
+    // Only one sheet of a run explains its texts; the others refer to it.
+    if (!sheet_with_explanations.empty())
         lines.push_back(
             fmt::format("p99, the order of forms and worst pixels: as explained in {}", sheet_with_explanations));
-    } else {
-        if (!rows.empty())
-            lines.push_back(
-                fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
-                            rows.front().format.name));
-        if (paint.names_worst_ray())
-            lines.push_back(
-                scene_arguments.empty()
-                    ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
-                    : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
-                                  "answer came about{}",
-                                  scene_arguments, attribution::plugin_options(),
-                                  zooms ? "; the inset enlarges its surroundings" : ""));
-    }
+    else
+        for (std::string& line : explanations(sheet)) lines.push_back(std::move(line));
     std::erase(lines, "");
     return lines;
 }
@@ -277,6 +302,8 @@ std::vector<std::size_t> best_first(std::size_t form_count, std::span<const Shee
                                : worst_p99;
         quality[form].emplace(summary->wrong_count(), std::isnan(p99) ? worst_p99 : p99);
     }
+
+    // Forms without a cell come last.
     std::vector<std::size_t> order(form_count);
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t form) {

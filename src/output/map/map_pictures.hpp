@@ -77,7 +77,7 @@ public:
     MapPictures(const MapStudy& request, const MapFilesOptions& options);
 
     /// Files of the columns. The first picture of a row is also its preview.
-    [[nodiscard]] pixel::ColumnFiles<BandResult>& files() { return files_; }
+    [[nodiscard]] pixel::PictureWriter<BandResult>& files() { return files_; }
     /// Draws the pages and gives the files their final names.
     void finish(const std::vector<FormSummary>& summaries);
 
@@ -105,7 +105,7 @@ private:
     std::size_t lost_bits_index_, excess_index_;
     std::vector<MapSheet> sheets_;
     std::vector<Drawing> drawings_;  ///< one per column
-    pixel::ColumnFiles<BandResult> files_;
+    pixel::PictureWriter<BandResult> files_;
 };
 
 }  // namespace lostbits::output::map

@@ -60,6 +60,8 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     std::erase_if(ray_columns, [has_meshes](const SummaryColumn& c) {
         return !c.is_in_tables || (c.only_for_meshes && !has_meshes);
     });
+
+    // The row, the numbers of its rays, and the worst ray and the first wrong decision with their commands.
     Table<R> table;
     table.add(table::subject_columns(), &R::tested_form);
     add_columns(table, ray_columns);
@@ -70,6 +72,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     table.add({"fault_explain", "the command that explains that ray",
                [](const R& r) { return worst_ray_command(r, r.summary->first_fault()); }});
     if (group_column.empty()) return table;
+
     // A column may have the name of a formula, or of a column of ours.
     group_column = file::without_formula(group_column);
     while (table.find(group_column) != nullptr) group_column = "file_" + group_column;
@@ -112,8 +115,8 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::depends_on_forms);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
-                                 const FormSummary& summary) {
+std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
+                                   const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::depends_on_forms);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;
@@ -137,6 +140,7 @@ Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metric
                          return r.result->band->rounded_truth(r.i, binary64, r.tested_form->form->info->direction,
                                                               r.result->convention);
                      }});
+
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         const auto categories = metrics[m]->categories;
         table.add({{measure::evaluate::column_name(*metrics[m]), categories.empty() ? "number" : "string",
@@ -164,8 +168,8 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
                    {"object", "primitive that the form hit, from 0",
                     [](const R& r) { return when(r.has_hit(), r.result->answers->object[r.i]); }},
                    {"truth_object", "primitive that the ray truly hits first, from 0", [](const R& r) {
-                        const measure::truth::Truth& truth = r.result->truth(r.i);
-                        return when(truth.is_hit(), truth.primitive);
+                        const measure::truth::Truth& ray_truth = r.result->truth(r.i);
+                        return when(ray_truth.is_hit(), ray_truth.primitive);
                     }}};
     table.add_exact(
         {"t", "t", "the form's answer, in its own unit", [](const R& r) { return when(r.has_hit(), r.t()); }});

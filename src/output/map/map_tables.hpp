@@ -52,8 +52,8 @@ table::Table<Culprit> culprit_table();
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
 /// The culprits of a row, the most frequent first.
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
-                                 const FormSummary& summary);
+std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
+                                   const FormSummary& summary);
 
 /// Categories of the operations that are the culprit of any ray, the most frequent first; equally frequent operations
 /// in the order of the tape.

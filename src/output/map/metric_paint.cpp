@@ -22,10 +22,10 @@ using measure::metric::MetricDomain;
 namespace {
 
 std::string percent(std::uint64_t count, std::uint64_t total) {
-    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
-    if (share < 0.1) return "<0.1%";
-    if (share > 99 && share < 100) return ">99%";
-    return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
+    const double percentage = 100.0 * static_cast<double>(count) / static_cast<double>(total);
+    if (percentage < 0.1) return "<0.1%";
+    if (percentage > 99 && percentage < 100) return ">99%";
+    return fmt::format(fmt::runtime(percentage < 10 ? "{:.1f}%" : "{:.0f}%"), percentage);
 }
 
 /// Formats a value for a text with little space.
@@ -34,34 +34,37 @@ std::string short_number(double x) { return file::short_decimal(x, 3); }
 constexpr Rgb8 no_culprit_colour = image::outcome_colours[0];  ///< a hit to which no operation adds an error
 constexpr const char* hit_without_value = "correct hit without a value";
 constexpr const char* nothing_to_compare = "not both hit: nothing to compare";
-constexpr std::size_t max_culprits = 6;          ///< culprits that a legend names
-constexpr std::size_t max_culprit_letters = 44;  ///< letters of a culprit in a legend
+constexpr std::size_t max_culprits = 6;              ///< culprits that a legend names
+constexpr std::size_t max_culprit_letters = 44;      ///< letters of a culprit in a legend
+constexpr std::size_t summary_culprit_letters = 48;  ///< letters of a culprit in a short summary
 
-std::string shortened(std::string_view text, std::size_t letters) {
+std::string shorten(std::string_view text, std::size_t letters) {
     return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
 }
 
 constexpr std::size_t two_line_letters = 50;  ///< letters that two lines below a cell of a sheet can hold
 
-/// Wrong decisions as shares of all pixels, the most frequent first. All are named if two lines hold them; otherwise
+/// Wrong decisions as fractions of all pixels, the most frequent first. All are named if two lines hold them; otherwise
 /// two are named, and the others are added up: `1.2% double hit, 1.0% crack, 0.3% other`.
-std::string fault_shares_text(const FormSummary& summary) {
+std::string fault_fractions_text(const FormSummary& summary) {
     auto order = measure::evaluate::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&summary](Outcome o) { return summary.count(o); });
-    const auto share = [&summary](std::uint64_t n, std::string_view name) {
+    const auto fraction_of_pixels = [&summary](std::uint64_t n, std::string_view name) {
         return fmt::format("{} {}", percent(n, summary.rays), name);
     };
+
     std::vector<std::string> faults;
     std::uint64_t less_frequent_count = 0;  // wrong decisions of all kinds but the first two
     for (const Outcome o : order) {
         const std::uint64_t n = summary.count(o);
         if (n == 0) continue;
         if (faults.size() >= 2) less_frequent_count += n;
-        faults.push_back(share(n, o == Outcome::not_a_number ? "NaN" : outcome_in_words(o)));
+        faults.push_back(fraction_of_pixels(n, o == Outcome::not_a_number ? "NaN" : outcome_in_words(o)));
     }
+
     std::string text = fmt::format("{}", fmt::join(faults, ", "));
     if (faults.size() > 2 && text.size() > two_line_letters)
-        text = fmt::format("{}, {}, {}", faults[0], faults[1], share(less_frequent_count, "other"));
+        text = fmt::format("{}, {}, {}", faults[0], faults[1], fraction_of_pixels(less_frequent_count, "other"));
     return text;
 }
 
@@ -86,6 +89,8 @@ Rgb8 category_colour(const Metric& metric, std::size_t category) {
 MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range)
     : metric_(&metric), precision_(format.precision), has_range_(range.has_value()) {
     auto& categories = look_.categories;
+
+    // Categories with a value: one on the ramp, or those of the metric.
     if (metric.ramp != measure::metric::Ramp::categories) {
         look_.scale = metric_scale(metric, format, range);
         categories.push_back({""});
@@ -93,11 +98,14 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
     for (std::size_t c = 0; c < metric.categories.size(); ++c)
         categories.push_back({name_in_words(metric.categories[c]), category_colour(metric, c)});
     value_category_count_ = categories.size();
+
+    // The outcomes.
     for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
         const std::string name = outcome == Outcome::agree_hit ? hit_without_value : outcome_in_words(outcome);
         categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
     }
+
     // The last category has no value. For pairs of forms, which often do not both hit, its colour is inconspicuous.
     categories.push_back(
         {is_distance() ? nothing_to_compare : "",
@@ -108,7 +116,8 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
 }
 
 bool MetricPaint::applies_to(const TestedForm& tested_form) const {
-    if (metric_->domain == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
+    // Distances exist only between values of t with the same meaning.
+    if (metric_->domain == MetricDomain::pairs)
         return tested_form.against != nullptr &&
                (!metric_->categories.empty() ||
                 measure::answer::are_comparable(*tested_form.form->info, *tested_form.against->info));
@@ -160,20 +169,24 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
     const pixel::CategoryCounts counts(category_counts.begin(),
                                        category_counts.begin() + static_cast<std::ptrdiff_t>(value_category_count_));
     const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
+
+    // The most frequent culprits have an entry each; the others are counted together.
     std::vector<LegendEntry> entries;
     std::uint64_t other_rays = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
         if (entries.size() < max_culprits)
-            entries.push_back({shortened(metric_->categories[c], max_culprit_letters), category_colour(*metric_, c),
+            entries.push_back({shorten(metric_->categories[c], max_culprit_letters), category_colour(*metric_, c),
                                pixel::count_text(counts[c], blamed_rays)});
         else other_rays += counts[c];
     }
+
     if (counts.front() > 0)
-        entries.push_back({shortened(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
+        entries.push_back({shorten(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
                            std::to_string(counts.front())});
     if (other_rays > 0)
         entries.push_back({"other operations, each in its own colour", image::style::page,
                            pixel::count_text(other_rays, blamed_rays)});
+
     // Rays with these outcomes have no culprit; all others may have one.
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
         if (const std::uint64_t n = category_counts[index_of(o)])
@@ -186,6 +199,8 @@ std::string MetricPaint::note(bool has_several_formats) const {
     if (metric_->depends_on_forms)
         return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
     if (!look_.scale) return fmt::format("colour: {}", metric_->meaning);
+
+    // Metrics on a ramp: from where to where.
     const std::string name(metric_->name);
     if (has_range_)
         return fmt::format("colour: {} from {} to {}, as requested; values beyond have the colour of the end",
@@ -212,33 +227,43 @@ std::string MetricPaint::quantile_note() const {
 }
 
 std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t metric_index) const {
-    if (metric_->depends_on_forms) {
-        const auto order = culprits_by_count(summary.categories[metric_index]);
-        if (order.empty()) return "no culprit";
-        const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(summary.categories[metric_index]);
-        return fmt::format("{} of {} culprits:\n{}",
-                           percent(summary.categories[metric_index][order.front()], blamed_rays), blamed_rays,
-                           shortened(metric_->categories[order.front()], 48));
-    }
-    if (!metric_->categories.empty()) {
-        std::vector<std::string> shares;
-        for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
-            if (const std::uint64_t n = summary.categories[metric_index][c])
-                shares.push_back(percent(n, summary.rays) + " " + name_in_words(metric_->categories[c]));
-        }
-        return fmt::format("{}", fmt::join(shares, "\n"));
-    }
+    if (metric_->depends_on_forms) return culprit_summary(summary.categories[metric_index]);
+    if (!metric_->categories.empty()) return category_summary(summary.categories[metric_index], summary.rays);
     const measure::metric::Distribution& distribution = summary.metrics[metric_index];
-    const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
-    if (!is_of_hits()) {
-        if (distribution.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
-        return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(distribution.quantile(0.5)), unit,
-                           short_number(distribution.quantile(1)), unit,
-                           text::count_with_noun(distribution.count(), "ray"),
-                           is_distance() ? " that both forms hit" : "");
+    return is_of_hits() ? hit_summary(summary, distribution) : distribution_summary(distribution);
+}
+
+std::string MetricPaint::culprit_summary(const std::vector<std::uint64_t>& counts) const {
+    const auto order = culprits_by_count(counts);
+    if (order.empty()) return "no culprit";
+    const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
+    return fmt::format("{} of {} culprits:\n{}", percent(counts[order.front()], blamed_rays), blamed_rays,
+                       shorten(metric_->categories[order.front()], summary_culprit_letters));
+}
+
+std::string MetricPaint::category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t rays) const {
+    std::vector<std::string> fractions;
+    for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
+        if (const std::uint64_t n = counts[c])
+            fractions.push_back(percent(n, rays) + " " + name_in_words(metric_->categories[c]));
     }
-    std::string text = fault_shares_text(summary);
+    return fmt::format("{}", fmt::join(fractions, "\n"));
+}
+std::string MetricPaint::unit_suffix() const { return metric_->unit == "1" ? "" : " " + std::string(metric_->unit); }
+
+std::string MetricPaint::distribution_summary(const measure::metric::Distribution& distribution) const {
+    if (distribution.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
+    return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(distribution.quantile(0.5)), unit_suffix(),
+                       short_number(distribution.quantile(1)), unit_suffix(),
+                       text::count_with_noun(distribution.count(), "ray"), is_distance() ? " that both forms hit" : "");
+}
+
+std::string MetricPaint::hit_summary(const FormSummary& summary,
+                                     const measure::metric::Distribution& distribution) const {
+    std::string text = fault_fractions_text(summary);
     const auto add = [&text](const std::string& line) { text += (text.empty() ? "" : "\n") + line; };
+
+    // The errors of the agreed hits, or why there is no p99.
     const measure::metric::Agreement hits = summary.agreement();
     if (hits.agreed == 0) {
         add(hits.true_hits == 0 ? "no ray hits" : "no correct hit");
@@ -248,7 +273,8 @@ std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t m
         add("no value");
     } else {
         const double p99 = distribution.quantile(0.99);
-        add("p99 " + (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit));
+        add("p99 " +
+            (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit_suffix()));
         add(measure::metric::Agreement{distribution.count(), hits.true_hits}.of_agreed_hits());
     }
     return text;
@@ -258,6 +284,7 @@ std::string MetricPaint::caption(const FormSummary& summary, std::size_t metric_
     std::string text;
     for (const char c : short_summary(summary, metric_index))
         text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
+
     // A sheet explains `p99` once in its notes. The caption of a single picture has space to spell it out.
     constexpr std::string_view marker = "p99 ";
     const std::size_t position = text.find(marker);
@@ -268,7 +295,8 @@ std::string MetricPaint::caption(const FormSummary& summary, std::size_t metric_
 }
 
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
-    if (metric_->depends_on_forms) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
+    if (metric_->depends_on_forms)
+        return fmt::format("99% of {} culprits: {}", pixels, std::string(summary_culprit_letters, 'e'));
     if (!is_of_hits())
         return fmt::format("median 1.23×10^-10 {0}; largest 1.23×10^-10 {0}; of {1} rays that both forms hit",
                            metric_->unit, pixels);

@@ -41,26 +41,30 @@ pixel::PixelValue pixel_of(double needed) {
     return needed == measure::evaluate::beyond_most_precision ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
 }
 
-using NeededColumns = pixel::ColumnFiles<BitsNeededBand>;
+using NeededColumns = pixel::PictureWriter<BitsNeededBand>;
+
+/// Picture of the form with the index `form_index` in the request.
+pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, std::size_t form_index,
+                                                std::shared_ptr<const pixel::Look> look) {
+    const Info& form = *request.tested_forms[form_index]->info;
+    return {{.file = file_stem(form) + ".png",
+             .title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
+                                  request.bits == 1 ? "bit" : "bits"),
+             .subtitle = {std::string(form.title),
+                          fmt::format("colour: the smallest width from which on every width up to {} decides correctly "
+                                      "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
+                                      measure::evaluate::most_precision, request.bits)},
+             .look = std::move(look)},
+            form_index,
+            pixel::make_draw_function<BitsNeededBand>(
+                [](const BitsNeededBand& band, std::size_t i) { return pixel_of(band.bits_needed[i]); })};
+}
 
 /// Makes one picture per form.
 NeededColumns make_pictures(const BitsNeededStudy& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<BitsNeededBand>> columns;
-    for (const intersect::table::Intersector* form : request.tested_forms)
-        columns.push_back(
-            {{.file = file_stem(*form->info) + ".png",
-              .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
-                                   request.bits == 1 ? "bit" : "bits"),
-              .subtitle = {std::string(form->info->title),
-                           fmt::format(
-                               "colour: the smallest width from which on every width up to {} decides correctly "
-                               "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
-                               measure::evaluate::most_precision, request.bits)},
-              .look = look},
-             columns.size(),
-             pixel::drawn_by<BitsNeededBand>(
-                 [](const BitsNeededBand& band, std::size_t i) { return pixel_of(band.bits_needed[i]); })});
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) columns.push_back(make_picture(request, r, look));
     return {{.scene = request.scene,
              .sheets = {},
              .single_picture_folder = options.folder,
@@ -84,6 +88,8 @@ Table<NeededRow> needed_table() {
                     "significand bits",
                     &R::bits},
                    {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
+
+    // Statistics of the widths, over all pixels that have one and over the true hits.
     const auto add = [&table](const std::string& prefix, const char* population, const auto& counts_of) {
         for (const measure::metric::Statistic& s : statistics)
             table.add(
@@ -98,6 +104,8 @@ Table<NeededRow> needed_table() {
     add(
         "hit_needed_", " of the widths needed, over the rays that truly hit",
         [](const R& r) -> const auto& { return r.summary->hits; });
+
+    // Pixels without a width.
     using S = BitsNeededSummary;
     return table.add<S>(
         {{"hits_beyond_53", "rays that truly hit and for which not even 53 bits suffice", &S::hits_beyond},
@@ -131,42 +139,45 @@ Table<NeededPixel> needed_pixel_table(int bits) {
              table::or_missing([](const R& r) { return r.band->bits_needed[r.i]; })}};
 }
 
-using NeededFormFiles = pixel::RowFiles<BitsNeededBand, NeededPixel>;
+using NeededFormWriter = pixel::RowWriter<BitsNeededBand, NeededPixel>;
 
 }  // namespace
 
-struct NeededFiles::Parts {
+struct NeededWriter::Parts {
     const BitsNeededStudy& request;
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
     NeededColumns pictures = make_pictures(request, options);
-    std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
+    std::vector<std::unique_ptr<NeededFormWriter>> forms = {};
 
     void add_form(std::size_t form_index) {
         const Info& form = *request.tested_forms[form_index]->info;
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
-        if (options.pixels_csv)
+        if (options.writes_pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
                 options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
-        NeededFormFiles::Writers writers{
+
+        // The functions that turn a band into rows of the table and of the EXR.
+        NeededFormWriter::Functions functions{
             .add_pixel =
                 [](table::TableFile<NeededPixel>& file, const BitsNeededBand& band, std::size_t i) {
                     file.add({&band, i, band.truth(i)});
                 },
             .pixels = [](const BitsNeededBand& band) { return band.bits_needed.size(); }};
         pixel::BandFiles<BitsNeededBand> files{pictures, {}, options.keep_piece};
+
         if (MapExr* const exr = options.exr) {
-            writers.exr_scanlines = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
+            functions.exr_scanlines = [exr](const BitsNeededBand& band, std::span<const image::Rgb8> preview) {
                 return exr->make_rows(band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrScanlines>& pieces) { exr->write(pieces); };
         }
-        forms.push_back(std::make_unique<NeededFormFiles>(form_index, files, std::move(writers), std::move(pixels)));
+        forms.push_back(std::make_unique<NeededFormWriter>(form_index, files, std::move(functions), std::move(pixels)));
     }
 };
 
-NeededFiles::NeededFiles(const BitsNeededStudy& request, const NeededFilesOptions& options)
+NeededWriter::NeededWriter(const BitsNeededStudy& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options}) {
     if (!options.keep_piece)
         parts_->table.emplace(
@@ -175,13 +186,13 @@ NeededFiles::NeededFiles(const BitsNeededStudy& request, const NeededFilesOption
     for (std::size_t form = 0; form < request.tested_forms.size(); ++form) parts_->add_form(form);
 }
 
-NeededFiles::~NeededFiles() = default;
+NeededWriter::~NeededWriter() = default;
 
-measure::study::ShowBand<BitsNeededStudy> NeededFiles::show() {
+measure::study::ShowBand<BitsNeededStudy> NeededWriter::show() {
     return [this](std::size_t form, const BitsNeededBand& band) { parts_->forms.at(form)->add_band(band); };
 }
 
-std::vector<file::DataResource> NeededFiles::resources() const {
+std::vector<file::DataResource> NeededWriter::resources() const {
     std::vector<file::DataResource> resources;
     if (parts_->table) resources.push_back(parts_->table->about());
     for (const auto& form : parts_->forms)
@@ -189,9 +200,9 @@ std::vector<file::DataResource> NeededFiles::resources() const {
     return resources;
 }
 
-void NeededFiles::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
+void NeededWriter::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
 
-void NeededFiles::finish(const std::vector<BitsNeededSummary>& summaries) {
+void NeededWriter::finish(const std::vector<BitsNeededSummary>& summaries) {
     Parts& p = *parts_;
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {

@@ -19,20 +19,20 @@ inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
 struct NeededFilesOptions {
     std::filesystem::path folder;          ///< folder of the scene; created if missing
-    bool pixels_csv = false;               ///< a row per pixel in `<form>.needed.csv`
+    bool writes_pixels_csv = false;        ///< a row per pixel in `<form>.needed.csv`
     MapExr* exr = nullptr;                 ///< for the same request; null: no EXR is written
     pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };
 
 /// Writes `<form>.needed.png`, which shows the width on viridis from 2 to 53; `needed.csv`, a row per form; and the
-/// parts `<form>.needed` of an EXR, if there is one. The object is opened, filled and finished like MapFiles. Finish
+/// parts `<form>.needed` of an EXR, if there is one. The object is opened, filled and finished like MapWriter. Finish
 /// it before the map of the same folder, which closes the EXR and whose summary.csv marks the folder as complete.
-class NeededFiles {
+class NeededWriter {
 public:
-    NeededFiles(const measure::evaluate::BitsNeededStudy& request, const NeededFilesOptions& options);
-    ~NeededFiles();
-    NeededFiles(const NeededFiles&) = delete;
-    NeededFiles& operator=(const NeededFiles&) = delete;
+    NeededWriter(const measure::evaluate::BitsNeededStudy& request, const NeededFilesOptions& options);
+    ~NeededWriter();
+    NeededWriter(const NeededWriter&) = delete;
+    NeededWriter& operator=(const NeededWriter&) = delete;
 
     /// Returns the function that receives the bands of the forms.
     [[nodiscard]] measure::study::ShowBand<measure::evaluate::BitsNeededStudy> show();

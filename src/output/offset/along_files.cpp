@@ -25,7 +25,8 @@ std::size_t strategy_look(const Strategy* strategy) {
 
 }  // namespace
 
-AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis)
+OffsetsAlongAxisWriter::OffsetsAlongAxisWriter(const std::filesystem::path& folder, const OffsetStudy& study,
+                                               SceneAxis axis)
     : folder_(folder),
       study_(study),
       axis_(axis),
@@ -33,30 +34,30 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
              "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<AlongRow>{
                  {std::string(name_of(axis)), std::string(measure::offset::meaning_of(axis)), &AlongRow::axis_value}}
-                 .add(OffsetView::summary_table(), &AlongRow::strategy_row)) {}
+                 .add(OffsetPresentation::summary_table(), &AlongRow::strategy_row)) {}
 
-void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
-    for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({axis_value, row});
+void OffsetsAlongAxisWriter::add(double axis_value, std::vector<OffsetSummary> summaries) {
+    for (const StrategyRow& row : OffsetPresentation::summary_rows(study_, summaries)) table_.add({axis_value, row});
     axis_values_.push_back(axis_value);
     summaries_.push_back(std::move(summaries));
 }
 
-std::filesystem::path AlongFiles::picture_path(std::size_t form_index, Side side, const char* kind) const {
+std::filesystem::path OffsetsAlongAxisWriter::picture_path(std::size_t form_index, Side side, const char* kind) const {
     return folder_ / fmt::format("along.{}.{}.{}.{}.png", name_of(axis_), row_name(study_.tested_forms[form_index]),
                                  name_of(side), kind);
 }
 
-plot::LinePlotSpec AlongFiles::make_spec(std::size_t form_index, Side side, const std::string& title,
-                                         plot::AxisSpec y) const {
+plot::LinePlotSpec OffsetsAlongAxisWriter::make_spec(std::size_t form_index, Side side, const std::string& title,
+                                                     plot::AxisSpec y) const {
     return {.title = fmt::format("{} along {}", title, name_of(axis_)),
             .subtitle = {study_.scene.title, subject_text(study_.tested_forms[form_index], side)},
-            .x = {std::string(measure::offset::meaning_of(axis_)), plot::AxisSpec::Scale::log2, {}, {}},
+            .x = {.title = std::string(measure::offset::meaning_of(axis_)), .scale = plot::AxisSpec::Scale::log2},
             .y = std::move(y)};
 }
 
-plot::Series AlongFiles::make_series(std::size_t form_index, Side side,
-                                     const std::function<double(const SideSummary&)>& value,
-                                     const Strategy* strategy) const {
+plot::Series OffsetsAlongAxisWriter::make_series(std::size_t form_index, Side side,
+                                                 const std::function<double(const SideSummary&)>& value,
+                                                 const Strategy* strategy) const {
     plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
                         .x = axis_values_,
                         .is_dashed = strategy == nullptr,
@@ -65,35 +66,38 @@ plot::Series AlongFiles::make_series(std::size_t form_index, Side side,
     return series;
 }
 
-void AlongFiles::plot_wrong(std::size_t form_index, Side side) const {
-    auto spec = make_spec(form_index, side, "Rays that go wrong",
-                          {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
+void OffsetsAlongAxisWriter::plot_wrong(std::size_t form_index, Side side) const {
+    auto spec = make_spec(form_index, side, "Rays that go wrong", plot::fraction_axis);
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         spec.series.push_back(make_series(
             form_index, side,
             [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
             study_.strategies[k]));
+
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; there is none if it misses or names another primitive"};
     image::save_figure(picture_path(form_index, side, "wrong"), plot::line_plot(spec));
 }
 
-void AlongFiles::plot_size(std::size_t form_index, Side side) const {
-    auto spec = make_spec(form_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
+void OffsetsAlongAxisWriter::plot_size(std::size_t form_index, Side side) const {
+    auto spec = make_spec(form_index, side, "Offsets", {.title = "world units", .scale = plot::AxisSpec::Scale::log10});
+
+    // The smallest safe offset, and the offsets of the strategies that move the point.
     spec.series = {make_series(form_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(make_series(
                 form_index, side, [k](const SideSummary& s) { return s.strategies[k].offset_size.quantile(0.5); },
                 study_.strategies[k]));
+
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};
     image::save_figure(picture_path(form_index, side, "size"), plot::line_plot(spec));
 }
 
-void AlongFiles::finish() {
+void OffsetsAlongAxisWriter::finish() {
     for (std::size_t r = 0; r < study_.tested_forms.size(); ++r) {
         for (const Side side : measure::offset::both_sides) {
             plot_wrong(r, side);

@@ -64,11 +64,16 @@ pixel::Look make_safe_offset_look() {
             safe_unit};
 }
 
+/// Categories of `make_safe_offset_look`.
+enum class SafeOffsetKind : std::uint8_t { no_point, none_needed, none_safe, has_value };
+
 PixelValue safe_offset_pixel(const OffsetBand& band, std::size_t pixel, Side side) {
-    if (band.is_point[pixel] == 0) return {0};
+    const auto category = [](SafeOffsetKind kind) { return static_cast<std::size_t>(kind); };
+    if (band.is_point[pixel] == 0) return {category(SafeOffsetKind::no_point)};
     const double offset = band.sides[pixel][static_cast<std::size_t>(side)].safe_offset;
-    if (offset == 0) return {1};
-    return std::isfinite(offset) ? PixelValue{3, offset / band.ulp[pixel]} : PixelValue{2};
+    if (offset == 0) return {category(SafeOffsetKind::none_needed)};
+    return std::isfinite(offset) ? PixelValue{category(SafeOffsetKind::has_value), offset / band.ulp[pixel]}
+                                 : PixelValue{category(SafeOffsetKind::none_safe)};
 }
 
 /// Line of the sheet that shows a side of a row of the study.
@@ -86,11 +91,49 @@ void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset
         const auto& strategy = side.strategies[k];
         std::string note = side.rays > 0 && strategy.bad_rays == 0
                                ? "every ray right"
-                               : pixel::share_text(strategy.bad_rays, side.rays) + " of rays wrong";
+                               : pixel::fraction_text(strategy.bad_rays, side.rays) + " of rays wrong";
         if (const double size_ratio = strategy.size_ratio.quantile(0.5); size_ratio > 0)
             note += fmt::format("\n{} x needed", file::short_decimal(size_ratio, 3));
         notes.push_back({{k + 1, line}, std::move(note)});
     }
+}
+
+/// `sphere.half_b in f32, computed points`
+std::string points_text(const OffsetForm& offset_form) {
+    return fmt::format("{} in {}, {} points", offset_form.tested_form.form->info->name,
+                       offset_form.tested_form.format.name, name_of(offset_form.point_kind));
+}
+
+/// Column of the results of one strategy on one side.
+PixelColumn<OffsetBand> make_strategy_column(const OffsetStudy& study, std::size_t form_index, Side side,
+                                             std::size_t strategy_index, std::shared_ptr<const pixel::Look> look) {
+    const Strategy& strategy = *study.strategies[strategy_index];
+    return {
+        {.file =
+             fmt::format("{}.{}.{}.png", row_name(study.tested_forms[form_index]), name_of(side), short_name(strategy)),
+         .title = fmt::format("{} {}", strategy.name, side_phrase(side)),
+         .subtitle = {points_text(study.tested_forms[form_index]), fmt::format("the new origin: {}", strategy.title)},
+         .look = std::move(look),
+         .sheet_positions = {{strategy_index + 1, sheet_line(form_index, side)}}},
+        form_index,
+        pixel::make_draw_function<OffsetBand>([side, strategy_index](const OffsetBand& band, std::size_t i) {
+            return PixelValue{static_cast<std::size_t>(find_strategy_result(band, i, side, strategy_index))};
+        })};
+}
+
+/// Column of the smallest safe offsets on one side.
+PixelColumn<OffsetBand> make_safe_offset_column(const OffsetStudy& study, std::size_t form_index, Side side,
+                                                std::shared_ptr<const pixel::Look> look) {
+    return {{.file = fmt::format("{}.{}.safe.png", row_name(study.tested_forms[form_index]), name_of(side)),
+             .title = fmt::format("The smallest safe offset {}", side_phrase(side)),
+             .subtitle = {points_text(study.tested_forms[form_index]),
+                          "colour: the smallest offset along the normal for which every ray is right by truth, clamped "
+                          "at both ends of the bar"},
+             .look = std::move(look),
+             .sheet_positions = {{0, sheet_line(form_index, side)}}},
+            form_index,
+            pixel::make_draw_function<OffsetBand>(
+                [side](const OffsetBand& band, std::size_t i) { return safe_offset_pixel(band, i, side); })};
 }
 
 }  // namespace
@@ -103,52 +146,27 @@ std::string row_name(const OffsetForm& offset_form) {
     return fmt::format("{}.{}", map::row_name(offset_form.tested_form), name_of(offset_form.point_kind));
 }
 
-std::string OffsetView::row_name(const OffsetStudy& study, std::size_t form_index) {
+std::string OffsetPresentation::row_name(const OffsetStudy& study, std::size_t form_index) {
     return offset::row_name(study.tested_forms[form_index]);
 }
 
 std::string side_phrase(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
-std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& study) {
-    const auto result_look = std::make_shared<const pixel::Look>(make_strategy_result_look()),
-               safe_offset_look = std::make_shared<const pixel::Look>(make_safe_offset_look());
+std::vector<PixelColumn<OffsetBand>> OffsetPresentation::columns(const OffsetStudy& study) {
+    const auto result_look = std::make_shared<const pixel::Look>(make_strategy_result_look());
+    const auto safe_offset_look = std::make_shared<const pixel::Look>(make_safe_offset_look());
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
-        const OffsetForm& offset_form = study.tested_forms[r];
-        const std::string row_text = fmt::format("{} in {}, {} points", offset_form.tested_form.form->info->name,
-                                                 offset_form.tested_form.format.name, name_of(offset_form.point_kind));
         for (const Side side : both_sides) {
-            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(offset_form), name_of(side));
-            for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-                const Strategy& strategy = *study.strategies[k];
-                columns.push_back({{.file = file_prefix + short_name(strategy) + ".png",
-                                    .title = fmt::format("{} {}", strategy.name, side_phrase(side)),
-                                    .subtitle = {row_text, fmt::format("the new origin: {}", strategy.title)},
-                                    .look = result_look,
-                                    .sheet_positions = {{k + 1, sheet_line(r, side)}}},
-                                   r,
-                                   pixel::drawn_by<OffsetBand>([side, k](const OffsetBand& band, std::size_t i) {
-                                       return PixelValue{
-                                           static_cast<std::size_t>(find_strategy_result(band, i, side, k))};
-                                   })});
-            }
-            columns.push_back({{.file = file_prefix + "safe.png",
-                                .title = fmt::format("The smallest safe offset {}", side_phrase(side)),
-                                .subtitle = {row_text,
-                                             "colour: the smallest offset along the normal for which every ray is "
-                                             "right by truth, clamped at both ends of the bar"},
-                                .look = safe_offset_look,
-                                .sheet_positions = {{0, sheet_line(r, side)}}},
-                               r,
-                               pixel::drawn_by<OffsetBand>([side](const OffsetBand& band, std::size_t i) {
-                                   return safe_offset_pixel(band, i, side);
-                               })});
+            for (std::size_t k = 0; k < study.strategies.size(); ++k)
+                columns.push_back(make_strategy_column(study, r, side, k, result_look));
+            columns.push_back(make_safe_offset_column(study, r, side, safe_offset_look));
         }
     }
     return columns;
 }
 
-pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
+pixel::Sheet OffsetPresentation::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format("{}, {} x {} pixels: outcomes of rays that leave the points that a form finds",
@@ -159,6 +177,8 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
         .scales = {*make_safe_offset_look().scale},
         .unit = safe_unit,
         .shows_categories = true};
+
+    // A column for each strategy, and a line for each row and side.
     for (const Strategy* strategy : study.strategies) spec.forms.push_back(short_name(*strategy));
     for (const OffsetForm& offset_form : study.tested_forms) {
         for (const Side side : both_sides)
@@ -169,7 +189,8 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
     return {file, std::move(spec)};
 }
 
-std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
+std::vector<study::Note> OffsetPresentation::notes(const OffsetStudy& study,
+                                                   const std::vector<OffsetSummary>& summaries) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (const Side side : both_sides)
@@ -177,11 +198,12 @@ std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::
     return notes;
 }
 
-Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
+Table<study::PixelInBand<OffsetBand>> OffsetPresentation::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
     Table<R> table = study::position_columns<OffsetBand>();
     table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->primitive[r.i]; }});
     for (const Side side : both_sides) {
+        // Values of all rays of a side.
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
         table.add<P>(
@@ -190,6 +212,8 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
              {"quiet_" + name, "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet_offset}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
+
+        // Faults of each strategy.
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             const Strategy& strategy = *study.strategies[k];
             const std::string rays = "rays of " + std::string(strategy.name);
@@ -203,7 +227,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
     return table;
 }
 
-Table<StrategyRow> OffsetView::summary_table() {
+Table<StrategyRow> OffsetPresentation::summary_table() {
     using R = StrategyRow;
     Table<R> table{{"strategy", "rule for the new origin: a name of `lostbits list strategies`",
                     [](const R& r) { return r.strategy->name; }},
@@ -222,8 +246,8 @@ Table<StrategyRow> OffsetView::summary_table() {
     return table;
 }
 
-std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
-                                                  const std::vector<OffsetSummary>& summaries) {
+std::vector<StrategyRow> OffsetPresentation::summary_rows(const OffsetStudy& study,
+                                                          const std::vector<OffsetSummary>& summaries) {
     std::vector<StrategyRow> rows;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
         for (const Side side : both_sides)
@@ -231,6 +255,33 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
                 rows.push_back({&study.tested_forms[r], &summaries[r], side, study.strategies[k], k});
     return rows;
 }
+
+namespace {
+
+/// Names of the strategies that are right for every ray of a side: `none, integer`, or `no strategy`.
+std::string faultless_strategies(const OffsetStudy& study, const measure::offset::SideSummary& side_summary) {
+    std::string names;
+    for (std::size_t k = 0; k < study.strategies.size(); ++k) {
+        if (side_summary.strategies[k].bad_rays > 0) continue;
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", short_name(*study.strategies[k]));
+    }
+    return names.empty() ? "no strategy" : names;
+}
+
+/// The largest of the smallest safe offsets of a side, and how many points have none.
+std::string safe_offset_text(const measure::offset::SideSummary& side_summary) {
+    const double largest = side_summary.safe_offset.quantile(1);
+    if (std::isnan(largest))
+        return fmt::format("no offset is safe at any of {}",
+                           text::count_with_noun(side_summary.never_safe_points, "point"));
+    return fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
+                       side_summary.never_safe_points == 0 ? ""
+                       : side_summary.never_safe_points == 1
+                           ? " (1 point has none)"
+                           : fmt::format(" ({} points have none)", side_summary.never_safe_points));
+}
+
+}  // namespace
 
 std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t form_index, const OffsetSummary& summary) {
     std::vector<std::string> lines;
@@ -240,26 +291,11 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t for
                                              offset_form.tested_form.format.name, name_of(offset_form.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
-        std::string faultless_strategies;
-        for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-            if (side_summary.strategies[k].bad_rays > 0) continue;
-            faultless_strategies +=
-                fmt::format("{}{}", faultless_strategies.empty() ? "" : ", ", short_name(*study.strategies[k]));
-        }
-        const double largest = side_summary.safe_offset.quantile(1);
-        const std::string safe_text =
-            std::isnan(largest)
-                ? fmt::format("no offset is safe at any of {}",
-                              text::count_with_noun(side_summary.never_safe_points, "point"))
-                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
-                              side_summary.never_safe_points == 0 ? ""
-                              : side_summary.never_safe_points == 1
-                                  ? " (1 point has none)"
-                                  : fmt::format(" ({} points have none)", side_summary.never_safe_points));
-        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
-                                    text::count_with_noun(side_summary.rays, "ray"),
-                                    faultless_strategies.empty() ? "no strategy" : faultless_strategies));
+        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side),
+                                    safe_offset_text(side_summary), text::count_with_noun(side_summary.rays, "ray"),
+                                    faultless_strategies(study, side_summary)));
     }
+
     const auto strategies_for_both_sides = measure::offset::safe_strategies(
         summary, study.strategies, offset_form.tested_form.form->shape, measure::offset::both_sides);
     if (!strategies_for_both_sides.empty())

@@ -36,10 +36,10 @@ struct StrategyRow {
     const Strategy* strategy;
     std::size_t strategy_index;
 };
-/// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
-/// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
+/// A presentation, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the
+/// strategies across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
 /// `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has one row per pixel.
-struct OffsetView {
+struct OffsetPresentation {
     using Study = OffsetStudy;
     using Band = Study::Band;
     using SummaryRow = StrategyRow;
@@ -72,12 +72,12 @@ struct AlongRow {
 };
 
 /// Writes `along.<axis>.csv`, which is the summary preceded by the value on the axis, and two plots per series and
-/// side: `along.<axis>.<row>.<side>.wrong.png` with the share of rays that go wrong, and `….size.png` with the offsets
-/// and the smallest safe offset.
-class AlongFiles {
+/// side: `along.<axis>.<row>.<side>.wrong.png` with the fraction of rays that go wrong, and `….size.png` with the
+/// offsets and the smallest safe offset.
+class OffsetsAlongAxisWriter {
 public:
     /// Opens the table. `study` is the study of the unchanged scene and must outlive the object.
-    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis);
+    OffsetsAlongAxisWriter(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis);
 
     void add(double axis_value, std::vector<OffsetSummary> summaries);
     /// Draws the plots and gives the table its final name.

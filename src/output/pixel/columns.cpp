@@ -18,11 +18,13 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
       captions_(columns_.size()) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
     if (!pages.opens_files) return;
+
     for (auto& [file, spec] : pages.sheets) {
         spec.field_width = pages.scene.width;
         spec.field_height = pages.scene.height;
         sheets_.push_back(std::make_unique<image::ContactSheet>(file, std::move(spec)));
     }
+
     for (const ColumnSpec& column : columns_) {
         if (!has_single_pictures_) break;
         pages.stop.check();  // opening sixty pictures of a large scene takes twenty seconds
@@ -38,6 +40,7 @@ void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
         single.png = image::image_backend().open_png(path, scene.width, scene.height);
         return;
     }
+
     image::HeatmapSpec spec{.title = column.title,
                             .subtitle = {scene.title},
                             .width = scene.width,
@@ -67,18 +70,21 @@ void ColumnWriter::write_strip(std::size_t column, int y0, const Strip& strip) {
 /// Lists each name once, in the order of the columns. If the look of a column makes a legend, that legend replaces the
 /// list.
 std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
-    std::vector<LegendEntry> entries;
-    std::vector<bool> occurs;
+    std::vector<LegendEntry> entries;  // each name once
+    std::vector<bool> occurs;          // one per entry
     const Look* legend_look = nullptr;
     CategoryCounts legend_counts;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (std::ranges::count(columns_[c].sheet_positions, sheet, &SheetPosition::sheet) == 0) continue;
+
+        // A look with a legend of its own gets the counts of all its columns.
         if (look(c).make_legend) {
             legend_look = &look(c);
             legend_counts.resize(counts_[c].size());
             std::ranges::transform(legend_counts, counts_[c], legend_counts.begin(), std::plus());
             continue;
         }
+
         const auto& categories = look(c).categories;
         for (std::size_t k = 0; k < categories.size(); ++k) {
             const auto& [name, colour, sheet_name] = categories[k];
@@ -93,6 +99,8 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
             if (counts_[c][k] > 0) occurs[index] = true;
         }
     }
+
+    // Counts belong to one picture, so the legend of a sheet has none.
     std::vector<LegendEntry> legend =
         legend_look ? legend_look->legend(legend_counts, pixels_) : std::vector<LegendEntry>();
     for (LegendEntry& entry : legend) entry.count.clear();
@@ -111,6 +119,7 @@ void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
     // The pictures are finished in parallel: each has its own legend and its own file.
     intersect::process::in_parallel(std::size_t{0}, single_pictures_.size(),
                                     [this](std::size_t c) { finish_single(c); });
+
     for (std::size_t s = 0; s < sheets_.size(); ++s) {
         const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];
         auto legend = sheet_legend(s);

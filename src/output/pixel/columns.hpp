@@ -53,10 +53,10 @@ struct Sheet {
 
 /// Selects the files that are written for a scene, and their folder.
 struct SceneFilesOptions {
-    std::filesystem::path folder;  ///< the folder of this scene; made if missing
-    bool pixels_csv = false;       ///< also a table with one row per pixel
-    std::string command = {};      ///< the command that makes these files again, for the header of an EXR
-    bool single_pictures = false;  ///< also a picture of its own for each cell of the sheet
+    std::filesystem::path folder;        ///< the folder of this scene; made if missing
+    bool writes_pixels_csv = false;      ///< also a table with one row per pixel
+    std::string command = {};            ///< the command that makes these files again, for the header of an EXR
+    bool draws_single_pictures = false;  ///< also a picture of its own for each cell of the sheet
     std::vector<file::DataResource> other_tables = {};  ///< further tables in the folder
     std::filesystem::path sheet_only_file = {};         ///< if not empty: only the sheet is written, to this file
 
@@ -64,7 +64,7 @@ struct SceneFilesOptions {
         return sheet_only_file.empty() ? folder / "contact.png" : sheet_only_file;
     }
     [[nodiscard]] std::filesystem::path folder_of_single_pictures() const {
-        return single_pictures ? folder : std::filesystem::path();
+        return draws_single_pictures ? folder : std::filesystem::path();
     }
 };
 
@@ -144,7 +144,7 @@ struct PixelColumn {
 
 /// Returns a function that draws a band: `pixel_of(band, i)` is the `PixelValue` of pixel i.
 template <class Band, class PixelOf>
-std::function<void(const Band&, const Look&, Strip&)> drawn_by(PixelOf pixel_of) {
+std::function<void(const Band&, const Look&, Strip&)> make_draw_function(PixelOf pixel_of) {
     return [pixel_of](const Band& band, const Look& look, Strip& strip) {
         for (std::size_t i = 0; i < strip.colours.size(); ++i) {
             const PixelValue pixel = pixel_of(band, i);
@@ -156,10 +156,10 @@ std::function<void(const Band&, const Look&, Strip&)> drawn_by(PixelOf pixel_of)
 
 /// The columns of all rows of a study, and the files that show them.
 template <class Band>
-class ColumnFiles {
+class PictureWriter {
 public:
-    ColumnFiles(Pages pages, std::vector<PixelColumn<Band>> columns)
-        : columns_(std::move(columns)), writer_(std::move(pages), specs_of(columns_)) {}
+    PictureWriter(Pages pages, std::vector<PixelColumn<Band>> columns)
+        : columns_(std::move(columns)), writer_(std::move(pages), collect_specs(columns_)) {}
 
     /// Draws this number of pixels of a row, one strip for each column of the row that a file shows.
     [[nodiscard]] std::vector<Strip> draw(std::size_t form_index, const Band& band, std::size_t pixels) const {
@@ -187,7 +187,7 @@ private:
             if (columns_[c].row == form_index && writer_.shows(c)) shown.push_back(c);
         return shown;
     }
-    static std::vector<ColumnSpec> specs_of(const std::vector<PixelColumn<Band>>& columns) {
+    static std::vector<ColumnSpec> collect_specs(const std::vector<PixelColumn<Band>>& columns) {
         std::vector<ColumnSpec> specs;
         for (const PixelColumn<Band>& column : columns) specs.push_back(column.spec);
         return specs;

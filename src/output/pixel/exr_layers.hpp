@@ -11,7 +11,7 @@
 namespace lostbits::output::pixel {
 
 /// Text for an attribute that gives each name its index: `0 agree_hit, 1 agree_miss`.
-[[nodiscard]] std::string numbered(const auto& names, const char* separator = ", ") {
+[[nodiscard]] std::string numbered_list(const auto& names, const char* separator = ", ") {
     std::string text;
     for (std::size_t k = 0; k < names.size(); ++k)
         text += (k ? separator : "") + std::to_string(k) + " " + std::string(names[k]);

@@ -40,13 +40,13 @@ std::string percent_text(double percent) {
 }  // namespace
 
 std::string count_text(std::uint64_t count, std::uint64_t total) {
-    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
-    return fmt::format("{} ({})", count, share > 99.9 && share < 100 ? ">99.9%" : percent_text(share));
+    const double percentage = 100.0 * static_cast<double>(count) / static_cast<double>(total);
+    return fmt::format("{} ({})", count, percentage > 99.9 && percentage < 100 ? ">99.9%" : percent_text(percentage));
 }
 
 std::string widest_count(std::uint64_t pixels) { return fmt::format("{} (>99.9%)", pixels); }
 
-std::string share_text(std::uint64_t count, std::uint64_t total) {
+std::string fraction_text(std::uint64_t count, std::uint64_t total) {
     return total == 0 ? "-" : percent_text(100 * measure::truth::fraction(count, total));
 }
 

@@ -50,7 +50,7 @@ struct Look {
         if (!std::isnan(pixel.value)) return scale->map(pixel.value);
         return pixel.colour ? *pixel.colour : categories[pixel.category].colour;
     }
-    /// Legend of the categories that have a pixel, with their counts and their shares of all pixels.
+    /// Legend of the categories that have a pixel, with their counts and their fractions of all pixels.
     [[nodiscard]] std::vector<image::LegendEntry> legend(const CategoryCounts& counts, std::uint64_t pixels) const;
     /// Legend of all categories, with the widest count that a picture of this number of pixels can have.
     [[nodiscard]] std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels) const;
@@ -59,11 +59,11 @@ struct Look {
 /// The viridis scale from `low` to `high`, logarithmic.
 [[nodiscard]] image::ColourScale magnitude_scale(double low, double high);
 
-/// A count and its share, for legends: `1234 (3.1%)`.
+/// A count and its fraction, for legends: `1234 (3.1%)`.
 [[nodiscard]] std::string count_text(std::uint64_t count, std::uint64_t total);
 /// The widest text that `count_text` returns for a picture of this number of pixels.
 [[nodiscard]] std::string widest_count(std::uint64_t pixels);
-/// A share: `3.1%` or `<0.1%`; `-` if `total` is 0.
-[[nodiscard]] std::string share_text(std::uint64_t count, std::uint64_t total);
+/// A fraction in percent: `3.1%` or `<0.1%`; `-` if `total` is 0.
+[[nodiscard]] std::string fraction_text(std::uint64_t count, std::uint64_t total);
 
 }  // namespace lostbits::output::pixel

@@ -50,33 +50,33 @@ using PieceReceiver = std::function<void(std::size_t form_index, Piece&& piece)>
 /// Files that the rows of a scene share.
 template <class Band>
 struct BandFiles {
-    ColumnFiles<Band>& pictures;
+    PictureWriter<Band>& pictures;
     std::function<void(const std::vector<ExrScanlines>&)> write_exr;  ///< empty: no EXR is written
     const PieceReceiver& receive_piece;                               ///< receives the pieces of a shard
 };
 
 /// Files of one series. `Pixel` is the record of a row of the table of pixels.
 template <class Band, class Pixel>
-class RowFiles {
+class RowWriter {
 public:
-    struct Writers {
+    struct Functions {
         /// Turns a band into rows of the EXR; empty: the run writes no EXR.
         std::function<std::vector<ExrScanlines>(const Band&, std::span<const image::Rgb8> preview)> exr_scanlines = {};
         /// Adds pixel i to the table; empty: the run writes no table.
         std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel = {};
         std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
     };
-    RowFiles(std::size_t form_index, const BandFiles<Band>& files, Writers writers,
-             std::unique_ptr<table::TableFile<Pixel>> table)
-        : row_(form_index), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
+    RowWriter(std::size_t form_index, const BandFiles<Band>& files, Functions functions,
+              std::unique_ptr<table::TableFile<Pixel>> table)
+        : row_(form_index), files_(files), functions_(std::move(functions)), table_(std::move(table)) {}
 
     void add_band(const Band& result) {
-        const std::size_t pixels = writers_.pixels(result);
+        const std::size_t pixels = functions_.pixels(result);
         Piece piece{.y0 = result.y0, .strips = files_.pictures.draw(row_, result, pixels)};
-        if (writers_.exr_scanlines)
-            piece.exr = writers_.exr_scanlines(
+        if (functions_.exr_scanlines)
+            piece.exr = functions_.exr_scanlines(
                 result, piece.strips.empty() ? std::span<const image::Rgb8>() : piece.strips[0].colours);
-        for (std::size_t i = 0; table_ && i < pixels; ++i) writers_.add_pixel(*table_, result, i);
+        for (std::size_t i = 0; table_ && i < pixels; ++i) functions_.add_pixel(*table_, result, i);
         if (table_ && files_.receive_piece) piece.lines = table_->take_lines();
         if (files_.receive_piece) files_.receive_piece(row_, std::move(piece));
         else write_piece(piece);
@@ -94,7 +94,7 @@ public:
 private:
     std::size_t row_;
     BandFiles<Band> files_;
-    Writers writers_;
+    Functions functions_;
     std::unique_ptr<table::TableFile<Pixel>> table_;
 };
 

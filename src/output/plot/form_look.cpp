@@ -47,11 +47,15 @@ std::uint64_t hash_of(std::string_view name) {
 std::size_t form_look(const intersect::table::Intersector& form) {
     const auto forms = intersect::table::intersectors(), catalogue_forms = intersect::table::catalogue();
     static const LookRanges ranges;
+
+    // A form of the catalogue has the look of its line among the forms of its shape.
     std::size_t look = is_primitive(form.shape) ? 0 : ranges.first_march;
     for (const auto& known : catalogue_forms) {
         if (known.info == form.info) return look;
         look += known.shape == form.shape;
     }
+
+    // A form from outside has the free look of its hash, or the next one that no earlier form from outside has.
     const std::size_t free_looks = look_count - ranges.first_free;
     std::set<std::size_t> used_looks;
     for (const auto& outside_form : forms.subspan(catalogue_forms.size())) {

@@ -78,6 +78,7 @@ public:
                 least_price = price;
             }
         }
+
         if (best) {
             labels_.push_back(*best);
             leaders_.push_back({request.point, best->nearest(request.point)});
@@ -106,6 +107,7 @@ private:
         const auto are_apart = [](const Leader& line, const Box2& label) {
             return length_inside(line, with_margin(label, least_line_distance)) == 0;
         };
+
         const Leader leader{point, box.nearest(point)};
         return limits_.page.contains(box) && !overlaps_any(limits_.forbidden, box) &&
                !overlaps_any(labels_, with_margin(box, least_label_distance)) &&

@@ -76,10 +76,13 @@ public:
         std::size_t look = series.look ? drawn_looks_.at(*series.look % look_count) : next_look_;
         if (!series.look && !series.family.empty())
             look = family_looks_.try_emplace(series.family, next_look_).first->second;
+
+        // If all dashes of the look are taken, the next look with free dashes is used.
         int pattern = series.is_dashed ? 1 : 0;
         for (std::size_t attempts = 0; !find_free_pattern(look, pattern) && attempts < look_count; ++attempts)
             look = (look + 1) % look_count;
         used_patterns_[look].insert(pattern);
+
         line.colour = look_colour(look);
         line.marker = static_cast<int>(look / line_colours);
         line.dashes = dashes_of(pattern);
@@ -92,6 +95,7 @@ private:
     void separate_colours(std::span<const Series> series_list) {
         for (const std::size_t look : requested_looks_) drawn_looks_.emplace(look, look);
         if (requested_looks_.size() > line_colours) return;
+
         std::set<std::size_t> requested_colours, used_colours;
         for (const std::size_t look : requested_looks_) requested_colours.insert(look % line_colours);
         std::set<std::size_t> seen_looks;
@@ -104,6 +108,7 @@ private:
             used_colours.insert(colour);
             drawn_looks_[look] = look - look % line_colours + colour;
         }
+
         requested_looks_.clear();
         for (const auto& [look, drawn_look] : drawn_looks_) requested_looks_.insert(drawn_look);
     }
@@ -138,6 +143,8 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
     std::vector<int> series_counts;  // number of series of each line
     for (const auto& current : series) {
         require_equal_lengths(current);
+
+        // A series with the same points joins the line of an earlier one.
         const auto equal_line = std::ranges::find_if(lines, [&](const PlotLine& line) {
             const Series& other = *line.series;
             return are_drawn_alike(current.x, other.x) && are_drawn_alike(current.y, other.y) &&
@@ -153,9 +160,11 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
             if (!current.is_dashed && equal_line->series->is_dashed) equal_line->series = &current;
         }
     }
+
     for (std::size_t k = 0; k < lines.size(); ++k) {
         if (series_counts[k] > 1) lines[k].label = std::to_string(series_counts[k]) + " alike: " + lines[k].label;
     }
+
     LookAssigner assigner(series);
     for (PlotLine& line : lines) assigner.assign_look(line);
     return lines;

@@ -55,22 +55,34 @@ struct UndrawnCounts {
     }
 };
 
-std::vector<double> collect_values(const LinePlotSpec& spec, bool is_x_axis) {
-    std::vector<double> values;
-    const auto add = [&](const Series& series) {
-        for (std::size_t i = 0; i < series.x.size(); ++i) {
-            if (!std::isfinite(series.x[i]) || std::isnan(series.y[i])) continue;
-            values.push_back(is_x_axis ? series.x[i] : series.y[i]);
-            if (is_x_axis || series.low.empty()) continue;
-            values.push_back(series.low[i]);
-            values.push_back(series.high[i]);
-        }
+/// Calls `visit(series, i)` for each point with a finite x and a value, also for those of the envelope.
+template <class Visit>
+void for_each_point(const LinePlotSpec& spec, Visit visit) {
+    const auto visit_points = [&visit](const Series& series) {
+        for (std::size_t i = 0; i < series.x.size(); ++i)
+            if (std::isfinite(series.x[i]) && !std::isnan(series.y[i])) visit(series, i);
     };
-    for (const auto& series : spec.series) add(series);
-    if (spec.envelope) add(*spec.envelope);
-    for (const auto& mark : spec.marks) {
-        if (is_x_axis) values.push_back(mark.x);
-    }
+    for (const auto& series : spec.series) visit_points(series);
+    if (spec.envelope) visit_points(*spec.envelope);
+}
+
+/// Values that the x axis should show: those of the points and the marks.
+std::vector<double> collect_x_values(const LinePlotSpec& spec) {
+    std::vector<double> values;
+    for_each_point(spec, [&values](const Series& series, std::size_t i) { values.push_back(series.x[i]); });
+    for (const auto& mark : spec.marks) values.push_back(mark.x);
+    return values;
+}
+
+/// Values that the y axis should show: those of the points and their bands.
+std::vector<double> collect_y_values(const LinePlotSpec& spec) {
+    std::vector<double> values;
+    for_each_point(spec, [&values](const Series& series, std::size_t i) {
+        values.push_back(series.y[i]);
+        if (series.low.empty()) return;
+        values.push_back(series.low[i]);
+        values.push_back(series.high[i]);
+    });
     return values;
 }
 
@@ -216,6 +228,8 @@ public:
         for_each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto run = points(series, begin, end, series.y);
             stroke_.polyline(run, line_thickness, line.dashes);
+
+            // Infinite values are triangles at the edge; other points may have markers.
             for (std::size_t i = 0; i < run.size(); ++i) {
                 if (std::isinf(series.y[begin + i])) {
                     if (run[i].x < next_triangle_x) continue;
@@ -286,27 +300,88 @@ Canvas page_without_plot(const LinePlotSpec& spec) {
     return page;
 }
 
+/// The lines sorted by the heights at which they end, the highest first. Lines without a drawn point come last.
+std::vector<PlotLine> sort_by_end_height(std::vector<PlotLine> lines, const AxisRange& x, const AxisRange& y) {
+    const auto end_height = [&](const PlotLine& line) {
+        return line_end(line, x, y).value_or(std::pair{0.0, -1.0}).second;
+    };
+    std::ranges::stable_sort(lines, std::ranges::greater{}, end_height);
+    return lines;
+}
+
+/// Marks inside the axis, in pixels. Counts those outside.
+std::vector<MarkLabels::Mark> place_marks(const LinePlotSpec& spec, const AxisRange& x, const PlotFrame& frame,
+                                          UndrawnCounts& undrawn) {
+    std::vector<MarkLabels::Mark> marks;
+    for (const auto& mark : spec.marks) {
+        const double position = x.can_show(mark.x) && std::isfinite(mark.x) ? x.position(mark.x) : -1;
+        if (position >= 0 && position <= 1) {
+            marks.push_back({frame.pixel_x(position), mark.label});
+        } else {
+            ++undrawn.marks;
+        }
+    }
+    return marks;
+}
+
+/// Sentences below the plot: what could not be drawn, how many series share lines, and the notes of the caller.
+std::vector<std::string> make_footnotes(const LinePlotSpec& spec, std::size_t line_count,
+                                        const UndrawnCounts& undrawn) {
+    std::vector<std::string> footnotes = undrawn.notes();
+    if (line_count < spec.series.size())
+        footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
+                                        text::count_with_noun(line_count, "line"), spec.series.size()));
+    footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
+    return footnotes;
+}
+
+/// Draws dashed lines over solid ones, so that both are visible where they agree.
+void draw_lines(Canvas& page, LinePlotter& plotter, const std::vector<PlotLine>& lines, bool has_markers) {
+    std::vector<std::size_t> order(lines.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
+    for (const auto i : order) {
+        if (!lines[i].keys.empty()) page.set_mark_data({lines[i].keys, {}});
+        plotter.draw_line(page, lines[i], has_markers, i);
+    }
+}
+
+/// Writes the text for a plot without values in the middle of the frame.
+void draw_empty_text(Canvas& page, const LinePlotSpec& spec, const PlotFrame& frame) {
+    const auto text = image::image_backend().render_text(spec.empty_text, image::style::text_size);
+    page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
+              image::style::soft_ink);
+}
+
+/// Heights at which the lines end, in pixels below the top of the frame; NaN for a line without a drawn point.
+std::vector<double> end_heights(const std::vector<PlotLine>& lines, const AxisRange& x, const AxisRange& y,
+                                const PlotFrame& frame) {
+    std::vector<double> heights;
+    for (const auto& line : lines) {
+        const auto end = line_end(line, x, y);
+        heights.push_back(end ? frame.pixel_y(end->second) - frame.y : std::numeric_limits<double>::quiet_NaN());
+    }
+    return heights;
+}
+
 }  // namespace
 
 Canvas line_plot(const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200)
         throw std::invalid_argument("line plot: it needs at least 400 x 200 pixels");
     if (spec.series.empty() && !spec.envelope) return page_without_plot(spec);
+
+    // Find the lines and the axes, and note in the legend where lines end.
     auto lines = plot_lines(spec.series);
     if (spec.envelope)
         static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
-    const AxisRange x(spec.x, collect_values(spec, true)), y(spec.y, collect_values(spec, false));
+    const AxisRange x(spec.x, collect_x_values(spec)), y(spec.y, collect_y_values(spec));
     for (auto& line : lines) line.label += ending_note(line, spec, x, y);
-    std::vector<std::size_t> order(lines.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::vector<PlotLine> lines_by_end_height = lines;
-    const auto end_height = [&](const PlotLine& line) {
-        return line_end(line, x, y).value_or(std::pair{0.0, -1.0}).second;
-    };
-    std::ranges::stable_sort(lines_by_end_height, std::ranges::greater{}, end_height);
+    const std::vector<PlotLine> lines_by_end_height = sort_by_end_height(lines, x, y);
     const bool has_markers =
         std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
 
+    // Measure the head, the legend and the axes.
     const int content_width = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     const int top = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0);
@@ -317,33 +392,23 @@ Canvas line_plot(const LinePlotSpec& spec) {
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
     const PlotAxes axes(x, y, content_width - right_space - 60, nominal_height);
 
+    // Place the left and right edges of the frame. The labels of the marks between them give its top.
     PlotFrame frame{image::style::margin + axes.left_margin(), 0, 1, 1, frame_pad};
     frame.width = spec.width - image::style::margin - std::max(right_space, axes.right_margin()) - 1 - frame.x;
     UndrawnCounts undrawn;
-    std::vector<MarkLabels::Mark> marks;
-    for (const auto& mark : spec.marks) {
-        const double position = x.can_show(mark.x) && std::isfinite(mark.x) ? x.position(mark.x) : -1;
-        if (position >= 0 && position <= 1) {
-            marks.push_back({frame.pixel_x(position), mark.label});
-        } else {
-            ++undrawn.marks;
-        }
-    }
-    const MarkLabels labels(marks, spec.width - image::style::margin);
+    const MarkLabels labels(place_marks(spec, x, frame, undrawn), spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.top_margin());
+
+    // The footnotes give its height.
     LinePlotter counting_plotter(spec, x, y, frame);
     for (const auto& series : spec.series) counting_plotter.count_undrawn(series, undrawn);
     if (spec.envelope) counting_plotter.count_undrawn(*spec.envelope, undrawn);
-    std::vector<std::string> footnotes = undrawn.notes();
-    if (lines.size() < spec.series.size())
-        footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
-                                        text::count_with_noun(lines.size(), "line"), spec.series.size()));
-    footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
-    const Canvas notes = image::heading({}, footnotes, content_width);
+    const Canvas notes = image::heading({}, make_footnotes(spec, lines.size(), undrawn), content_width);
     const int foot =
         1 + axes.bottom_margin() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal_height / 2, legend.height()});
 
+    // Draw the head, and the layers of the plot from back to front.
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.draw_canvas(image::style::margin, image::style::margin, head);
     LinePlotter plotter(spec, x, y, frame);
@@ -354,26 +419,15 @@ Canvas line_plot(const LinePlotSpec& spec) {
     if (spec.envelope) plotter.draw_envelope_line(page);
     for (const auto& line : lines) plotter.draw_band(page, line);
     labels.draw(page, frame.y - 1, frame.y + frame.height);
-    // Draw dashed lines over solid ones, so that both are visible where they agree.
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
-    for (const auto i : order) {
-        if (!lines[i].keys.empty()) page.set_mark_data({lines[i].keys, {}});
-        plotter.draw_line(page, lines[i], has_markers, i);
-    }
+    draw_lines(page, plotter, lines, has_markers);
     page.set_mark_data(plotter.step_positions());
     axes.draw(page, frame);
     page.clear_mark_data();
-    if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !line_end(line, x, y); })) {
-        const auto text = image::image_backend().render_text(spec.empty_text, image::style::text_size);
-        page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
-                  image::style::soft_ink);
-    }
-    std::vector<double> ends;
-    for (const auto& line : lines_by_end_height) {
-        const auto end = line_end(line, x, y);
-        ends.push_back(end ? frame.pixel_y(end->second) - frame.y : std::numeric_limits<double>::quiet_NaN());
-    }
-    legend.align(ends, frame.height);
+    if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !line_end(line, x, y); }))
+        draw_empty_text(page, spec, frame);
+
+    // Draw the legend beside the ends of the lines, and the footnotes.
+    legend.align(end_heights(lines_by_end_height, x, y, frame), frame.height);
     const int legend_x = spec.width - image::style::margin - legend.width();
     plotter.draw_leaders(page, lines_by_end_height, legend, legend_x);
     legend.draw(page, legend_x, frame.y);

@@ -55,6 +55,7 @@ std::vector<double> positions_near(std::span<const double> requests, std::span<c
         std::size_t n;
         [[nodiscard]] double mean() const { return sum / static_cast<double>(n); }
     };
+
     std::vector<Block> blocks;
     double height_before = 0;
     for (std::size_t k = 0; k < requests.size(); height_before += heights[k++]) {
@@ -66,6 +67,8 @@ std::vector<double> positions_near(std::span<const double> requests, std::span<c
             blocks.back().n += last.n;
         }
     }
+
+    // Give every request the mean of its block, and add the heights again.
     const double slack = std::max(high - low - height_before, 0.0);
     std::vector<double> positions;
     height_before = 0;
@@ -120,7 +123,10 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
     entries_.clear();
     font_size_ = font_size;
     const int text_width = std::max(layout.column_width - sample_width - sample_gap, 40);
-    int total = 0, highest = 0;
+
+    // Wrap the labels.
+    int total = 0;
+    int highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
         Entry entry{image::wrap_text(label, font_size, false, text_width), line, area};
         highest = std::max(highest, height_of(entry));
@@ -132,22 +138,29 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
 
     // Columns of even height: the smallest height that holds all entries in order.
     int height_limit = std::max(total / columns, highest);
-    for (;; height_limit += 2) {
-        int column = 0, y = 0;
-        height_ = 0;
-        for (auto& entry : entries_) {
-            const int h = height_of(entry);
-            if (y + h > height_limit && y > 0) {
-                ++column;
-                y = 0;
-            }
-            entry.column = column;
-            entry.y = y;
-            y += h;
-            height_ = std::max(height_, y);
+    while (fill_columns(height_limit) > columns) height_limit += 2;
+    place_columns(columns);
+}
+
+int PlotLegend::fill_columns(int height_limit) {
+    int column = 0;
+    int y = 0;
+    height_ = 0;
+    for (auto& entry : entries_) {
+        const int h = height_of(entry);
+        if (y + h > height_limit && y > 0) {
+            ++column;
+            y = 0;
         }
-        if (column < columns) break;
+        entry.column = column;
+        entry.y = y;
+        y += h;
+        height_ = std::max(height_, y);
     }
+    return column + 1;
+}
+
+void PlotLegend::place_columns(int columns) {
     column_x_.assign(static_cast<std::size_t>(columns), 0);
     width_ = 0;
     for (int column = 0; column < columns; ++column) {
@@ -168,6 +181,8 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
             canvas.text(x + sample_width + sample_gap, text_y + font_size_ - text.baseline, text, image::style::ink);
             text_y += image::style::line_height(font_size_);
         }
+
+        // The sample of an area is a box, and the sample of a line a piece of it.
         const double middle = y + font_size_ - image::style::digit_rise(font_size_) + 0.5;
         if (entry.line == nullptr) {
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 11, entry.area->fill);
@@ -185,6 +200,7 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
 }
 
 MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
+    // Wrap the labels between their lines and the limit.
     std::ranges::stable_sort(marks, {}, &Mark::x);
     for (const auto& mark : marks) {
         PlacedLabel label{mark.x, {}};
@@ -196,6 +212,7 @@ MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
         }
         labels_.push_back(std::move(label));
     }
+
     // Labels are placed from right to left. Each clears the tops of all labels whose lines begin under it.
     for (std::size_t i = labels_.size(); i-- > 0;) {
         PlacedLabel& label = labels_[i];

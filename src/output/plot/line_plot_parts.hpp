@@ -84,6 +84,10 @@ private:
         int font_size, columns, column_width;
     };
     void arrange(std::span<const PlotLine> lines, std::span<const PlotArea> areas, const Layout& layout);
+    /// Places the entries below each other, in columns of at most this height. Returns the number of columns.
+    int fill_columns(int height_limit);
+    /// Places the columns side by side, each as wide as its widest entry.
+    void place_columns(int columns);
     [[nodiscard]] int height_of(const Entry& entry) const;
 
     std::vector<Entry> entries_;

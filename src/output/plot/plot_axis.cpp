@@ -17,11 +17,11 @@ namespace {
 constexpr double least_extent = 1e-12;
 /// Values below this size count as 0, because steps between subnormal numbers are not round.
 constexpr double least_size = 1e-300;
-/// Share of a log axis between 0 and its low end.
+/// Fraction of a log axis between 0 and its low end.
 constexpr double below_low_end = 0.08;
-/// An axis shows at least this share of all possible values, so that differences of a hundredth of them look small.
-constexpr double least_share = 1.0 / 12;
-/// From this share on, the axis shows all possible values.
+/// An axis shows at least this fraction of all possible values, so that differences of a hundredth of them look small.
+constexpr double least_fraction = 1.0 / 12;
+/// From this fraction on, the axis shows all possible values.
 constexpr double near_limit = 0.75;
 
 /// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `tick_budget` + 1 of them.
@@ -61,13 +61,18 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     if (axis.low && axis.high && !(*axis.low < *axis.high)) {
         throw std::invalid_argument("axis " + axis.title + ": the low end is not below the high end");
     }
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+
+    // Find the least and the greatest value that the axis can show.
+    double lo = std::numeric_limits<double>::infinity();
+    double hi = -lo;
     for (const double value : values) {
         if (!std::isfinite(value) || !can_show(value) || (shows_zero_ && value == 0)) continue;
         lo = std::min(lo, scale_value(value));
         hi = std::max(hi, scale_value(value));
     }
     if (lo > hi) lo = hi = 0;
+
+    // A missing end follows from the data. A linear axis that comes near 0 starts there.
     if (!is_log() && !axis.low && lo > 0 && lo < hi / 4) lo = 0;
     lo_ = axis.low ? scale_value(*axis.low) : lo;
     hi_ = axis.high ? scale_value(*axis.high) : limit_ ? fit_high_end(hi) : hi;
@@ -75,7 +80,7 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
 }
 
 double AxisRange::fit_high_end(double highest) const noexcept {
-    const double extent = *limit_ - lo_, shown_extent = std::max(highest - lo_, extent * least_share);
+    const double extent = *limit_ - lo_, shown_extent = std::max(highest - lo_, extent * least_fraction);
     return shown_extent >= extent * near_limit ? *limit_ : lo_ + shown_extent;
 }
 
@@ -111,8 +116,8 @@ double AxisRange::scale_value(double value) const noexcept {
 
 double AxisRange::scaled_position(double scaled_value) const noexcept {
     // Halve first, because hi - lo may overflow.
-    const double share = std::clamp((scaled_value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
-    return shows_zero_ ? below_low_end + (1 - below_low_end) * share : share;
+    const double position = std::clamp((scaled_value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
+    return shows_zero_ ? below_low_end + (1 - below_low_end) * position : position;
 }
 
 double AxisRange::position(double value) const noexcept {
@@ -124,6 +129,7 @@ double AxisRange::position(double value) const noexcept {
 std::vector<AxisRange::Tick> AxisRange::short_range_ticks(int tick_budget) const {
     const bool is_log2 = scale_ == AxisSpec::Scale::log2;
     std::vector<Tick> ticks;
+
     // A short range gets plain numbers: 2.4, not 2^1.26. A label has space for about six digits. In a wider range equal
     // steps would crowd at the upper end.
     const double low = is_log2 ? std::exp2(lo_) : std::pow(10, lo_),
@@ -135,6 +141,7 @@ std::vector<AxisRange::Tick> AxisRange::short_range_ticks(int tick_budget) const
         if (ticks.size() >= 2) return ticks;
         ticks.clear();
     }
+
     const auto exponents = round_values(lo_, hi_, tick_budget);
     const auto labels = tick_labels(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i)
@@ -152,6 +159,8 @@ std::string AxisRange::power_label(double exponent, const std::string& text) con
 
 std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int tick_budget) const {
     const bool is_log2 = scale_ == AxisSpec::Scale::log2;
+
+    // Find the smallest step that the budget allows.
     double step = 1;
     const std::vector<double> steps = is_log2 ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
                                               : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};
@@ -159,6 +168,7 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int tick_budget) const {
         step = s;
         if (std::floor(hi_ / s + 1e-9) - std::ceil(lo_ / s - 1e-9) + 1 <= tick_budget) break;
     }
+
     std::vector<double> exponents;
     for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9; k += 1) exponents.push_back(k * step);
     if (exponents.size() < 2) return short_range_ticks(tick_budget);
@@ -167,6 +177,8 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int tick_budget) const {
     for (std::size_t i = 0; i < labels.size(); ++i) {
         ticks.push_back({scaled_position(exponents[i]), power_label(exponents[i], labels[i])});
     }
+
+    // Minor ticks between decades, if there are not too many.
     if (is_log2 || step != 1 || hi_ - lo_ > 12) return ticks;
     for (double decade = std::floor(lo_); decade <= hi_; decade += 1) {
         for (int m = 2; m < 10; ++m) {
@@ -209,7 +221,13 @@ constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels per labelled tick
 }  // namespace
 
 TextBitmap rotate_left(const TextBitmap& text) {
-    TextBitmap result{text.height, text.width, text.width, {}, text.runs, text.is_bold, true};
+    TextBitmap result{.width = text.height,
+                      .height = text.width,
+                      .baseline = text.width,
+                      .coverage = {},
+                      .runs = text.runs,
+                      .is_bold = text.is_bold,
+                      .is_rotated = true};
     result.coverage.resize(text.coverage.size());
     for (int y = 0; y < text.height; ++y) {
         for (int x = 0; x < text.width; ++x) {
@@ -239,7 +257,9 @@ std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int tick_bu
 
 PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height)
     : x_ticks_(render(x, width / tick_pitch_x)), y_ticks_(render(y, height / tick_pitch_y)) {
-    int widest = 0, highest = 0;
+    // Margins for the labels of the ticks.
+    int widest = 0;
+    int highest = 0;
     for (const auto& tick : y_ticks_) {
         widest = std::max(widest, tick.label.width);
         top_margin_ = std::max(top_margin_, tick.label.height / 2 + 2);
@@ -250,6 +270,8 @@ PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height
     }
     left_margin_ = std::max(1 + tick_length + label_gap + widest, right_margin_);
     bottom_margin_ = 1 + tick_length + label_gap + highest;
+
+    // Margins for the titles.
     if (!x.title().empty()) {
         x_title_ = image::fit_text(x.title(), image::style::text_size, false, width);
         bottom_margin_ += title_gap + x_title_.height;
@@ -273,7 +295,10 @@ void PlotAxes::draw_grid(image::Canvas& canvas, const PlotFrame& frame) const {
 
 void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
     canvas.frame(frame.x, frame.y, frame.width, frame.height, image::style::line);
-    const int foot = frame.y + frame.height + 1, label_y = foot + tick_length + label_gap;
+
+    // Ticks and labels.
+    const int foot = frame.y + frame.height + 1;
+    const int label_y = foot + tick_length + label_gap;
     int highest = 0;
     for (const auto& tick : x_ticks_) {
         const int x = static_cast<int>(std::floor(frame.pixel_x(tick.position)));
@@ -289,6 +314,8 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
                     y - tick.label.baseline + image::style::digit_rise(image::style::text_size), tick.label,
                     image::style::ink);
     }
+
+    // Titles.
     canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_,
                 image::style::ink);
     canvas.text(frame.x - left_margin_, frame.y + (frame.height - y_title_.height) / 2, y_title_, image::style::ink);

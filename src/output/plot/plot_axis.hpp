@@ -15,13 +15,16 @@ struct AxisSpec {
     enum class Scale { linear, log2, log10 };
     std::string title;
     Scale scale = Scale::linear;
-    std::optional<double> low, high;  ///< the ends; a missing end follows from the data
-    bool shows_zero = false;          ///< log axis only: 0 is drawn below the low end
-    bool has_decimal_ticks = false;   ///< log axis only: ticks are `0.5` and `64`, not `2^-1` and `2^6`
+    std::optional<double> low = {}, high = {};  ///< the ends; a missing end follows from the data
+    bool shows_zero = false;                    ///< log axis only: 0 is drawn below the low end
+    bool has_decimal_ticks = false;             ///< log axis only: ticks are `0.5` and `64`, not `2^-1` and `2^6`
     /// Linear axis only: largest possible value, such as all bits of a format. The axis fits the data below the limit,
     /// and reaches the limit, with a line there, if the data come near.
     std::optional<double> limit = {};
 };
+
+/// Axis of fractions of the rays, from 0 to at most 1.
+inline const AxisSpec fraction_axis{.title = "share of rays", .low = 0.0, .limit = 1};
 
 /// An axis with known ends.
 class AxisRange {

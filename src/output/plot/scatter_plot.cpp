@@ -115,7 +115,9 @@ public:
         }
     }
 
-    void draw_points(Canvas& canvas, bool is_faint) {
+    enum class PointKind { faint, clear };
+    void draw_points(Canvas& canvas, PointKind kind) {
+        const bool is_faint = kind == PointKind::faint;
         for (const auto& p : spec_.points) {
             if (p.is_faint != is_faint || !is_on_axes(p, x_, y_)) continue;
             const Rgb8 colour = point_colour(p.colour, p.is_faint);
@@ -132,6 +134,7 @@ public:
     }
 
     void draw_labels(Canvas& canvas) {
+        // Labels never cover points on the front or with a name, and avoid other points and the bars.
         std::vector<Box2> forbidden, avoided;
         std::vector<LabelRequest> requests;
         std::vector<TextBitmap> texts;
@@ -141,17 +144,21 @@ public:
             (p.is_faint ? avoided : forbidden).push_back(box_around(point_at(p.x, p.y), half_marker));
             if (!p.is_faint) avoided.push_back(box_around(point_at(p.x_low, p.y), point_at(p.x_high, p.y)));
             if (p.is_faint || p.label.empty()) continue;
+
             texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
             requests.push_back({point_at(p.x, p.y), static_cast<double>(texts.back().width),
                                 static_cast<double>(texts.back().height)});
             colours.push_back(point_colour(p.colour, false));
         }
+
+        // They avoid the line of the front, too.
         for (std::size_t i = 0; i + 1 < spec_.pareto_front.size(); ++i) {
             const Point a = point_at(spec_.pareto_front[i].x, spec_.pareto_front[i].y),
                         b = point_at(spec_.pareto_front[i + 1].x, spec_.pareto_front[i + 1].y);
             avoided.push_back(box_around(a, {b.x, a.y}));
             avoided.push_back(box_around({b.x, a.y}, b));
         }
+
         const Box2 area{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
         const auto boxes = place_labels(requests, {area, forbidden, avoided});
         for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -180,11 +187,11 @@ private:
     Stroke stroke_;
 };
 
-AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x) {
+AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, double ScatterPoint::*coordinate) {
     std::vector<double> values;
     for (const auto& p : spec.points) {
         if (std::isnan(p.x) || std::isnan(p.y)) continue;
-        values.push_back(is_x ? p.x : p.y);
+        values.push_back(p.*coordinate);
     }
     return {axis, values};
 }
@@ -192,7 +199,8 @@ AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_
 }  // namespace
 
 Canvas scatter_plot(const ScatterPlotSpec& spec) {
-    const AxisRange x = axis_range(spec, spec.x, true), y = axis_range(spec, spec.y, false);
+    // Measure the head, the legend, the axes and the footnotes.
+    const AxisRange x = axis_range(spec, spec.x, &ScatterPoint::x), y = axis_range(spec, spec.y, &ScatterPoint::y);
     const int content_width = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     const KeyLegend legend(spec.keys, content_width);
@@ -205,6 +213,7 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
                                                   "points have no value and are not drawn."));
     const Canvas notes = image::heading({}, footnotes, content_width);
 
+    // Place the frame between them.
     PlotFrame frame{image::style::margin + axes.left_margin(), 0, 1, 1, point_margin};
     frame.width = spec.width - image::style::margin - axes.right_margin() - 1 - frame.x;
     frame.y = image::style::margin + head.height() + image::style::gap + axes.top_margin();
@@ -212,13 +221,14 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
         1 + axes.bottom_margin() + image::style::gap + legend.height() + notes.height() + image::style::margin;
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
+    // Draw everything from back to front.
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.draw_canvas(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
     ScatterPlotter plotter(spec, x, y, frame);
-    plotter.draw_points(page, true);
+    plotter.draw_points(page, ScatterPlotter::PointKind::faint);
     plotter.draw_front(page);
-    plotter.draw_points(page, false);
+    plotter.draw_points(page, ScatterPlotter::PointKind::clear);
     plotter.draw_labels(page);
     axes.draw(page, frame);
     legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);

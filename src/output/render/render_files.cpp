@@ -7,7 +7,7 @@ namespace lostbits::output::render {
 
 using measure::render::RenderBand;
 
-table::Table<StageRow> RenderView::summary_table() {
+table::Table<StageRow> RenderPresentation::summary_table() {
     using R = StageRow;
     table::Table<R> table{{"stage", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
@@ -18,8 +18,8 @@ table::Table<StageRow> RenderView::summary_table() {
     return table;
 }
 
-std::vector<StageRow> RenderView::summary_rows(const RenderStudy& study,
-                                               const std::vector<RenderStudy::Summary>& summaries) {
+std::vector<StageRow> RenderPresentation::summary_rows(const RenderStudy& study,
+                                                       const std::vector<RenderStudy::Summary>& summaries) {
     std::vector<StageRow> rows;
     for (std::size_t s = 0; s < study.stages.size(); ++s)
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
@@ -27,24 +27,33 @@ std::vector<StageRow> RenderView::summary_rows(const RenderStudy& study,
     return rows;
 }
 
-pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
+namespace {
+
+/// Adds the picture of stage `s`, the certified picture, and their difference.
+void add_stage(pixel::ExrLayers<RenderBand>& layers, const RenderStudy& study, std::size_ts) {
+    const std::string name(name_of(study.stages[s]));
+    const auto stage = static_cast<std::size_t>(study.stages[s]);
+    for (int k = 0; k < 3; ++k)
+        layers.add_number(name + "." + "rgb"[k],
+                          [s, k](const RenderBand& band, std::size_t i) { return band.painted[s][i].colour[k]; });
+    for (std::size_t k = 0; k < 3; ++k)
+        layers.add_number(name + "_true." + "rgb"[k], [stage, k](const RenderBand& band, std::size_t i) {
+            const measure::render::TrueColour& true_colour = band.true_pixels[i].colours[stage];
+            return true_colour.is_certain ? true_colour.channel[k].hi : measure::truth::missing;
+        });
+    layers.add_number(name + ".difference",
+                      [s](const RenderBand& band, std::size_t i) { return band.painted[s][i].error; });
+}
+
+}  // namespace
+
+pixel::ExrLayers<RenderBand> RenderPresentation::layers(const RenderStudy& study) {
     pixel::ExrLayers<RenderBand> layers;
     layers.add_preview(
         [](const RenderBand& band, std::size_t i) { return picture_look().colour(pixel_of(band.painted.back()[i])); });
-    for (std::size_t s = 0; s < study.stages.size(); ++s) {
-        const std::string name(name_of(study.stages[s]));
-        const auto stage = static_cast<std::size_t>(study.stages[s]);
-        for (int k = 0; k < 3; ++k)
-            layers.add_number(name + "." + "rgb"[k],
-                              [s, k](const RenderBand& band, std::size_t i) { return band.painted[s][i].colour[k]; });
-        for (std::size_t k = 0; k < 3; ++k)
-            layers.add_number(name + "_true." + "rgb"[k], [stage, k](const RenderBand& band, std::size_t i) {
-                const measure::render::TrueColour& truth = band.true_pixels[i].colours[stage];
-                return truth.is_certain ? truth.channel[k].hi : measure::truth::missing;
-            });
-        layers.add_number(name + ".difference",
-                          [s](const RenderBand& band, std::size_t i) { return band.painted[s][i].error; });
-    }
+    for (std::size_t s = 0; s < study.stages.size(); ++s) add_stage(layers, study, s);
+
+    // Errors and decisions that all stages share.
     layers.add_number("normal.angle", [](const RenderBand& band, std::size_t i) { return band.normal_angle[i]; });
     layers.add_number("point.residual", [](const RenderBand& band, std::size_t i) { return band.residual[i]; });
     layers.add_uint("class.seen", [](const RenderBand& band, std::size_t i) { return band.seen[i]; });
@@ -59,8 +68,8 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     return layers;
 }
 
-image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t form_index,
-                                    const std::vector<image::Channel>& channels, const std::string& command) {
+image::ExrSpec RenderPresentation::exr_spec(const RenderStudy& study, std::size_t form_index,
+                                            const std::vector<image::Channel>& channels, const std::string& command) {
     return {.width = study.scene.width,
             .height = study.scene.height,
             .channels = channels,
@@ -70,8 +79,8 @@ image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t form_i
                            {"lostbits:form", std::string(study.tested_forms[form_index].form->info->name)},
                            {"lostbits:format", study.tested_forms[form_index].format.name},
                            image::compiler_attribute(),
-                           {"lostbits:seen", pixel::numbered(measure::render::seen_names)},
-                           {"lostbits:shadow", pixel::numbered(measure::render::shadow_names)},
+                           {"lostbits:seen", pixel::numbered_list(measure::render::seen_names)},
+                           {"lostbits:shadow", pixel::numbered_list(measure::render::shadow_names)},
                            image::primitives_attribute()}};
 }
 

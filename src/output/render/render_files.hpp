@@ -36,8 +36,8 @@ struct StageRow {
     const RenderSummary* summary;
 };
 
-/// A view, see output/study/study_files.hpp. On the sheet, each column is a form, after a column for the certified
-/// picture. Each row is a stage in a format. The single pictures `<stage>.reference.png` (certified) and
+/// A presentation, see output/study/study_files.hpp. On the sheet, each column is a form, after a column for the
+/// certified picture. Each row is a stage in a format. The single pictures `<stage>.reference.png` (certified) and
 /// `<stage>.<form>.<format>.png` are bare: no texts, and one image pixel for each pixel of the scene.
 /// `<stage>.<form>.<format>.colour.png` shows how far their colours differ. The difference maps
 /// `<form>.<format>.residual.png`, `.normal.png` and `.shadow.png` belong to all stages; the last two exist only if a
@@ -49,7 +49,7 @@ struct StageRow {
 /// certified ones) and `<stage>.difference` (8-bit steps). Then `normal.angle` and `point.residual`; `class.seen` and
 /// `class.shadow` (UINT, in the order of the attributes `lostbits:seen` and `lostbits:shadow`); `class.object` and
 /// `class.true_object` (0 is none, otherwise 1 + the index of the sphere, counted from 0).
-struct RenderView {
+struct RenderPresentation {
     using Study = RenderStudy;
     using Band = Study::Band;
     using SummaryRow = StageRow;

@@ -12,14 +12,15 @@ namespace lostbits::output::render {
 
 using image::Rgb8;
 using measure::answer::Outcome;
+using measure::render::RenderBand;
 using measure::render::SeenContent;
 using measure::render::ShadeRule;
 using measure::render::Shadow;
 using pixel::colour_of;
+using pixel::fraction_text;
 using pixel::Look;
 using pixel::PixelColumn;
 using pixel::PixelValue;
-using pixel::share_text;
 using scene::file::Stage;
 
 namespace {
@@ -83,6 +84,7 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
                                        map::input_note(scene, study.tested_forms)},
                           .forms = {"certified"}};
     std::erase(spec.subtitle, "");
+
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
     for (const Stage stage : study.stages)
         for (const std::string& format : grid.formats)
@@ -97,7 +99,7 @@ public:
         for (std::size_t s = 0; s < study.stages.size(); ++s) add_reference(s);
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_row(r);
     }
-    [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
+    [[nodiscard]] std::vector<PixelColumn<RenderBand>> release() { return std::move(columns_); }
 
 private:
     /// The certified picture, which all rows share. It is drawn from the bands of the first row.
@@ -115,6 +117,8 @@ private:
 
     void add_row(std::size_t r) {
         const std::string name = map::row_name(study_.tested_forms[r]);
+
+        // For each stage: the picture, and how far its colours differ from the certified ones.
         for (std::size_t s = 0; s < study_.stages.size(); ++s) {
             const std::string stage(name_of(study_.stages[s]));
             const map::RowGrid::GridCell cell = grid_.cells[r];
@@ -129,6 +133,8 @@ private:
                     return difference_pixel(band.seen[i], band.painted[s][i].error);
                 });
         }
+
+        // Maps that belong to all stages.
         add(difference_map_spec(r, name + ".residual.png", residual_map.title, residual_map.note, residual_look_), r,
             [](const RenderBand& band, std::size_t i) { return difference_pixel(band.seen[i], band.residual[i]); });
         if (any_stage_has(&ShadeRule::has_diffuse))
@@ -160,7 +166,7 @@ private:
 
     template <class ValueOf>
     void add(pixel::ColumnSpec spec, std::size_t form_index, ValueOf value_of) {
-        columns_.push_back({std::move(spec), form_index, pixel::drawn_by<RenderBand>(value_of)});
+        columns_.push_back({std::move(spec), form_index, pixel::make_draw_function<RenderBand>(value_of)});
     }
 
     const RenderStudy& study_;
@@ -206,16 +212,16 @@ PixelValue pixel_of(const measure::render::PaintedPixel& p) {
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
-std::vector<PixelColumn<RenderBand>> RenderView::columns(const RenderStudy& study) {
-    return RenderColumnMaker(study).take();
+std::vector<PixelColumn<RenderBand>> RenderPresentation::columns(const RenderStudy& study) {
+    return RenderColumnMaker(study).release();
 }
 
-pixel::Sheet RenderView::sheet(const RenderStudy& study, const std::filesystem::path& file) {
+pixel::Sheet RenderPresentation::sheet(const RenderStudy& study, const std::filesystem::path& file) {
     return {file, sheet_spec(study, map::RowGrid(study.tested_forms))};
 }
 
-std::vector<study::Note> RenderView::notes(const RenderStudy& study,
-                                           const std::vector<RenderStudy::Summary>& summaries) {
+std::vector<study::Note> RenderPresentation::notes(const RenderStudy& study,
+                                                   const std::vector<RenderStudy::Summary>& summaries) {
     const map::RowGrid grid(study.tested_forms);
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
@@ -228,12 +234,12 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
 std::string thumbnail_note(const RenderSummary& summary) {
     std::string text = summary.changed_pixels == 0
                            ? "every pixel right"
-                           : share_text(summary.changed_pixels, summary.pixels) + " wrong colour";
+                           : fraction_text(summary.changed_pixels, summary.pixels) + " wrong colour";
     if (const std::uint64_t wrong = summary.wrong_pixels())
-        text += fmt::format("\n{} wrong sphere", share_text(wrong, summary.pixels));
+        text += fmt::format("\n{} wrong sphere", fraction_text(wrong, summary.pixels));
     if (!summary.rule.has_shadows) return text;
     const auto acne = summary.count(measure::render::Receiver::sphere, Shadow::own_shadow);
-    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, summary.pixels));
+    if (acne > 0) text += fmt::format("\n{} acne", fraction_text(acne, summary.pixels));
     if (const auto flips = summary.flipped_shadows())
         text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;

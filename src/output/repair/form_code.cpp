@@ -96,6 +96,8 @@ std::string info_members(const intersect::Info& info, const FormTexts& texts) {
     std::string text =
         fmt::format("        .name = {},\n        .title = {},\n        .source = {},\n", file::c_string(texts.name),
                     file::c_string(texts.title), file::c_string(texts.source));
+
+    // Members with their default values are left out.
     const auto add = [&](bool is_needed, const std::string& line) {
         if (is_needed) text += "        " + line + ",\n";
     };
@@ -160,15 +162,10 @@ std::string type_name(const std::string& form) {
     return is_reserved_type_name(name) ? name + "_" : name;
 }
 
-std::string form_header(const Tape& tape, const Intersector& form_row, const FormTexts& texts) {
-    const ShapeRow& shape = row_of(form_row.shape);
-    std::string primitive(shape.name);
-    primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
-    std::string body;
-    for (const std::string& line : statements(tape, form_row)) body += "        " + line + "\n";
-    std::string matrix;
-    if (form_row.is_placed)
-        matrix = "        const auto& [M00, M01, M02, M03, M10, M11, M12, M13, M20, M21, M22, M23] = matrix;\n";
+namespace {
+
+/// Declarations of the wider type and of the conversions that the code uses.
+std::string conversion_declarations(const std::string& body, const FormTexts& texts) {
     const auto uses = [&](const char* word) { return body.find(word) != std::string::npos; };
     std::string conversions;
     if (uses("W"))
@@ -180,6 +177,23 @@ std::string form_header(const Tape& tape, const Intersector& form_row, const For
     if (uses("narrow("))
         conversions += fmt::format("        const auto narrow = [](const W& x) {{ return {}; }};\n",
                                    texts.uses_two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
+    return conversions;
+}
+
+}  // namespace
+
+std::string form_header(const Tape& tape, const Intersector& form_row, const FormTexts& texts) {
+    const ShapeRow& shape = row_of(form_row.shape);
+    std::string primitive(shape.name);
+    primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
+
+    // The statements of `intersect`, and the declarations before them.
+    std::string body;
+    for (const std::string& line : statements(tape, form_row)) body += "        " + line + "\n";
+    std::string matrix;
+    if (form_row.is_placed)
+        matrix = "        const auto& [M00, M01, M02, M03, M10, M11, M12, M13, M20, M21, M22, M23] = matrix;\n";
+
     return fmt::format(
         "{}#pragma once\n\n{}#include \"intersect/info.hpp\"\n{}#include \"shapes/{}/{}.hpp\"\n\n"
         "namespace lostbits::intersect::{} {{\n\nstruct {} {{\n    static constexpr Info info{{\n{}    }};\n\n"
@@ -190,7 +204,7 @@ std::string form_header(const Tape& tape, const Intersector& form_row, const For
         texts.uses_two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
         type_name(texts.name.substr(texts.name.find('.') + 1)), info_members(*form_row.info, texts), primitive,
         shape.name, form_row.is_placed ? ", const std::array<T, 12>& matrix" : "",
-        shape.takes_tmax ? ", const T& tmax" : "", conversions, matrix, body, shape.name);
+        shape.takes_tmax ? ", const T& tmax" : "", conversion_declarations(body, texts), matrix, body, shape.name);
 }
 
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after) {
@@ -200,19 +214,29 @@ std::vector<std::string> changed_lines(const std::vector<std::string>& before, c
         for (std::size_t j = after.size(); j-- > 0;)
             common[i][j] =
                 before[i] == after[j] ? common[i + 1][j + 1] + 1 : std::max(common[i + 1][j], common[i][j + 1]);
+
+    // Removed and added lines are collected until the next common line, and then written in pairs.
     std::vector<std::string> lines, removed, added;
     const auto write_changes = [&] {
         for (std::size_t k = 0; k < std::max(removed.size(), added.size()); ++k) {
             if (k < removed.size()) lines.push_back("- " + removed[k]);
             if (k < added.size()) lines.push_back("+ " + added[k]);
         }
-        removed.clear(), added.clear();
+        removed.clear();
+        added.clear();
     };
+
     for (std::size_t i = 0, j = 0; i < before.size() || j < after.size();) {
         const bool has_before = i < before.size(), has_after = j < after.size();
-        if (has_before && has_after && before[i] == after[j]) write_changes(), ++i, ++j;
-        else if (has_before && (!has_after || common[i + 1][j] >= common[i][j + 1])) removed.push_back(before[i++]);
-        else added.push_back(after[j++]);
+        if (has_before && has_after && before[i] == after[j]) {
+            write_changes();
+            ++i;
+            ++j;
+        } else if (has_before && (!has_after || common[i + 1][j] >= common[i][j + 1])) {
+            removed.push_back(before[i++]);
+        } else {
+            added.push_back(after[j++]);
+        }
     }
     write_changes();
     return lines;

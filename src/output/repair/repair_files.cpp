@@ -33,48 +33,59 @@ std::string kept_bits_text(const FormQuality& quality, const measure::choose::Re
     return std::isnan(quality.kept_bits) ? "no" : choose::kept_bits_text(quality.kept_bits, requirement);
 }
 
+/// Kinds of markers in the plot, for `draw_marker`.
+constexpr int catalogue_marker = 0, wider_marker = 1, rewritten_marker = 2, own_marker = 3;
+
 int marker_of(const FormRow& row) {
-    return row.kind == "catalogue" ? 0 : row.kind == "own" ? 3 : row.kind == "rewritten" ? 2 : 1;
+    return row.kind == "catalogue"   ? catalogue_marker
+           : row.kind == "own"       ? own_marker
+           : row.kind == "rewritten" ? rewritten_marker
+                                     : wider_marker;
 }
 
-}  // namespace
-
-std::vector<FormRow> form_rows(const RepairSummary& summary) {
+FormRow make_proposal_row(const RepairSummary& summary, const Proposal& proposal) {
     const auto& repair = summary.repair;
     const auto& original_row = summary.request.tested_form;
-    const std::string wider_format = wider_format_name(repair.wider);
-    std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row, repair.operations, 0,
-                               &repair.own_quality, &repair.own_held_out, &repair.own_probed}};
-    const auto add_proposal = [&](const Proposal& proposal) {
-        if (proposal.rewritten)
-            return rows.push_back(
-                {"rewritten", rule_names(*proposal.rewritten), original_row, proposal.rewritten->operations,
-                 proposal.rewritten->wider_set ? proposal.rewritten->wider_set->operations.size() : 0, proposal.quality,
-                 proposal.held_out_quality, proposal.probe_qualities, rule_names(*proposal.rewritten)});
-        const std::string name =
-            fmt::format("{} of {} in {}", proposal.wider_operations->size(), repair.operations, wider_format);
-        rows.push_back({proposal.is_symmetric_set ? "symmetric" : "wider",
-                        proposal.is_symmetric_set ? name + ", symmetric" : name, original_row, repair.operations,
-                        proposal.wider_operations->size(), proposal.quality, proposal.held_out_quality,
-                        proposal.probe_qualities});
-        rows.back().wider_set = proposal.wider_operations;
-    };
-    const auto proposals = list_proposals(summary);
-    const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
-    std::for_each(proposals.begin(), rewritten, add_proposal);
-    rows.push_back({"all_wider", fmt::format("all {} in {}", repair.operations, wider_format), original_row,
-                    repair.operations, repair.operations, &repair.all_wider_quality,
-                    repair.wider_set ? nullptr : &repair.set_held_out,
-                    repair.wider_set ? nullptr : &repair.set_probed});
-    std::for_each(rewritten, proposals.end(), add_proposal);
-    for (FormRow& row : rows) row.wider_format = row.wider_operations == 0 ? "" : wider_format;
-    const std::size_t first_of_catalogue = rows.size();
-    for (std::size_t k = 0; k < summary.catalogue.size(); ++k)
-        rows.push_back({.kind = "catalogue",
-                        .name = std::string(summary.catalogue[k].form->info->name),
-                        .tested_form = summary.catalogue[k],
-                        .quality = &summary.catalogue_quality[k]});
-    for (FormRow& row : rows) row.meets_requirement = row.quality->meets(summary.request.requirement);
+    if (proposal.rewritten)
+        return {"rewritten",
+                rule_names(*proposal.rewritten),
+                original_row,
+                proposal.rewritten->operations,
+                proposal.rewritten->wider_set ? proposal.rewritten->wider_set->operations.size() : 0,
+                proposal.quality,
+                proposal.held_out_quality,
+                proposal.probe_qualities,
+                rule_names(*proposal.rewritten)};
+
+    const std::string name = fmt::format("{} of {} in {}", proposal.wider_operations->size(), repair.operations,
+                                         wider_format_name(repair.wider));
+    FormRow row{proposal.is_symmetric_set ? "symmetric" : "wider",
+                proposal.is_symmetric_set ? name + ", symmetric" : name,
+                original_row,
+                repair.operations,
+                proposal.wider_operations->size(),
+                proposal.quality,
+                proposal.held_out_quality,
+                proposal.probe_qualities};
+    row.wider_set = proposal.wider_operations;
+    return row;
+}
+
+/// Row of the form with all of its operations wider.
+FormRow make_all_wider_row(const RepairSummary& summary) {
+    const auto& repair = summary.repair;
+    return {"all_wider",
+            fmt::format("all {} in {}", repair.operations, wider_format_name(repair.wider)),
+            summary.request.tested_form,
+            repair.operations,
+            repair.operations,
+            &repair.all_wider_quality,
+            repair.wider_set ? nullptr : &repair.set_held_out,
+            repair.wider_set ? nullptr : &repair.set_probed};
+}
+
+/// Gives the rows their times, in the order of `RepairSummary::prices`, and marks the rows on the Pareto front.
+void set_prices(std::vector<FormRow>& rows, const RepairSummary& summary) {
     std::vector<FormRow*> timed_forms;
     std::vector<ParetoPoint> points;
     for (FormRow& row : rows) {
@@ -85,6 +96,35 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     }
     const auto is_dominated = find_dominated(points);
     for (std::size_t k = 0; k < timed_forms.size(); ++k) timed_forms[k]->is_on_front = !is_dominated[k];
+}
+
+}  // namespace
+
+std::vector<FormRow> form_rows(const RepairSummary& summary) {
+    const auto& repair = summary.repair;
+    const auto& original_row = summary.request.tested_form;
+    std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row, repair.operations, 0,
+                               &repair.own_quality, &repair.own_held_out, &repair.own_probed}};
+
+    // All operations wider come after the sets and before the rewritings.
+    const auto add_proposal = [&](const Proposal& proposal) { rows.push_back(make_proposal_row(summary, proposal)); };
+    const auto proposals = list_proposals(summary);
+    const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
+    std::for_each(proposals.begin(), rewritten, add_proposal);
+    rows.push_back(make_all_wider_row(summary));
+    std::for_each(rewritten, proposals.end(), add_proposal);
+    for (FormRow& row : rows) row.wider_format = row.wider_operations == 0 ? "" : wider_format_name(repair.wider);
+
+    const std::size_t first_of_catalogue = rows.size();
+    for (std::size_t k = 0; k < summary.catalogue.size(); ++k)
+        rows.push_back({.kind = "catalogue",
+                        .name = std::string(summary.catalogue[k].form->info->name),
+                        .tested_form = summary.catalogue[k],
+                        .quality = &summary.catalogue_quality[k]});
+
+    // Compare the rows with the requirement and with each other.
+    for (FormRow& row : rows) row.meets_requirement = row.quality->meets(summary.request.requirement);
+    set_prices(rows, summary);
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
         rows[k].is_shown =
             (rows[k].is_on_front || k == first_of_catalogue) && rows[k].tested_form.form != original_row.form;
@@ -108,6 +148,33 @@ std::string change_text(const RepairSummary& summary, const FormRow& row) {
     return text;
 }
 
+namespace {
+
+/// Points of the plot: the form, its repairs, and the forms of the catalogue that can be compared with them.
+std::vector<trade::KernelPoint> repair_points(const RepairSummary& summary, const std::vector<FormRow>& rows) {
+    const bool is_timed = !summary.prices.empty();
+    std::vector<trade::KernelPoint> points;
+    for (const FormRow& row : rows) {
+        const bool is_of_repair = row.kind != "catalogue";
+        // Forms of the catalogue that compute in a wider format have no count of wider operations.
+        const bool can_be_drawn = is_timed ? row.price != nullptr
+                                           : is_of_repair || measure::choose::computing_format(row.tested_form).name ==
+                                                                 row.tested_form.format.name;
+        if (!can_be_drawn || (!is_of_repair && row.tested_form.form == summary.request.tested_form.form)) continue;
+
+        points.push_back({.tested_form = row.tested_form,
+                          .quality = point_of(row),
+                          .time = row.price ? std::optional(row.price->packed) : std::nullopt,
+                          .marker = marker_of(row),
+                          .is_named = is_of_repair,
+                          .is_hollow = !row.quality->decides_as_required(summary.request.requirement),
+                          .label = is_of_repair ? row.name : map::short_name(*row.tested_form.form->info)});
+    }
+    return points;
+}
+
+}  // namespace
+
 image::Canvas pareto_plot(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const bool is_timed = !summary.prices.empty();
@@ -120,33 +187,24 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
             (is_timed ? std::string()
                       : " The catalogue: only forms in " + summary.request.tested_form.format.name + ".")};
     if (is_timed)
-        spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
-    else spec.x = {"operations in " + wider_format_name(summary.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
-    spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
+        spec.x = {.title = "time per ray and primitive in packs, ns",
+                  .scale = plot::AxisSpec::Scale::log2,
+                  .has_decimal_ticks = true};
+    else spec.x = {.title = "operations in " + wider_format_name(summary.repair.wider), .low = 0.0};
+    spec.y = {.title = "bits kept"};
+
+    // The points refer to the rows.
     const std::vector<FormRow> rows = form_rows(summary);
-    std::vector<trade::KernelPoint> points;
-    for (const FormRow& row : rows) {
-        const bool is_of_repair = row.kind != "catalogue";
-        // Forms of the catalogue that compute in a wider format have no count of wider operations.
-        const bool can_be_drawn = is_timed ? row.price != nullptr
-                                           : is_of_repair || measure::choose::computing_format(row.tested_form).name ==
-                                                                 row.tested_form.format.name;
-        if (!can_be_drawn || (!is_of_repair && row.tested_form.form == summary.request.tested_form.form)) continue;
-        points.push_back({.tested_form = row.tested_form,
-                          .quality = point_of(row),
-                          .time = row.price ? std::optional(row.price->packed) : std::nullopt,
-                          .marker = marker_of(row),
-                          .is_named = is_of_repair,
-                          .is_hollow = !row.quality->decides_as_required(requirement),
-                          .label = is_of_repair ? row.name : map::short_name(*row.tested_form.form->info)});
-    }
-    trade::add_kernel_points(spec, points);
-    spec.keys = {{"the form", 3, plot::ink_colour},
-                 {"operations in " + wider_format_name(summary.repair.wider), 1, plot::ink_colour},
-                 {"written another way", 2, plot::ink_colour},
-                 {"catalogue", 0, plot::ink_colour},
-                 {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
-                 {"not on the Pareto front", 0, 0, true}};
+    trade::add_kernel_points(spec, repair_points(summary, rows));
+    spec.keys = {{"the form", own_marker, plot::ink_colour},
+                 {"operations in " + wider_format_name(summary.repair.wider), wider_marker, plot::ink_colour},
+                 {"written another way", rewritten_marker, plot::ink_colour},
+                 {"catalogue", catalogue_marker, plot::ink_colour},
+                 {.label = "decides more rays wrongly than allowed",
+                  .marker = catalogue_marker,
+                  .colour = plot::ink_colour,
+                  .is_hollow = true},
+                 {.label = "not on the Pareto front", .marker = catalogue_marker, .colour = 0, .is_faint = true}};
     return plot::scatter_plot(spec);
 }
 
@@ -157,6 +215,8 @@ Table<FormRow> form_table() {
          "own: the form; wider: with a minimal set of its operations wider; symmetric: with a set that treats x, y and "
          "z alike; all_wider: with all of them wider; rewritten: the form written another way; catalogue",
          &R::kind}};
+
+    // The form, and what was changed in it.
     table.add(table::subject_columns("form", "of its inputs and answers"), &R::tested_form);
     table.add({{"wider", "format of the wider operations; missing if there are none", &R::wider_format},
                {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
@@ -164,6 +224,8 @@ Table<FormRow> form_table() {
                {"operations", "number of its rounding operations; missing for the catalogue",
                 [](const R& r) { return when(r.operations != 0, r.operations); }},
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
+
+    // Accuracy on the rays of the search, and on others.
     table.add(choose::quality_columns(), &R::quality);
     table.add({"meets", "true if it meets the requirement", &R::meets_requirement});
     table.add<FormQuality>(
@@ -171,6 +233,8 @@ Table<FormRow> form_table() {
          {"apart_wrong", "number of these that are decided wrongly", &FormQuality::wrong},
          {"apart_kept_bits", "bits", "bits kept on these", or_missing(&FormQuality::kept_bits)}},
         &R::held_out_quality);
+
+    // Times.
     using P = Price;
     table.add<P>(
         {{"isa", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
@@ -259,7 +323,7 @@ std::vector<ProbeRow> probe_rows(const RepairSummary& summary) {
     return rows;
 }
 
-RepairFiles::RepairFiles(const std::filesystem::path& folder)
+RepairWriter::RepairWriter(const std::filesystem::path& folder)
     : folder_(folder),
       forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
              form_table()),
@@ -267,7 +331,7 @@ RepairFiles::RepairFiles(const std::filesystem::path& folder)
       probes_(folder, "probes.csv", "One row per form and probe: the scene with axes exchanged, mirrored or rotated",
               probe_table()) {}
 
-void RepairFiles::finish(const RepairSummary& summary) {
+void RepairWriter::finish(const RepairSummary& summary) {
     forms_.add_all(form_rows(summary));
     minimal_.add_all(minimal_rows(summary));
     probes_.add_all(probe_rows(summary));
@@ -277,10 +341,13 @@ void RepairFiles::finish(const RepairSummary& summary) {
 
 namespace {
 
-FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const std::string& name,
-                   const std::string& command) {
+FormTexts make_texts(const RepairSummary& summary, const Proposal& proposal, const std::string& name,
+                     const std::string& command) {
     const auto& repair = summary.repair;
-    const std::string form_name(summary.request.tested_form.form->info->name), method = method_text(summary, proposal);
+    const std::string form_name(summary.request.tested_form.form->info->name);
+    const std::string method = method_text(summary, proposal);
+
+    // Lines of the comment at the top.
     std::vector<std::string> head_lines{
         fmt::format("{}, {}:", form_name, method),
         fmt::format("{} on every {} of {}.", choose::requirement_text(summary.request.requirement),
@@ -290,6 +357,7 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
         head_lines.emplace_back(are_matrices_inverse(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");
+
     return {.name = name,
             .title = form_name + ", " + method,
             .source = command,
@@ -298,11 +366,23 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
             .is_binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->wider_set)};
 }
 
+/// The patch of proposal `k` for --emit. Throws InputError if there is none.
+std::string emitted_patch(const RepairSummary& summary, std::size_t k, const std::filesystem::path& file) {
+    if (summary.patches.empty())
+        throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
+                                     file.string(), summary.request.tested_form.form->info->name));
+    const auto& patch = summary.patches[k];
+    if (patch.diff.empty())
+        throw InputError(
+            fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(), patch.file, patch.reason));
+    return patch.diff;
+}
+
 }  // namespace
 
 measure::repair::RepairedSource make_repaired_source(const RepairSummary& summary, const Proposal& proposal,
                                                      const std::string& name, const std::string& command) {
-    const FormTexts texts = texts_of(summary, proposal, "mended." + name, command);
+    const FormTexts texts = make_texts(summary, proposal, "mended." + name, command);
     return {&proposal.tape, form_header(proposal.tape, *summary.request.tested_form.form, texts),
             fmt::format("lostbits::intersect::{}::{}", row_of(summary.request.tested_form.form->shape).name,
                         type_name(name)),
@@ -319,18 +399,11 @@ std::string emitted_file_text(const RepairSummary& summary, const std::filesyste
             file.string(), summary.request.tested_form.form->info->name,
             summary.repair.wider_set ? "it meets the requirement as it is"
                                      : "it also fails with all operations wider"));
-    if (file.extension() == ".patch") {
-        if (summary.patches.empty())
-            throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
-                                         file.string(), summary.request.tested_form.form->info->name));
-        const auto& patch = summary.patches[static_cast<std::size_t>(best - proposals.data())];
-        if (patch.diff.empty())
-            throw InputError(fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(),
-                                         patch.file, patch.reason));
-        return patch.diff;
-    }
+    if (file.extension() == ".patch")
+        return emitted_patch(summary, static_cast<std::size_t>(best - proposals.data()), file);
+
     const bool is_shader = file.extension() == ".glsl";
-    const FormTexts texts = texts_of(summary, *best, (is_shader ? "" : "mended.") + file.stem().string(), command);
+    const FormTexts texts = make_texts(summary, *best, (is_shader ? "" : "mended.") + file.stem().string(), command);
     return is_shader ? shader_code(best->tape, *summary.request.tested_form.form, texts)
                      : form_header(best->tape, *summary.request.tested_form.form, texts);
 }

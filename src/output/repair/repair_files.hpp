@@ -52,11 +52,11 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
 /// and z alike.
 struct Proposal {
     Tape tape;
-    const FormQuality* quality;                       ///< accuracy on the rays of the search
-    const FormQuality* held_out_quality;              ///< accuracy on rays that the search did not use
-    const std::vector<FormQuality>* probe_qualities;  ///< accuracy on each probe
-    const measure::repair::RewrittenForm* rewritten;  ///< null for the two sets
-    const std::vector<NodeId>* wider_operations;      ///< operations of the set; null for a rewriting
+    const FormQuality* quality;                                 ///< accuracy on the rays of the search
+    const FormQuality* held_out_quality;                        ///< accuracy on rays that the search did not use
+    const std::vector<FormQuality>* probe_qualities;            ///< accuracy on each probe
+    const measure::repair::RewrittenForm* rewritten = nullptr;  ///< null for the two sets
+    const std::vector<NodeId>* wider_operations = nullptr;      ///< operations of the set; null for a rewriting
     bool is_symmetric_set = false;
     const Price* price = nullptr;  ///< null: not timed
 
@@ -142,9 +142,9 @@ table::Table<MinimalRow> minimal_table();
 std::vector<MinimalRow> minimal_rows(const RepairSummary& summary);
 
 /// Opens the files before the work and gives them their final names when they are complete.
-class RepairFiles {
+class RepairWriter {
 public:
-    explicit RepairFiles(const std::filesystem::path& folder);
+    explicit RepairWriter(const std::filesystem::path& folder);
     void finish(const RepairSummary& summary);
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 

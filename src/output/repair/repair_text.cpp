@@ -20,7 +20,7 @@ using measure::attribution::TapeText;
 
 namespace {
 
-TapeText text_of(const RepairSummary& summary) {
+TapeText make_tape_text(const RepairSummary& summary) {
     return {summary.repair.tape, input_names_of(*summary.request.tested_form.form), TapeText::Style::plain};
 }
 
@@ -119,16 +119,19 @@ std::string probes_text(const RepairSummary& summary, const std::vector<FormQual
     if (summary.repair.probes.empty())
         return "  Exchanged axes were not tried: the scene has a sphereflake, a mesh from a file, or more than 1024 "
                "primitives.\n";
+
+    // Neighbouring probes that fail alike share a sentence.
     std::vector<std::string> met_probes;
     std::vector<std::pair<std::string, std::vector<std::string>>> failed_probes;  // each quality, and its probes
     for (std::size_t k = 0; k < probed.size(); ++k) {
-        const std::string probe_text(summary.repair.probes[k]->description),
-            quality = quality_text(probed[k], requirement);
+        const std::string probe_text(summary.repair.probes[k]->description);
+        const std::string quality = quality_text(probed[k], requirement);
         if (probed[k].meets(requirement)) met_probes.push_back(probe_text);
         else if (!failed_probes.empty() && failed_probes.back().first == quality)
             failed_probes.back().second.push_back(probe_text);
         else failed_probes.push_back({quality, {probe_text}});
     }
+
     std::string text;
     const std::string condition = fmt::format("if rays and primitives are moved together ({})",
                                               text::count_with_noun(summary.repair.probed_rays, "ray"));
@@ -143,6 +146,8 @@ std::string symmetric_set_text(const RepairSummary& summary) {
     if (list_proposals(summary).front().meets_on_exact_probes(summary)) return "";
     if (!repair.symmetric)
         return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
+
+    // What the symmetric set is, and what it changes.
     const auto& symmetric_set = *repair.symmetric;
     std::string text = fmt::format(
         "  It is not symmetric: it was found for the axes as they are.\nWith {} of its {} operations in {}, the same "
@@ -151,6 +156,8 @@ std::string symmetric_set_text(const RepairSummary& summary) {
         quality_text(symmetric_set.quality, summary.request.requirement),
         statement_names(summary, symmetric_set.operations));
     text += change_listing(summary, summary.has_wider_set() ? 1 : 0);
+
+    // How small it is, and how well it does elsewhere.
     text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
                         symmetric_set.groups, symmetric_set.all_groups,
                         symmetric_set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
@@ -160,33 +167,39 @@ std::string symmetric_set_text(const RepairSummary& summary) {
            margins_text(summary.symmetric_margins, summary);
 }
 
-std::string wider_set_text(const RepairSummary& summary) {
-    const auto& repair = summary.repair;
-    const auto& requirement = summary.request.requirement;
-    const std::string wider_format = wider_format_name(repair.wider);
-    const std::size_t size = repair.wider_set->operations.size();
-    std::string text =
-        fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size, repair.operations,
-                    wider_format, quality_text(repair.wider_set->quality, requirement),
-                    quality_text(repair.all_wider_quality, requirement));
-    text += fmt::format("  Statements with wider operations: {}.\n",
-                        statement_names(summary, repair.wider_set->operations));
-    text += change_listing(summary, 0);
-    const auto best = std::ranges::min_element(repair.wider_set->quality_without, measure::repair::is_more_accurate);
-    text += fmt::format(
+/// How small the wider set is: no operation of it can be left out, and which smaller sets were tried.
+std::string wider_set_size_text(const measure::repair::WiderSet& set, const measure::choose::Requirement& requirement) {
+    const std::size_t size = set.operations.size();
+    const auto best = std::ranges::min_element(set.quality_without, measure::repair::is_more_accurate);
+    std::string text = fmt::format(
         "  No operation can be spared: if any one of the {} is not widened, the requirement fails; the best of these "
         "{} variants keeps {}.\n",
         size, size, quality_text(*best, requirement));
-    if (repair.wider_set->largest_failing_size > 0) {
-        const std::string smaller_sets =
-            repair.wider_set->largest_failing_size == 1
-                ? "No operation alone"
-                : fmt::format("No set of {} or fewer", repair.wider_set->largest_failing_size);
-        text += fmt::format("  {} is enough (all were tried){}.\n", smaller_sets,
-                            repair.wider_set->largest_failing_size + 1 == size
-                                ? ", so this set is one of the smallest"
-                                : "; sets of sizes between were not all tried");
-    }
+    if (set.largest_failing_size == 0) return text;
+
+    const std::string smaller_sets = set.largest_failing_size == 1
+                                         ? "No operation alone"
+                                         : fmt::format("No set of {} or fewer", set.largest_failing_size);
+    return text + fmt::format("  {} is enough (all were tried){}.\n", smaller_sets,
+                              set.largest_failing_size + 1 == size ? ", so this set is one of the smallest"
+                                                                   : "; sets of sizes between were not all tried");
+}
+
+std::string wider_set_text(const RepairSummary& summary) {
+    const auto& repair = summary.repair;
+    const auto& requirement = summary.request.requirement;
+
+    // What the set is, what it changes, and how small it is.
+    std::string text = fmt::format(
+        "With {} of its {} operations in {} it keeps {} ({} with all of them).\n", repair.wider_set->operations.size(),
+        repair.operations, wider_format_name(repair.wider), quality_text(repair.wider_set->quality, requirement),
+        quality_text(repair.all_wider_quality, requirement));
+    text += fmt::format("  Statements with wider operations: {}.\n",
+                        statement_names(summary, repair.wider_set->operations));
+    text += change_listing(summary, 0);
+    text += wider_set_size_text(*repair.wider_set, requirement);
+
+    // How well it does on other rays, and in larger scenes.
     return text + held_out_text(summary, repair.wider_set->quality, repair.set_held_out) +
            probes_text(summary, repair.set_probed) + margins_text(summary.margins, summary) +
            symmetric_set_text(summary);
@@ -197,17 +210,23 @@ std::string obstruction_text(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const auto& [exact, with_unit_directions, largest_length_error] = *summary.repair.obstruction;
     const auto& form = *summary.request.tested_form.form->info;
+
+    // Requirements that no precision can meet.
     if (summary.repair.own_quality.hits == 0)
         return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > summary.request.tested_form.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n",
                            summary.request.tested_form.format.name,
                            summary.request.tested_form.format.parameters.precision);
+
+    // What the operations do without any rounding.
     std::string exact_text = "without any rounding, its operations " + quality_clause(exact, requirement);
     if (exact.wrong > 0)
         exact_text +=
             fmt::format(" ({} of these are {})", exact.main_fault_count,
                         exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
+
+    // The cause: rounded directions, the formula, or more rounding than the wider format removes.
     if (with_unit_directions && !exact.meets(requirement) &&
         measure::repair::is_more_accurate(*with_unit_directions, exact))
         return fmt::format(
@@ -234,15 +253,31 @@ std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
                                    text::count_with_noun(rewritten.operations, "operation"), summary.repair.operations);
     if (!rewritten.quality.meets(summary.request.requirement))
         return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rule_names(rewritten));
+
+    // Each rule once, although it may have been applied several times.
     std::set<const measure::identity::Rule*> listed_rules;
     for (const measure::identity::Rule* rule : rewritten.rules) {
         if (!listed_rules.insert(rule).second) continue;
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
+
+    // What it changes, and how well it does elsewhere.
     text += change_listing(summary, list_proposals(summary).size() - summary.repair.rewriting.forms.size() + k);
     text += held_out_text(summary, rewritten.quality, rewritten.held_out) + probes_text(summary, rewritten.probed);
     return k < summary.rewritten_margins.size() ? text + margins_text(summary.rewritten_margins[k], summary) : text;
+}
+
+/// Sentence on the most accurate form of the catalogue; empty if the catalogue has none for these primitives.
+std::string catalogue_text(const RepairSummary& summary) {
+    if (summary.catalogue.empty()) return "";
+    const auto& requirement = summary.request.requirement;
+    const auto meeting_count = std::ranges::count_if(
+        summary.catalogue_quality, [&](const FormQuality& quality) { return quality.meets(requirement); });
+    return fmt::format(
+        "The most accurate form of the catalogue in {} is {}: {}. Of its {} forms {} meet the requirement.\n",
+        summary.request.tested_form.format.name, summary.catalogue.front().form->info->name,
+        quality_text(summary.catalogue_quality.front(), requirement), summary.catalogue.size(), meeting_count);
 }
 
 /// Times of a form: `1.2 ns a ray in packs of 512 bits (0.8 times the form's time), 4.1 ns alone (0.9 times)`.
@@ -256,6 +291,8 @@ std::string price_text(const Price& price, const Price& form_price) {
 std::string prices_text(const RepairSummary& summary) {
     if (!summary.no_price_reason.empty()) return fmt::format("No price: {}\n", summary.no_price_reason);
     if (summary.prices.empty()) return "";
+
+    // Forms on the front come first.
     const Price& form_price = summary.prices.front();
     std::string text =
         "These forms were compiled, compared bit by bit with their recorded operations on all rays, and timed (*: no "
@@ -279,7 +316,7 @@ std::string wider_format_name(const FloatFormat& wider) {
 }
 
 std::string operation_text(const RepairSummary& summary, NodeId operation) {
-    return text_of(summary).definition(operation);
+    return make_tape_text(summary).definition(operation);
 }
 
 std::vector<std::string> changed_lines(const RepairSummary& summary, const Tape& changed) {
@@ -294,13 +331,16 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
         summary.catalogue.push_back(row);
         summary.catalogue_quality.push_back(quality);
     }
+
     for (const Proposal& proposal : list_proposals(summary)) {
         std::vector<GrowthMargin> margins;
-        if (proposal.quality->meets(request.requirement)) margins = find_margins_of_tape(request, proposal.tape);
+        if (proposal.quality->meets(request.requirement)) margins = margins_of_tape(request, proposal.tape);
         if (proposal.rewritten) summary.rewritten_margins.push_back(std::move(margins));
         else if (proposal.is_symmetric_set) summary.symmetric_margins = std::move(margins);
         else summary.margins = std::move(margins);
     }
+
+    // Patches are made only for a function of a user's file.
     measure::repair::Patcher patcher(request, repair.tape);
     if (!patcher.has_file()) return summary;
     for (const Proposal& proposal : list_proposals(summary))
@@ -313,14 +353,26 @@ std::vector<Proposal> list_proposals(const RepairSummary& summary) {
     std::vector<Proposal> proposals;
     const auto& repair = summary.repair;
     if (summary.has_wider_set())
-        proposals.push_back({widen_operations(repair, repair.wider_set->operations), &repair.wider_set->quality,
-                             &repair.set_held_out, &repair.set_probed, nullptr, &repair.wider_set->operations});
+        proposals.push_back({.tape = widen_operations(repair, repair.wider_set->operations),
+                             .quality = &repair.wider_set->quality,
+                             .held_out_quality = &repair.set_held_out,
+                             .probe_qualities = &repair.set_probed,
+                             .wider_operations = &repair.wider_set->operations});
     if (const auto& set = repair.symmetric)
-        proposals.push_back({widen_operations(repair, set->operations), &set->quality, &set->held_out, &set->probed,
-                             nullptr, &set->operations, true});
+        proposals.push_back({.tape = widen_operations(repair, set->operations),
+                             .quality = &set->quality,
+                             .held_out_quality = &set->held_out,
+                             .probe_qualities = &set->probed,
+                             .wider_operations = &set->operations,
+                             .is_symmetric_set = true});
     for (const auto& rewritten : repair.rewriting.forms)
-        proposals.push_back(
-            {rewritten.tape, &rewritten.quality, &rewritten.held_out, &rewritten.probed, &rewritten, nullptr});
+        proposals.push_back({.tape = rewritten.tape,
+                             .quality = &rewritten.quality,
+                             .held_out_quality = &rewritten.held_out,
+                             .probe_qualities = &rewritten.probed,
+                             .rewritten = &rewritten});
+
+    // The first price is that of the form itself.
     for (std::size_t k = 0; k < proposals.size() && !summary.prices.empty(); ++k)
         proposals[k].price = &summary.prices[k + 1];
     return proposals;
@@ -345,7 +397,7 @@ const Proposal* best_proposal(const std::vector<Proposal>& proposals, const Repa
     return best;
 }
 
-std::string rule_names(const measure::repair::RewrittenForm& rewritten) {
+std::string rule_names(const measure::repair::Rewritten& rewritten) {
     std::vector<std::string_view> names;
     for (const auto* rule : rewritten.rules) names.push_back(rule->name);
     if (rewritten.wider_set)
@@ -386,21 +438,18 @@ std::string repair_text(const RepairSummary& summary) {
         fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(), choose::requirement_text(requirement),
                     summary.request.tested_form.form->info->name, summary.request.tested_form.format.name,
                     quality_text(repair.own_quality, requirement));
+
+    // Wider operations: what they achieve, or what is in the way.
     if (!repair.wider_set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
                             repair.operations, wider_format_name(repair.wider),
                             quality_text(repair.all_wider_quality, requirement), obstruction_text(summary));
     else text += repair.wider_set->operations.empty() ? unchanged_is_enough_text(summary) : wider_set_text(summary);
     if (repair.wider_set && repair.wider_set->operations.empty()) text += probes_text(summary, repair.own_probed);
+
+    // Other forms, and times.
     for (std::size_t k = 0; k < repair.rewriting.forms.size(); ++k) text += rewritten_text(summary, k);
-    if (!summary.catalogue.empty()) {
-        const auto meeting_count = std::ranges::count_if(
-            summary.catalogue_quality, [&](const FormQuality& quality) { return quality.meets(requirement); });
-        text += fmt::format(
-            "The most accurate form of the catalogue in {} is {}: {}. Of its {} forms {} meet the requirement.\n",
-            summary.request.tested_form.format.name, summary.catalogue.front().form->info->name,
-            quality_text(summary.catalogue_quality.front(), requirement), summary.catalogue.size(), meeting_count);
-    }
+    text += catalogue_text(summary);
     text += prices_text(summary);
     return text + fmt::format("Tried {} on all {}.\n", text::count_with_noun(repair.tried, "candidate"),
                               text::count_with_noun(summary.request.scene ? summary.request.scene->pixels()

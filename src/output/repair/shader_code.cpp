@@ -161,6 +161,7 @@ std::string function_name(const std::string& file, const ShapeRow& shape) {
             noise4 barrier defined line file version extension pragma)");
         return std::set<std::string, std::less<>>(std::istream_iterator<std::string>(words), {});
     }();
+
     std::string name;
     for (const char c : file)
         if (c != '_' || !name.ends_with('_')) name += c;
@@ -260,14 +261,14 @@ private:
 };
 
 /// `vec3 centre, float radius`
-std::string parameters_of(const ShapeRow& shape) {
+std::string parameter_list(const ShapeRow& shape) {
     std::string text;
     for (const Key& key : shape.keys) text += fmt::format(", {} {}", key.count() == 3 ? "vec3" : "float", key.name);
     return text + (shape.takes_tmax ? ", float tmax" : "");
 }
 
 /// Properties of the function for the external intersector that reads the shader.
-std::string contract_of(const intersect::Info& info, const FormTexts& texts) {
+std::string contract_comment(const intersect::Info& info, const FormTexts& texts) {
     using namespace intersect;
     std::string text = fmt::format(
         "direction={} touching={} at_origin={} inside={}", info.direction == Direction::unit ? "unit" : "any",
@@ -291,17 +292,8 @@ std::string head_without_mark(const FormTexts& texts) {
     return head;
 }
 
-}  // namespace
-
-std::string shader_code(const Tape& tape, const Intersector& form, const FormTexts& texts) {
-    if (tape.format_of(tape.outputs.t) != binary32)
-        throw InputError("a shader computes in floats; repair the form in f32, or write it as C++ (--emit NAME.hpp)");
-    const bool has_t = form.info->roots != intersect::Roots::none;
-    const ShaderCode code(tape, form, has_t);
-    std::string body;
-    for (const std::string& line : code.statements()) body += "    " + line + "\n";
-    if (has_t) body += fmt::format("    first = {};\n", code.operand(tape.outputs.t, 0));
-    body += fmt::format("    return {};\n", code.operand(tape.outputs.hit, 0));
+/// The helpers that the body calls, and those that these call, in the order of `helpers`.
+std::string called_helpers(const std::string& body) {
     std::string functions;
     for (auto helper = helpers.rbegin(); helper != helpers.rend(); ++helper) {
         const std::string call = fmt::format("{}(", helper->name);
@@ -313,10 +305,26 @@ std::string shader_code(const Tape& tape, const Intersector& form, const FormTex
         };
         if (is_called_in(body) || is_called_in(functions)) functions = std::string(helper->text) + "\n" + functions;
     }
+    return functions;
+}
+
+}  // namespace
+
+std::string shader_code(const Tape& tape, const Intersector& form, const FormTexts& texts) {
+    if (tape.format_of(tape.outputs.t) != binary32)
+        throw InputError("a shader computes in floats; repair the form in f32, or write it as C++ (--emit NAME.hpp)");
+
+    const bool has_t = form.info->roots != intersect::Roots::none;
+    const ShaderCode code(tape, form, has_t);
+    std::string body;
+    for (const std::string& line : code.statements()) body += "    " + line + "\n";
+    if (has_t) body += fmt::format("    first = {};\n", code.operand(tape.outputs.t, 0));
+    body += fmt::format("    return {};\n", code.operand(tape.outputs.hit, 0));
+
     const std::string name = function_name(texts.name, row_of(form.shape));
     return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(texts),
-                       contract_of(*form.info, texts), functions, name, parameters_of(row_of(form.shape)),
-                       has_t ? ", out float first" : "", body);
+                       contract_comment(*form.info, texts), called_helpers(body), name,
+                       parameter_list(row_of(form.shape)), has_t ? ", out float first" : "", body);
 }
 
 }  // namespace lostbits::output::repair

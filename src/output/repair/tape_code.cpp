@@ -86,9 +86,11 @@ void TapeCode::assign_names(const TapeCode* reference) {
 }
 
 std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used) {
-    const std::string proper_name = !n.label.empty() ? identifier(n.label) : input_difference_name(n), key = key_of(n);
+    const std::string proper_name = !n.label.empty() ? identifier(n.label) : input_difference_name(n);
+    const std::string key = make_key(n);
     std::string name = proper_name;
     if (std::vector<std::string>& equal_names = names_by_key_[key]; proper_name.empty()) {
+        // The name of the equal operation of the reference, or the next number that is free.
         const auto reference_names = reference ? reference->names_by_key_.find(key) : names_by_key_.end();
         if (reference && reference_names != reference->names_by_key_.end() &&
             reference_names->second.size() > equal_names.size())
@@ -99,6 +101,7 @@ std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* referenc
         }
         equal_names.push_back(name);
     } else {
+        // A number tells operations of one name apart.
         const char* const separator = std::isdigit(static_cast<unsigned char>(proper_name.back())) != 0 ? "_" : "";
         for (int repetition = 2; !used.insert(name).second; ++repetition)
             name = fmt::format("{}{}{}", proper_name, separator, repetition);
@@ -107,7 +110,7 @@ std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* referenc
     return name;
 }
 
-std::string TapeCode::key_of(const TapeNode& n) const {
+std::string TapeCode::make_key(const TapeNode& n) const {
     std::string text(name_of(n.op));
     for (NodeId operand : n.operands) {
         if (operand == no_node) continue;

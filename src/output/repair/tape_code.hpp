@@ -58,7 +58,7 @@ private:
     void assign_names(const TapeCode* reference);
     std::string name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used);
     /// Key of an operation: its name and the names of its operands.
-    [[nodiscard]] std::string key_of(const TapeNode& n) const;
+    [[nodiscard]] std::string make_key(const TapeNode& n) const;
     /// Name of a difference of two inputs: `o_minus_centre_x` for `o.x - centre.x`; empty for other operations.
     [[nodiscard]] std::string input_difference_name(const TapeNode& n) const;
     [[nodiscard]] std::string identifier(std::string_view label) const;
@@ -75,7 +75,7 @@ private:
     std::vector<std::string> input_names_;
     std::vector<std::string> names_;  ///< one per node
     std::size_t primitive_numbers_;   ///< number of inputs that describe the primitive, between the ray and the matrix
-    /// Names of operations without a label, by their key (`key_of`). Equal operations have the same key.
+    /// Names of operations without a label, by their key (`make_key`). Equal operations have the same key.
     std::map<std::string, std::vector<std::string>> names_by_key_;
     std::vector<std::string>
         first_names_;  ///< one per node: its name; without a label, that of the first equal operation

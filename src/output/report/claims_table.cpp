@@ -26,9 +26,10 @@ using scene::check::SceneSubject;
 using scene::check::SweepSubject;
 using State = ClaimResult::State;
 
-template <class Part>
-bool has_row(const Part& part, const Claim& claim) {
-    return std::ranges::find(part.row_names, fmt::format("{}.{}", claim.form, claim.format)) != part.row_names.end();
+template <class MapOrSweep>
+bool has_row(const MapOrSweep& section, const Claim& claim) {
+    return std::ranges::find(section.row_names, fmt::format("{}.{}", claim.form, claim.format)) !=
+           section.row_names.end();
 }
 
 /// Position of a claim's subject on the page: the anchor of an element for readers without scripts, and the view that
@@ -40,17 +41,19 @@ struct PagePosition {
 
 std::optional<PagePosition> find_position_in(const SceneSubject& subject, const Claim& claim, const ClaimResult& result,
                                              const Report& report) {
-    const auto part = std::ranges::find(report.maps, subject.name, &MapPart::id);
-    if (part == report.maps.end() || !has_row(*part, claim)) return {};
+    const auto section = std::ranges::find(report.maps, subject.name, &MapSection::id);
+    if (section == report.maps.end() || !has_row(*section, claim)) return {};
     std::string view = fmt::format("scene={}&form={}&format={}", subject.name, claim.form, claim.format);
     const measure::metric::Metric* const metric = check::metric_of_column(claim.metric);
-    const bool is_drawn = metric == nullptr ? !measure::check::asks_for_attribution(claim)
-                                            : std::ranges::find(part->metrics, metric->name) != part->metrics.end();
+    const bool is_drawn = metric == nullptr
+                              ? !measure::check::asks_for_attribution(claim)
+                              : std::ranges::find(section->metrics, metric->name) != section->metrics.end();
     if (metric != nullptr && is_drawn) view += fmt::format("&metric={}", metric->name);
-    if (part->has_scene_size && subject.pixel)
+    if (section->has_scene_size && subject.pixel)
         view += fmt::format("&x={}&y={}", subject.pixel->first, subject.pixel->second);
-    else if (part->has_scene_size && subject.step) view += "&x=0&y=0";  // such a claim follows the march of that pixel
-    else if (part->has_scene_size && result.witness.x >= 0)
+    else if (section->has_scene_size && subject.step)
+        view += "&x=0&y=0";  // such a claim follows the march of that pixel
+    else if (section->has_scene_size && result.witness.x >= 0)
         view += fmt::format("&x={}&y={}", result.witness.x, result.witness.y);
     return PagePosition{"scene-" + subject.name, view, is_drawn};
 }
@@ -58,23 +61,26 @@ std::optional<PagePosition> find_position_in(const SceneSubject& subject, const 
 /// Part `&u=…&v=…` of a view that selects the cell that a claim names. Cells are counted in the order of rising values,
 /// or in the order of the cases. Empty if the claim names no cell, or a value between two cells. Steps of a power of
 /// two are rounded to 12 bits and claims are not, so |step − value| ≤ 2^-12 |value| counts as the same step.
-std::string cell_query(const Claim& claim, const SweepSubject& subject, const SweepPart& part) {
+std::string cell_query(const Claim& claim, const SweepSubject& subject, const SweepSection& section) {
+    // The first case whose name matches.
     if (const auto* const case_subject = subject.part_if<SweepSubject::Case>();
-        case_subject && part.kind == SweepPart::Kind::cases) {
+        case_subject && section.kind == SweepSection::Kind::cases) {
         const auto matches = [case_subject](const std::string& name) {
             return fnmatch(case_subject->name.c_str(), name.c_str(), 0) == 0;
         };
-        const auto matching_case = std::ranges::find_if(part.cases, matches);
-        return matching_case == part.cases.end()
+        const auto matching_case = std::ranges::find_if(section.cases, matches);
+        return matching_case == section.cases.end()
                    ? ""
                    : fmt::format("&judged={}&v={}", intersect::convention_name(claim.convention),
-                                 matching_case - part.cases.begin());
+                                 matching_case - section.cases.begin());
     }
+
+    // The step on each axis.
     std::string text;
     const auto* const point = subject.part_if<SweepSubject::At>();
     for (std::size_t a = 0; point && a < point->values.size(); ++a) {
-        if (a >= part.axes.size()) return "";
-        auto values = part.axes[a];
+        if (a >= section.axes.size()) return "";
+        auto values = section.axes[a];
         std::ranges::sort(values);
         const auto step = std::ranges::find_if(
             values, [x = point->values[a]](double value) { return std::fabs(value - x) <= 0x1p-12 * std::fabs(x); });
@@ -86,14 +92,14 @@ std::string cell_query(const Claim& claim, const SweepSubject& subject, const Sw
 
 std::optional<PagePosition> find_position_in(const SweepSubject& subject, const Claim& claim, const Report& report) {
     const std::string id = std::filesystem::path(subject.name).stem().string();
-    const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
-    if (part == report.sweeps.end() || !has_row(*part, claim)) return {};
+    const auto section = std::ranges::find(report.sweeps, id, &SweepSection::id);
+    if (section == report.sweeps.end() || !has_row(*section, claim)) return {};
     std::string view = fmt::format("sweep={}&form={}&format={}", id, claim.form, claim.format);
     const std::string column = claim.onset == "lost_bits" ? "lost_bits_" + claim.statistic
                                : claim.onset.empty()      ? claim.metric
                                                           : claim.onset + "_fraction";
     if (std::ranges::find(sweep_statistics, column) != sweep_statistics.end()) view += "&statistic=" + column;
-    return PagePosition{"sweep-" + id, view + cell_query(claim, subject, *part)};
+    return PagePosition{"sweep-" + id, view + cell_query(claim, subject, *section)};
 }
 
 std::optional<PagePosition> find_position(const Claim& claim, const ClaimResult& result, const Report& report) {
@@ -235,9 +241,10 @@ std::string counts_text(std::size_t claim_count, const check::VerdictCounts& cou
 
 /// Title under which the page shows a subject; empty if the page does not show it.
 std::string find_title(const std::string& subject, const Report& report) {
-    const auto map = std::ranges::find(report.maps, subject, &MapPart::id);
+    const auto map = std::ranges::find(report.maps, subject, &MapSection::id);
     if (map != report.maps.end()) return map->title;
-    const auto sweep = std::ranges::find(report.sweeps, std::filesystem::path(subject).stem().string(), &SweepPart::id);
+    const auto sweep =
+        std::ranges::find(report.sweeps, std::filesystem::path(subject).stem().string(), &SweepSection::id);
     return sweep == report.sweeps.end() ? "" : sweep->title;
 }
 
@@ -246,12 +253,14 @@ std::string find_title(const std::string& subject, const Report& report) {
 std::string claims_table(const Report& report) {
     std::string text;
     for (const check::ClaimSubject& subject : check::group_by_subject(report.claims)) {
+        // The rows of the claims, and the counts of their verdicts.
         check::VerdictCounts counts;
         std::string rows;
         for (const std::size_t i : subject.claims) {
             counts.add(report.claims[i], report.results[i]);
             rows += claim_row(report.claims[i], report.results[i], report);
         }
+
         const std::string title = find_title(subject.name, report);
         text += fmt::format(
             "<details open class=\"part subject\"><summary>{}<code>{}</code> <small>{}</small></summary>\n{}{}{}"

@@ -66,6 +66,8 @@ struct MapData::Group {
         primitive.set(pixel, static_cast<std::uint64_t>(ray_truth.primitive + 1));
         if (i % static_cast<std::size_t>(result.width) == 0) truth_predictor_.begin_row();
         if (!ray_truth.is_hit()) return;
+
+        // A true hit also has t*: rounded, with the remainder and its bound.
         const measure::truth::Certified& exact = direction == Direction::unit ? ray_truth.distance : ray_truth.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
         truth.set(pixel, truth_predictor_.encode(std::bit_cast<std::uint64_t>(rounded), 8));
@@ -104,11 +106,15 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const std::size_t pixel = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (group_to_fill_) group_to_fill_->set_pixel(pixel, i, result, stores_condition_);
+
+            // The outcome, and the errors by which rays are chosen.
             outcome_.set(pixel, static_cast<std::uint64_t>(result.outcomes[i]));
             if (measure::evaluate::is_wrong(result.outcomes[i]))
                 error_sizes_[pixel] = std::numeric_limits<float>::infinity();
             else if (ulp_error_index_)
                 error_sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulp_error_index_][i]));
+
+            // The metrics, and the answer of a hit.
             for (auto& [m, layer] : stored_metrics_) {
                 if (m == inherent_index_) set_inherent_bits(layer, pixel, i, result);
                 else layer.set(pixel, static_cast<float>(result.metrics[m][i]));
@@ -151,12 +157,12 @@ private:
     /// Stores the inherent bits of a pixel. Called for every pixel; only true hits have a value.
     void set_inherent_bits(Layer& layer, std::size_t pixel, std::size_t i, const BandResult& result) {
         if (i % static_cast<std::size_t>(result.width) == 0) inherent_predictor_.begin_row();
-        const measure::truth::Truth truth = result.truth(i);
-        if (!truth.is_hit()) return;
+        const measure::truth::Truth ray_truth = result.truth(i);
+        if (!ray_truth.is_hit()) return;
         const Direction direction = tested_form_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
         const double bits = measure::truth::inherent_bits(
-            reach, direction == Direction::unit ? truth.distance : truth.t, tested_form_.format.parameters);
+            reach, direction == Direction::unit ? ray_truth.distance : ray_truth.t, tested_form_.format.parameters);
         layer.set(pixel, inherent_predictor_.encode(image::float_word(bits), 4));
     }
 
@@ -209,7 +215,8 @@ Json metric_json(const Metric& m, std::span<const TestedForm> tested_forms) {
                        : is_derived(m)     ? "derived"
                        : is_condition(m)   ? "shared"
                                            : "stored"}};
-    if (paint.scale()) {  // one scale for each format, as in the pictures
+    // One scale for each format, as in the pictures, or the categories with their colours.
+    if (paint.scale()) {
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& tested_form : tested_forms)
             scales[tested_form.format.name] = scale_json(map::metric_scale(m, tested_form.format.parameters));
@@ -232,18 +239,24 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const MapStudy& request, const TestedForm& tested_form, const FormSummary& s, std::size_t group,
-                  const std::string& scene_with_size) {
+/// Quantiles of each metric that has numbers.
+Json statistics_json(const MapStudy& request, const FormSummary& s) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
         statistics[std::string(request.metrics[m]->name)] =
-            array_of(measure::metric::quantiles,
-                     [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
+            json_array(measure::metric::quantiles,
+                       [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
+    return statistics;
+}
+
+Json summary_json(const MapStudy& request, const TestedForm& tested_form, const FormSummary& s, std::size_t group,
+                  const std::string& scene_with_size) {
     const FloatFormat& format = tested_form.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
-    return {{"form", tested_form.form->info->name},
+    return {// the row
+            {"form", tested_form.form->info->name},
             {"format", tested_form.format.name},
             {"title", map::title_of(*tested_form.form->info)},
             {"precision", format.precision},
@@ -253,9 +266,11 @@ Json summary_json(const MapStudy& request, const TestedForm& tested_form, const 
             {"formula", tested_form.form->is_template()},
             {"from", attribution::plugin_options_for(tested_form.form->info->name)},
             {"group", group},
+
+            // its results
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},
-            {"statistics", std::move(statistics)},
+            {"statistics", statistics_json(request, s)},
             {"worst_explain",
              worst ? attribution::explain_command(
                          attribution::explain_pixel_arguments(scene_with_size, static_cast<int>(worst->x), worst->y),
@@ -281,12 +296,14 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_si
             {"height", scene.height},
             {"own_size", has_scene_size},
             {"metrics",
-             array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.tested_forms); })},
+             json_array(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.tested_forms); })},
             {"rows", std::move(rows)}};
 }
 
 std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) const {
     std::vector<Blob> result;
+
+    // The truths, each shared by several rows.
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         std::string bytes;
         const Group& group = *groups_[g];
@@ -295,6 +312,8 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
             bytes += layer->planes();
         result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
+
+    // The rows. Only forms that can be recorded have operations.
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         const TestedForm& tested_form = request_.tested_forms[r];
         const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(tested_form));

@@ -79,23 +79,23 @@ Json colours_json() {
              colour_json(map::pixel_colour(any_scale, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()))}};
 }
 
-constexpr std::array kind_names{"line", "plane", "cases"};  // names of `SweepPart::Kind`
+constexpr std::array kind_names{"line", "plane", "cases"};  // names of `SweepSection::Kind`
 
 Json index_json(const Report& report) {
     Json json = colours_json();
-    json["quantiles"] = array_of(measure::metric::quantiles, [](const auto& q) { return q.name; });
+    json["quantiles"] = json_array(measure::metric::quantiles, [](const auto& q) { return q.name; });
     json["least_agreement"] = measure::metric::least_agreement;
-    json["maps"] = array_of(report.maps, [](const MapPart& m) { return m.index; });
-    json["sweeps"] = array_of(report.sweeps, [](const SweepPart& s) {
+    json["maps"] = json_array(report.maps, [](const MapSection& m) { return m.index; });
+    json["sweeps"] = json_array(report.sweeps, [](const SweepSection& s) {
         return Json{{"id", s.id},
                     {"title", s.title},
                     {"note", s.note},
                     {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
-                    {"charts", array_of(s.charts, [](const Chart& c) { return c.name; })},
+                    {"charts", json_array(s.charts, [](const Chart& c) { return c.name; })},
                     {"rows", s.row_names}};
     });
     json["statistics"] = sweep_statistics;
-    json["trades"] = array_of(report.trades, [](const TradePart& t) { return t.json; });
+    json["trades"] = json_array(report.trades, [](const TradeSection& t) { return t.json; });
     return json;
 }
 
@@ -120,21 +120,23 @@ std::string title_with_name(const std::string& title, const std::string& name) {
     return fmt::format("{} <code>{}</code>", html(title), html(name));
 }
 
-std::string preformatted(const std::string& content) { return fmt::format("<pre class=\"words\">{}</pre>\n", content); }
+std::string preformatted_html(const std::string& content) {
+    return fmt::format("<pre class=\"words\">{}</pre>\n", content);
+}
 
-std::string maps_body(const std::vector<MapPart>& maps) {
+std::string maps_body(const std::vector<MapSection>& maps) {
     if (maps.empty()) return "";
     std::string text = "<div id=\"map-view\" hidden></div>\n";
-    for (const MapPart& m : maps)
+    for (const MapSection& m : maps)
         text += details_html("scene-" + m.id, title_with_name(m.title, m.id),
                              note_and_source(m.note, m.source) + m.table + noscript_image_html(m.sheet));
     return text;
 }
 
-std::string sweeps_body(const std::vector<SweepPart>& sweeps) {
+std::string sweeps_body(const std::vector<SweepSection>& sweeps) {
     if (sweeps.empty()) return "";
     std::string text = "<div id=\"sweep-view\" hidden></div>\n";
-    for (const SweepPart& s : sweeps)
+    for (const SweepSection& s : sweeps)
         text += details_html("sweep-" + s.id, title_with_name(s.title, s.id),
                              note_and_source(s.note, s.source) + s.table + figures_html(s.charts));
     return text;
@@ -150,7 +152,7 @@ std::string timing_note(const Report& report) {
 std::string trades_body(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", timing_note(report));
-    for (const TradePart& t : report.trades)
+    for (const TradeSection& t : report.trades)
         text += details_html("trade-" + t.shape, html(t.shape),
                              fmt::format("<pre>{}</pre>", html(t.text)) + figures_html(t.charts));
     return text;
@@ -168,9 +170,9 @@ std::string choices_body(const Report& report) {
     if (report.choices.empty()) return "";
     std::string text =
         fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", timing_note(report));
-    for (const ChoicePart& c : report.choices)
+    for (const ChoiceSection& c : report.choices)
         text += details_html("", title_with_name(c.requirement, c.scene) + "<br>" + html(second_line(c.text)),
-                             preformatted(html(c.text)) + figure_html(c.front_chart) + c.table);
+                             preformatted_html(html(c.text)) + figure_html(c.front_chart) + c.table);
     return text;
 }
 
@@ -197,20 +199,21 @@ std::string mends_body(const Report& report) {
     std::string text =
         "<p>The fewest operations that must be done in wider arithmetic so that a form meets a requirement on every "
         "ray, and other ways to write it that give the same result without rounding.";
-    if (std::ranges::any_of(report.mends, &MendPart::has_times)) text += " " + timing_note(report);
+    if (std::ranges::any_of(report.mends, &MendSection::has_times)) text += " " + timing_note(report);
     text += "</p>\n";
-    for (const MendPart& m : report.mends) {
+
+    for (const MendSection& m : report.mends) {
         std::string changes;
         for (const std::string& change : distinct_sentences(m.changes))
             changes += fmt::format("<li>{}</li>\n", html(change));
         text += details_html("", title_with_name(m.form + ": " + m.requirement, m.scene),
                              fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure_html(m.front_chart) +
-                                 preformatted(mark_diff_lines(m.text)));
+                                 preformatted_html(mark_diff_lines(m.text)));
     }
     return text;
 }
 
-std::string offsets_body(const std::vector<OffsetPart>& offsets) {
+std::string offsets_body(const std::vector<OffsetSection>& offsets) {
     if (offsets.empty()) return "";
     std::string text = fmt::format(
         "<p>A ray that leaves a computed point may hit the primitive that it leaves again, so renderers move its "
@@ -221,7 +224,8 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
         "class=\"wide\">{}</div>\n",
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
-    for (const OffsetPart& o : offsets) {
+
+    for (const OffsetSection& o : offsets) {
         std::string paragraphs = note_and_source(o.note, o.source);
         for (const std::string& line : o.sentences) paragraphs += fmt::format("<p>{}</p>\n", html(line));
         text +=
@@ -230,9 +234,9 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     return text;
 }
 
-std::string studies_body(const std::vector<StudyPart>& studies) {
+std::string studies_body(const std::vector<StudySection>& studies) {
     std::string text;
-    for (const StudyPart& s : studies)
+    for (const StudySection& s : studies)
         text += details_html(
             fmt::format("study-{}-{}", s.study, s.id), title_with_name(fmt::format("{}: {}", s.study, s.title), s.id),
             fmt::format("<p>{}.</p>\n", html(s.purpose)) + note_and_source(s.note, "") + s.table + image_html(s.sheet));
@@ -245,10 +249,10 @@ constexpr const char* opening_text =
     "answered the same rays in each format, and each answer is compared with the proved true answer.";
 
 /// Table of the findings of all maps: a row for each scene.
-std::string results_table(const std::vector<MapPart>& maps) {
+std::string results_table(const std::vector<MapSection>& maps) {
     if (maps.empty()) return "";
     std::string text = begin_table({"scene", "result", "forms and formats with wrong decisions"}, " id=\"results\"");
-    for (const MapPart& m : maps)
+    for (const MapSection& m : maps)
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
             "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
@@ -279,6 +283,8 @@ std::string claims_body(const Report& report) {
     if (report.claims.empty()) return "";
     const check::CountsBySource counts_by_source = check::count_verdicts(report.claims, report.results);
     const check::VerdictCounts& counts = counts_by_source.all;
+
+    // The counts as a sentence, and the meanings of the verdicts that occur.
     std::string meaning = counts_by_source.text() + ". ";
     meaning.front() = static_cast<char>(std::toupper(meaning.front()));
     if (counts.qualified > 0)
@@ -286,6 +292,7 @@ std::string claims_body(const Report& report) {
     if (counts.refuted > 0)
         meaning += "Refuted: the measurement contradicts the statement, as it did when the verdict was written.";
     if (counts.differing + counts.broken > 0) meaning += " Failed: the measurement differs from the recorded one.";
+
     return fmt::format(
         "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
         count_with_noun(report.claims.size(), "claim"), verdict_tiles(counts), meaning, claims_table(report));
@@ -297,16 +304,17 @@ std::string command_body(const Report& report) {
     if (!report.maps.empty()) parts.push_back(count_with_noun(report.maps.size(), "map"));
     if (!report.sweeps.empty()) parts.push_back(count_with_noun(report.sweeps.size(), "sweep"));
     return fmt::format("<p>{}{}Made by:</p>\n", fmt::join(parts, ", "), parts.empty() ? "" : ". ") +
-           preformatted(html(report.command));
+           preformatted_html(html(report.command));
 }
 
+/// A section of the page: its anchor, the text of the link to it, its title, and its HTML.
 struct Section {
     const char *id, *link, *title;
     std::string body;
 };
 
 /// Sections that are not empty. The maps and sweeps come first, because readers look for the results first.
-std::vector<Section> sections_of(const Report& report) {
+std::vector<Section> make_sections(const Report& report) {
     std::vector<Section> sections{
         {"maps", "Maps", "Maps", maps_body(report.maps)},
         {"sweeps", "Sweeps", "Sweeps", sweeps_body(report.sweeps)},
@@ -323,9 +331,9 @@ std::vector<Section> sections_of(const Report& report) {
 }
 
 /// Elements of the page's body.
-std::string body_of(const Report& report) {
+std::string body_html(const Report& report) {
     std::string links, text;
-    for (const Section& s : sections_of(report)) {
+    for (const Section& s : make_sections(report)) {
         links += fmt::format("{}<a href=\"#{}\">{}</a>", links.empty() ? "" : " ", s.id, s.link);
         text += fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", s.id, s.title, s.body);
     }
@@ -339,6 +347,7 @@ std::string body_of(const Report& report) {
 }  // namespace
 
 std::string page(const Report& report) {
+    // The head.
     std::string text = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta "
         "http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
@@ -349,13 +358,15 @@ std::string page(const Report& report) {
     if (!report.program.empty())
         text += fmt::format("<meta name=\"generator\" content=\"{}\">\n", html(report.program));
     text += fmt::format("<style>{}</style>\n", page_style.text);
-    text += "</head><body>\n" + body_of(report);
+
+    // The body, the data of the script, and the script.
+    text += "</head><body>\n" + body_html(report);
     text +=
         fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", compact_json(index_json(report)));
-    for (const MapPart& m : report.maps) {
+    for (const MapSection& m : report.maps) {
         for (const Blob& b : m.blobs) text += blob_html(b.name, b.packed);
     }
-    for (const SweepPart& s : report.sweeps) text += blob_html("sweep:" + s.id, pack(compact_json(s.json)));
+    for (const SweepSection& s : report.sweeps) text += blob_html("sweep:" + s.id, pack(compact_json(s.json)));
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);
     return text;
 }

@@ -34,7 +34,8 @@ struct Chart {
 /// Lets `draw` write a picture to a file and reads the file back. Throws EnvironmentError if it cannot be read.
 [[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
 
-struct MapPart {
+/// A map of a scene.
+struct MapSection {
     std::string id, title, note, source;
     std::vector<std::string> row_names;  ///< `map::row_name` of each row
     Json index;                          ///< from `MapData::index`
@@ -48,7 +49,7 @@ struct MapPart {
 };
 
 /// A sweep along one axis or over a plane, or a file of cases.
-struct SweepPart {
+struct SweepSection {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
@@ -60,7 +61,7 @@ struct SweepPart {
     std::vector<Chart> charts = {};
 };
 
-struct TradePart {
+struct TradeSection {
     std::string shape;
     Json json;                  ///< from `trade_json`
     std::string text;           ///< the results as `lostbits trade` prints them
@@ -68,7 +69,7 @@ struct TradePart {
 };
 
 /// The form chosen for a scene by a requirement. The times differ from run to run.
-struct ChoicePart {
+struct ChoiceSection {
     std::string scene, requirement;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
     std::string text;                ///< sentences, of which the second line is the answer
     std::string table;               ///< HTML, see `choice_table`
@@ -76,7 +77,7 @@ struct ChoicePart {
 };
 
 /// The repair of a form for a scene and a requirement.
-struct MendPart {
+struct MendSection {
     std::string form, scene, requirement;  ///< `sphere.half_b in f32`, the scene's id, the requirement
     std::vector<std::string> changes;      ///< one sentence for each form that the repair produced
     std::string text;                      ///< from `repair::repair_text`
@@ -86,18 +87,18 @@ struct MendPart {
 };
 
 /// Outcomes of rays that leave the points of a scene, for every strategy.
-struct OffsetPart {
+struct OffsetSection {
     std::string id, title, note, source;
     std::vector<std::string> sentences = {};
     std::vector<std::string> strategies = {};
-    /// For each side and strategy: the share of rays that go wrong.
-    std::array<std::vector<double>, 2> wrong_shares = {};
+    /// For each side and strategy: the fraction of rays that go wrong.
+    std::array<std::vector<double>, 2> wrong_fractions = {};
     std::string table = {};  ///< HTML, see `offset_table`
     Picture sheet = {};
 };
 
 /// A study of a scene, such as consistency.
-struct StudyPart {
+struct StudySection {
     std::string study, purpose;   ///< name of the study, and a text that says what it measures
     std::string id, title, note;  ///< texts of the scene
     std::string table = {};       ///< HTML, see `study_table`
@@ -106,13 +107,13 @@ struct StudyPart {
 
 struct Report {
     std::string command;  ///< the command that makes the page again
-    std::vector<MapPart> maps;
-    std::vector<SweepPart> sweeps;
-    std::vector<TradePart> trades;
-    std::vector<ChoicePart> choices = {};
-    std::vector<MendPart> mends = {};
-    std::vector<OffsetPart> offsets = {};
-    std::vector<StudyPart> studies = {};
+    std::vector<MapSection> maps;
+    std::vector<SweepSection> sweeps;
+    std::vector<TradeSection> trades;
+    std::vector<ChoiceSection> choices = {};
+    std::vector<MendSection> mends = {};
+    std::vector<OffsetSection> offsets = {};
+    std::vector<StudySection> studies = {};
     std::vector<scene::check::Claim> claims;
     std::vector<measure::check::ClaimResult> results;
     std::string processor = {};  ///< processor on which the times were measured; empty if unknown
@@ -132,13 +133,13 @@ struct Report {
 /// own decimal.
 [[nodiscard]] std::string mend_table(const repair::RepairSummary& result);
 
-/// One table per side: the share of rays that each strategy gets wrong, the kinds of errors, and the factor by which
+/// One table per side: the fraction of rays that each strategy gets wrong, the kinds of errors, and the factor by which
 /// the offset is too large.
 [[nodiscard]] std::string offset_table(const measure::offset::OffsetStudy& study,
                                        const measure::offset::OffsetSummary& summary);
 
-/// One table per side with a row per strategy and a column per scene: the share of rays that go wrong.
-[[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
+/// One table per side with a row per strategy and a column per scene: the fraction of rays that go wrong.
+[[nodiscard]] std::string offset_overview(const std::vector<OffsetSection>& parts);
 
 /// Table of a study's summary: its columns, except those that are empty in every row and those of commands.
 [[nodiscard]] std::string study_table(const std::vector<file::Column>& columns,

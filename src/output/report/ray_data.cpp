@@ -85,7 +85,7 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
               {"sums", lines_json(attribution::sums_text(explanation, view))},
               {"subject", view.subject()},
               {"earlier", table.first_node},
-              {"rows", array_of(table.rows, operation_json)}};
+              {"rows", json_array(table.rows, operation_json)}};
     if (explanation.primitive_count > 1 && is_primitive(explanation.form->shape))
         json["primitive"] = explanation.primitive_index;
     return json;
@@ -95,6 +95,8 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
 
 std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> error_sizes, int width) {
     std::vector<ChosenRay> chosen;
+
+    // A ray that is chosen again gets a further reason.
     const auto add = [&chosen](std::int64_t x, int y, std::string reason) {
         const auto known_ray = std::ranges::find_if(chosen, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
         if (known_ray == chosen.end()) chosen.push_back({static_cast<int>(x), y, {std::move(reason)}});
@@ -104,6 +106,8 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     const auto add_pixel = [&](std::size_t i, const char* reason) {
         add(static_cast<std::int64_t>(i % picture_width), static_cast<int>(i / picture_width), reason);
     };
+
+    // Rays that the summary names.
     if (const auto* const worst = summary.worst_ray()) add(worst->x, worst->y, "worst ray");
     for (const measure::answer::Outcome wrong : measure::answer::wrong_decisions) {
         if (const auto* const first = summary.first_of(wrong))
@@ -111,6 +115,8 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
                 fmt::format("{}: the first", measure::answer::outcome_names[static_cast<std::size_t>(wrong)]));
     }
     if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
+
+    // Rays chosen by the sizes of their errors.
     if (const auto i = median_pixel(error_sizes)) add_pixel(*i, "median error");
     for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
         const IndexRange columns = part_range(picture_width, part % parts_each_way),
@@ -132,7 +138,7 @@ Json rays_json(const MapStudy& request, const TestedForm& tested_form, const std
         explained[i] =
             ray_json(rays[i], explanation, attribution::end_of_march(*tested_form.form, tested_form.format, ray));
     });
-    return array_of(explained, [](const Json& json) { return json; });
+    return json_array(explained, [](const Json& json) { return json; });
 }
 
 }  // namespace lostbits::output::report

@@ -26,16 +26,19 @@ Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vecto
               std::size_t cells, const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
+
     for (const std::string_view name : sweep_statistics) {
         const measure::evaluate::SummaryColumn* const column = measure::evaluate::find_column(columns, name);
         Json& column_values = values.emplace_back(Json::array());
         for (std::size_t c = 0; c < cells; ++c)
             column_values.push_back(number_json(column ? column->value(summary_at(c)) : measure::truth::missing));
     }
+
     for (std::size_t c = 0; c < cells; ++c) {
         outcomes.push_back(summary_at(c).outcomes);
         true_hits.push_back(summary_at(c).true_hits);
     }
+
     return {{"form", tested_form.form->info->name},
             {"format", tested_form.format.name},
             {"precision", tested_form.format.parameters.precision},
@@ -58,7 +61,7 @@ Json with_rows(Json json, const auto& request, std::size_t cells, const auto& su
 }
 
 Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
-    return {{"name", axis.name}, {"label", axis.label}, {"values", array_of(values, number_json)}};
+    return {{"name", axis.name}, {"label", axis.label}, {"values", json_array(values, number_json)}};
 }
 
 }  // namespace
@@ -71,14 +74,13 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
          {"kind", "line"},
          {"axis", axis.name},
          {"label", axis.label},
-         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
+         {"steps", json_array(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
          {"is_drawn", request.sweep.has_random_rays()}},
-        request, steps.size(),
-        [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].summaries[r]; },
+        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
         [&](Json& row, std::size_t r) {
             Json& row_onsets = row["onsets"] = Json::array();
             for (const Onset& o : onsets) {
-                if (o.form_index != r || !o.found) continue;
+                if (o.row != r || !o.found) continue;
                 const auto spread = o.spread();
                 row_onsets.push_back(Json::array(
                     {o.event, o.statistic, number_json(o.threshold), o.from_start ? Json() : number_json(o.last_good),
@@ -108,21 +110,23 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     const std::size_t inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
     Json names = Json::array();
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
+
+    // The file, its results, and for each row the verdicts and the bits that the inputs cost.
     return with_rows(
         {{"id", file.id},
          {"kind", "cases"},
          {"cases", names},
          {"within_means", sweep::within_meaning(file)},
-         {"conventions", array_of(file.conventions, intersect::convention_name)}},
+         {"conventions", json_array(file.conventions, intersect::convention_name)}},
         request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
         [&](Json& row, std::size_t r) {
-            row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+            row["inherent"] = json_array(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return number_json(inherent_index < request.metrics.size()
                                        ? case_summaries[r].metrics[inherent_index].quantile(1)
                                        : measure::truth::missing);
             });
             row["judged"] = intersect::convention_name(request.tested_forms[r].touching);
-            row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+            row["verdicts"] = json_array(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return measure::sweep::verdict_names[static_cast<std::size_t>(
                     measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
             });
@@ -151,43 +155,68 @@ std::string draws_text(const std::vector<Onset>& onsets) {
 
 }  // namespace
 
-std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
-    struct EventColumn {
-        const char *title, *event, *statistic;
-        double share;  ///< share of the significand, or 4: 4 bits; 0: the threshold is 1
-    };
-    std::vector<EventColumn> columns{
-        {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
-        {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
-        {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_primitive", "count", 0},
-        {"first NaN", "not_a_number", "count", 0}};
-    // Most sweeps have one primitive, and most forms give no NaN, so avoid columns of dashes.
+namespace {
+
+/// A column of the table of onsets.
+struct EventColumn {
+    /// Unit of the threshold. The threshold of a count is 1.
+    enum class Threshold { bits, significands, count };
+    const char *title, *event, *statistic;
+    Threshold kind;
+    double amount;
+
+    [[nodiscard]] double threshold(const FloatFormat& format) const {
+        return kind == Threshold::significands ? amount * format.precision : amount;
+    }
+};
+
+/// Columns of the events. Most sweeps have one primitive, and most forms give no NaN, so columns of dashes are left
+/// out.
+std::vector<EventColumn> event_columns(const std::vector<Onset>& onsets) {
+    using T = EventColumn::Threshold;
+    std::vector<EventColumn> columns{{"p99 loses 4 bits", "lost_bits", "p99", T::bits, 4},
+                                     {"p99 loses half", "lost_bits", "p99", T::significands, 0.5},
+                                     {"p99 loses all", "lost_bits", "p99", T::significands, 1},
+                                     {"first false hit", "false_hit", "count", T::count, 1},
+                                     {"first false miss", "false_miss", "count", T::count, 1},
+                                     {"first wrong primitive", "wrong_primitive", "count", T::count, 1},
+                                     {"first NaN", "not_a_number", "count", T::count, 1}};
     std::erase_if(columns, [&onsets](const EventColumn& column) {
         return (std::string_view(column.event) == "wrong_primitive" ||
                 std::string_view(column.event) == "not_a_number") &&
                std::ranges::none_of(onsets, [&column](const Onset& o) { return o.found && o.event == column.event; });
     });
+    return columns;
+}
+
+/// Cell with the onset of an event for row `form_index`, or a dash.
+std::string onset_cell(const std::vector<Onset>& onsets, std::size_t form_index, const EventColumn& column,
+                       double threshold) {
+    const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
+        return o.row == form_index && o.event == column.event && o.statistic == column.statistic &&
+               o.threshold == threshold;
+    });
+    const bool is_found = onset != onsets.end() && onset->found;
+    return fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
+                       is_found && onset->from_start ? " (from the start)" : "");
+}
+
+}  // namespace
+
+std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
+    const std::vector<EventColumn> columns = event_columns(onsets);
     std::vector<std::string> names{"form", "format"};
     for (const EventColumn& column : columns) names.emplace_back(column.title);
     std::string text = begin_table(names, "",
                                    fmt::format("First value of {} at which each event happens{}",
                                                html(request.sweep.axes.front().name), draws_text(onsets)));
+
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const measure::evaluate::TestedForm& tested_form = request.tested_forms[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(tested_form.form->info->name),
                             tested_form.format.name);
-        for (const EventColumn& column : columns) {
-            const double threshold = column.share == 0   ? 1
-                                     : column.share == 4 ? 4
-                                                         : column.share * tested_form.format.parameters.precision;
-            const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
-                return o.form_index == r && o.event == column.event && o.statistic == column.statistic &&
-                       o.threshold == threshold;
-            });
-            const bool is_found = onset != onsets.end() && onset->found;
-            text += fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
-                                is_found && onset->from_start ? " (from the start)" : "");
-        }
+        for (const EventColumn& column : columns)
+            text += onset_cell(onsets, r, column, column.threshold(tested_form.format.parameters));
         text += "</tr>\n";
     }
     return text + end_table;

@@ -19,72 +19,101 @@ using measure::offset::Side;
 
 namespace {
 
-/// `30.3 %`. A share of nothing is a dash, and an exact 0 is written as `0`.
-std::string share_cell(double share) {
-    if (std::isnan(share)) return "<td class=\"n\">&ndash;</td>";
-    const std::string text = share == 0 ? "0" : share < 0.001 ? "&lt; 0.1 %" : fmt::format("{:.3g} %", 100 * share);
-    return fmt::format("<td class=\"n\"><data value=\"{}\">{}</data></td>", file::decimal(share), text);
+/// `30.3 %`. A fraction of nothing is a dash, and an exact 0 is written as `0`.
+std::string fraction_cell(double fraction) {
+    if (std::isnan(fraction)) return "<td class=\"n\">&ndash;</td>";
+    const std::string text = fraction == 0      ? "0"
+                             : fraction < 0.001 ? "&lt; 0.1 %"
+                                                : fmt::format("{:.3g} %", 100 * fraction);
+    return fmt::format("<td class=\"n\"><data value=\"{}\">{}</data></td>", file::decimal(fraction), text);
 }
 
 /// A column of the table of strategies.
 struct StrategyColumn {
+    enum class Kind { fraction, factor };
     const char *name, *column;
-    bool is_share;
+    Kind kind;
 };
-constexpr StrategyColumn strategy_columns[] = {{"rays wrong", "bad_fraction", true},
-                                               {"self-hits", "self_hit_fraction", true},
-                                               {"self-hits by the form", "self_hit_by_form_fraction", true},
-                                               {"lost occluders", "lost_occluder_fraction", true},
-                                               {"lost exits", "lost_exit_fraction", true},
-                                               {"wrong side", "wrong_side_fraction", true},
-                                               {"times larger, p50", "oversize_p50", false},
-                                               {"p99", "oversize_p99", false}};
+using StrategyKind = StrategyColumn::Kind;
+constexpr StrategyColumn strategy_columns[] = {
+    {"rays wrong", "bad_fraction", StrategyKind::fraction},
+    {"self-hits", "self_hit_fraction", StrategyKind::fraction},
+    {"self-hits by the form", "self_hit_by_form_fraction", StrategyKind::fraction},
+    {"lost occluders", "lost_occluder_fraction", StrategyKind::fraction},
+    {"lost exits", "lost_exit_fraction", StrategyKind::fraction},
+    {"wrong side", "wrong_side_fraction", StrategyKind::fraction},
+    {"times larger, p50", "oversize_p50", StrategyKind::factor},
+    {"p99", "oversize_p99", StrategyKind::factor}};
+
+/// A column of the table of a map that counts an outcome.
+struct CountColumn {
+    const char *title, *column;
+};
+
+/// Columns of the wrong outcomes. Those of meshes are only for scenes with a mesh.
+std::vector<CountColumn> count_columns_for(const scene::file::Scene& scene) {
+    std::vector<CountColumn> count_columns{{"false hits", "false_hit"},
+                                           {"false misses", "false_miss"},
+                                           {"NaN", "not_a_number"},
+                                           {"wrong primitives", "wrong_primitive"}};
+    if (scene.mesh)
+        count_columns.insert(count_columns.end(),
+                             {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
+    count_columns.push_back({"unresolved", "unresolved"});
+    return count_columns;
+}
+
+std::string summary_table_head(const std::vector<CountColumn>& count_columns) {
+    std::vector<std::string> names{"form", "format"};
+    for (const CountColumn& count_column : count_columns) names.emplace_back(count_column.title);
+    names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
+    return begin_table(names);
+}
+
+/// Cell with a link to the pixel of the worst ray; a dash if there is none.
+std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s) {
+    const measure::evaluate::WorstRay* const worst = s.worst_ray();
+    if (worst == nullptr) return "<td>&ndash;</td>";
+    return fmt::format(
+        "<td><a class=\"jump\" href=\"#scene-{}\" "
+        "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td>",
+        html(scene.id), html(scene.id), html(tested_form.form->info->name), tested_form.format.name, worst->x, worst->y,
+        worst->x, worst->y);
+}
+
+/// Row of a form and format in the table of a map. `value(name)` is the value of the column `name` of summary.csv.
+std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s,
+                              const std::vector<CountColumn>& count_columns, const auto& value) {
+    std::string text =
+        fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
+                    html(tested_form.form->info->name), tested_form.format.name);
+
+    // Numbers of rays with each outcome.
+    for (const CountColumn& count_column : count_columns)
+        text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column)));
+    text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
+
+    // Quantiles are withheld if too few hits agree.
+    if (s.true_hits > 0 && !s.agreement().is_enough()) {
+        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
+    } else {
+        for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
+            text += fmt::format("<td class=\"n\">{}</td>", number_html(value(name)));
+    }
+    return text + worst_pixel_cell(scene, tested_form, s) + "</tr>\n";
+}
 
 }  // namespace
 
 std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto columns = measure::evaluate::summary_columns(request.metrics);
-    const auto value = [&](std::string_view name, const FormSummary& s) {
-        return measure::evaluate::find_column(columns, name)->value(s);
-    };
-    struct CountColumn {
-        const char *title, *column;
-    };
-    std::vector<CountColumn> count_columns{{"false hits", "false_hit"},
-                                           {"false misses", "false_miss"},
-                                           {"NaN", "not_a_number"},
-                                           {"wrong primitives", "wrong_primitive"}};
-    if (request.scene->mesh)
-        count_columns.insert(count_columns.end(),
-                             {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
-    count_columns.push_back({"unresolved", "unresolved"});
-    std::vector<std::string> names{"form", "format"};
-    for (const CountColumn& count_column : count_columns) names.emplace_back(count_column.title);
-    names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
-    std::string text = begin_table(names);
+    const std::vector<CountColumn> count_columns = count_columns_for(*request.scene);
+    std::string text = summary_table_head(count_columns);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const FormSummary& s = summaries[r];
-        const TestedForm& tested_form = request.tested_forms[r];
-        text +=
-            fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
-                        html(tested_form.form->info->name), tested_form.format.name);
-        for (const CountColumn& count_column : count_columns)
-            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column, s)));
-        text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
-        if (s.true_hits > 0 && !s.agreement().is_enough()) {
-            text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
-        } else {
-            for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
-                text += fmt::format("<td class=\"n\">{}</td>", number_html(value(name, s)));
-        }
-        const measure::evaluate::WorstRay* const worst = s.worst_ray();
-        if (worst == nullptr) text += "<td>&ndash;</td></tr>\n";
-        else
-            text += fmt::format(
-                "<td><a class=\"jump\" href=\"#scene-{}\" "
-                "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
-                html(request.scene->id), html(request.scene->id), html(tested_form.form->info->name),
-                tested_form.format.name, worst->x, worst->y, worst->x, worst->y);
+        const auto value = [&](std::string_view name) {
+            return measure::evaluate::find_column(columns, name)->value(summaries[r]);
+        };
+        text += summary_table_row(*request.scene, request.tested_forms[r], summaries[r], count_columns, value);
     }
     return text + end_table;
 }
@@ -95,13 +124,13 @@ std::string choice_table(const choose::ChoiceResult& chosen) {
     for (const std::size_t k : measure::choose::order_by_price(chosen.candidates)) {
         const measure::choose::Candidate& candidate = chosen.candidates[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
-                            chosen.cheapest_index == k ? " class=\"chosen\"" : "",
-                            html(candidate.tested_form.form->info->name), candidate.tested_form.format.name,
+                            chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(candidate.row.form->info->name),
+                            candidate.row.format.name,
                             candidate.isa == "scalar" ? "one ray" : fmt::format("{} bits", candidate.isa));
         text += fmt::format(
             "<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", candidate.time.median * 1e9,
             std::isnan(candidate.quality.kept_bits) ? "&ndash;" : file::kept_bits_text(candidate.quality.kept_bits));
-        text += share_cell(candidate.quality.wrong_fraction());
+        text += fraction_cell(candidate.quality.wrong_fraction());
         text += fmt::format("<td>{}</td></tr>\n", chosen.cheapest_index == k                            ? "yes, chosen"
                                                   : candidate.quality.meets(chosen.request.requirement) ? "yes"
                                                                                                         : "no");
@@ -113,16 +142,22 @@ std::string mend_table(const repair::RepairSummary& result) {
     const auto& requirement = result.request.requirement;
     const auto proposals = list_proposals(result);
     const repair::Proposal* const best = best_proposal(proposals, result);
+
+    // The head. Without times, it has no columns of times.
     std::vector<std::string> names{
         "form",       "rounding operations",  "of them in " + repair::wider_format_name(result.repair.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
     if (!result.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = begin_table(names);
+
     const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", number_html(value)); };
     for (const repair::FormRow& row : form_rows(result)) {
         if (!row.is_shown) continue;
-        const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
+        const bool is_best = best && best->quality == row.quality;
+        const bool is_known = row.operations > 0;
+
+        // The form, its operations, and its accuracy on the rays of the search and on others.
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add_cell(is_known ? static_cast<double>(row.operations) : NAN);
         add_cell(is_known ? static_cast<double>(row.wider_operations) : NAN);
@@ -130,6 +165,8 @@ std::string mend_table(const repair::RepairSummary& result) {
             add_cell(quality ? quality->kept_bits : NAN);
             add_cell(quality ? static_cast<double>(quality->wrong) : NAN);
         }
+
+        // The verdict, and the times.
         text += fmt::format("<td>{}</td>", is_best                           ? "yes, recommended"
                                            : row.quality->meets(requirement) ? "yes"
                                                                              : "no");
@@ -149,13 +186,15 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
         std::vector<std::string> names{"strategy"};
         for (const StrategyColumn& column : strategy_columns) names.emplace_back(column.name);
         text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
+
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*study.strategies[k])));
             for (const StrategyColumn& column : strategy_columns) {
                 const double value =
                     column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);
-                text +=
-                    column.is_share ? share_cell(value) : fmt::format("<td class=\"n\">{}</td>", number_html(value));
+                text += column.kind == StrategyKind::fraction
+                            ? fraction_cell(value)
+                            : fmt::format("<td class=\"n\">{}</td>", number_html(value));
             }
             text += "</tr>\n";
         }
@@ -165,6 +204,7 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
 }
 
 std::string study_table(const std::vector<file::Column>& columns, const std::vector<std::vector<file::Cell>>& rows) {
+    // Leave out columns that are empty in every row, and columns of commands.
     const auto is_used = [](const file::Cell& cell) { return !cell.is_missing() && !cell.text().empty(); };
     const auto is_command = [](const file::Cell& cell) { return cell.text().starts_with("lostbits "); };
     std::vector<std::size_t> shown_columns;
@@ -174,10 +214,12 @@ std::string study_table(const std::vector<file::Column>& columns, const std::vec
         };
         if (any_row(is_used) && !any_row(is_command)) shown_columns.push_back(c);
     }
+
     std::vector<std::string> names;
     for (const std::size_t c : shown_columns)
         names.push_back(columns[c].name + (columns[c].unit.empty() ? "" : " [" + columns[c].unit + "]"));
     std::string text = begin_table(names);
+
     for (const auto& row : rows) {
         text += "<tr>";
         for (const std::size_t c : shown_columns)
@@ -188,16 +230,17 @@ std::string study_table(const std::vector<file::Column>& columns, const std::vec
     return text + end_table;
 }
 
-std::string offset_overview(const std::vector<OffsetPart>& parts) {
+std::string offset_overview(const std::vector<OffsetSection>& parts) {
     std::string text = "<div class=\"pair\">\n";
     for (const Side side : both_sides) {
         const auto s = static_cast<std::size_t>(side);
         std::vector<std::string> names{"strategy"};
-        for (const OffsetPart& p : parts) names.push_back(p.id);
+        for (const OffsetSection& p : parts) names.push_back(p.id);
         text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
+
         for (std::size_t k = 0; k < parts.front().strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(parts.front().strategies[k]));
-            for (const OffsetPart& p : parts) text += share_cell(p.wrong_shares[s][k]);
+            for (const OffsetSection& p : parts) text += fraction_cell(p.wrong_fractions[s][k]);
             text += "</tr>\n";
         }
         text += end_table;

@@ -61,7 +61,7 @@ Json scale_json(const image::ColourScale& scale) {
     return {{"lo", number_json(scale.lo())},
             {"hi", number_json(scale.hi())},
             {"spacing", image::spacing_names[static_cast<std::size_t>(scale.spacing())]},
-            {"ticks", array_of(scale.ticks(7), [](const image::ColourScale::Tick& tick) {
+            {"ticks", json_array(scale.ticks(7), [](const image::ColourScale::Tick& tick) {
                  return Json::array({number_json(tick.position), tick.label});
              })}};
 }

@@ -40,7 +40,7 @@ using Json = nlohmann::ordered_json;
 
 /// Array of `convert(item)` for every item.
 template <class Items, class Convert>
-[[nodiscard]] Json array_of(const Items& items, const Convert& convert) {
+[[nodiscard]] Json json_array(const Items& items, const Convert& convert) {
     Json array = Json::array();
     for (const auto& item : items) array.push_back(convert(item));
     return array;

@@ -31,7 +31,7 @@ public:
     void operator()(const T&... values) {
         (write(values), ...);
     }
-    [[nodiscard]] std::string take() { return std::move(bytes_); }
+    [[nodiscard]] std::string release() { return std::move(bytes_); }
 
 private:
     template <class T>

@@ -80,7 +80,7 @@ template <class... T>
 std::string bits_of(const T&... values) {
     BitWriter out;
     out(values...);
-    return out.take();
+    return out.release();
 }
 
 }  // namespace lostbits::output::shard

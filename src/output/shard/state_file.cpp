@@ -103,11 +103,14 @@ void StateFileReader::require_matching_hash() {
     const std::uint64_t size = fs::file_size(path_, ignored);
     if (ignored || size < heading.size() + sizeof(std::uint64_t)) refuse_damaged();
     end_ = size - sizeof(std::uint64_t);
+
+    // Hash everything before the stored hash, and compare the two.
     InputHash hash;
     while (position_ < end_) hash.add(read_bytes(std::min<std::uint64_t>(end_ - position_, 1 << 16)));
     std::uint64_t stored_hash = 0;
     if (!in_.read(reinterpret_cast<char*>(&stored_hash), sizeof stored_hash) || stored_hash != hash.value())
         refuse_damaged();
+
     in_.seekg(0);
     position_ = 0;
 }
@@ -134,6 +137,8 @@ void StateFileReader::read_head() {
     head_.program = read_line("program");
     head_.command = from_one_line(read_line("command"));
     if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) refuse_damaged();
+
+    // `shard 2/5`
     const std::string shard = read_line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
     if (!parse_integer(std::string_view(shard).substr(0, slash), head_.share.number) ||
@@ -171,11 +176,14 @@ bool StateFileReader::next(std::string_view name, const std::function<void(BitRe
         in_.seekg(static_cast<std::streamoff>(start));
         if (!in_) throw EnvironmentError(path_.string() + ": cannot be opened again");
     }
+
+    // A record of another name is left for a later call.
     if (read_bytes(read_number()) != name) {
         in_.seekg(static_cast<std::streamoff>(start));
         position_ = start;
         return false;
     }
+
     try {
         BitReader reader(read_bytes(read_number()));
         read_record(reader);
@@ -195,9 +203,12 @@ void UnfinishedFile::write(std::string_view bits) const {
 void UnfinishedFile::read(const std::function<void(BitReader&)>& read_record) const {
     const auto refuse = [this](const std::string& reason) { throw InputError(path_.string() + ": " + reason); };
     if (!exists()) refuse("does not exist, so there is no unfinished run to continue; leave out --resume");
+
     StateFileReader file(path_,
                          "is damaged or from another version, so the run cannot continue from it; leave out --resume "
                          "to start over");
+
+    // The run must be the one that was stopped.
     const StateHead& head = file.head();
     if (head.program != head_.program)
         refuse(fmt::format("was written by {}, and this is {}; leave out --resume to start over", head.program,
@@ -213,6 +224,7 @@ void UnfinishedFile::read(const std::function<void(BitReader&)>& read_record) co
         refuse(
             "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
             "--resume to start over");
+
     if (!file.next(job_, read_record) || !file.is_at_end()) file.refuse_damaged();
 }
 

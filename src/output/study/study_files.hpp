@@ -1,5 +1,5 @@
 // Files of a study of one scene: the contact sheet and its pictures, a table with one row per pixel, an EXR of each
-// series (a form in a format), and summary.csv. A view describes the files. It is a struct with these members:
+// series (a form in a format), and summary.csv. A presentation describes the files. It is a struct with these members:
 //
 //   Study, SummaryRow                     the study, and a row of its summary.csv
 //   summary_title, summary_table(), summary_rows(study, summaries)
@@ -47,31 +47,32 @@ struct Note {
     std::string text;
 };
 
-/// Writes the files of a study as its view describes them. Opens all files before the work starts; `finish` gives them
-/// their final names.
-template <class View>
-class StudyFiles {
+/// Writes the files of a study as its presentation describes them. Opens all files before the work starts; `finish`
+/// gives them their final names.
+template <class Presentation>
+class StudyWriter {
 public:
-    using Study = typename View::Study;
+    using Study = typename Presentation::Study;
     using Band = typename Study::Band;
 
     /// `study` must outlive the object. If `keep_piece` is set, it receives the pieces of a shard, and no file is
     /// opened.
-    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep_piece = {})
+    StudyWriter(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep_piece = {})
         : study_(study),
           options_(std::move(options)),
           keep_piece_(std::move(keep_piece)),
           pictures_({.scene = study.scene,
-                     .sheets = {View::sheet(study, options_.sheet())},
+                     .sheets = {Presentation::sheet(study, options_.sheet())},
                      .single_picture_folder = options_.folder_of_single_pictures(),
                      .stop = study.limit.stop,
                      .opens_files = !keep_piece_},
-                    View::columns(study)) {
-        if (!keep_piece_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
+                    Presentation::columns(study)) {
+        if (!keep_piece_)
+            table_.emplace(options_.folder, "summary.csv", Presentation::summary_title, Presentation::summary_table());
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_row(r);
     }
-    StudyFiles(const StudyFiles&) = delete;
-    StudyFiles& operator=(const StudyFiles&) = delete;
+    StudyWriter(const StudyWriter&) = delete;
+    StudyWriter& operator=(const StudyWriter&) = delete;
 
     /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
@@ -82,49 +83,52 @@ public:
 
     void finish(const std::vector<typename Study::Summary>& summaries) {
         for (const auto& book : books_) book->close();
-        for (Note& note : View::notes(study_, summaries))
+        for (Note& note : Presentation::notes(study_, summaries))
             pictures_.writer().set_note(note.position, std::move(note.text));
         pictures_.writer().finish();
         if (options_.folder.empty()) return;
-        table_->add_all(View::summary_rows(study_, summaries));
+        table_->add_all(Presentation::summary_rows(study_, summaries));
         table::close_tables(options_.folder, study_.scene.title, *table_, rows_, options_.other_tables);
     }
 
 private:
     using Pixel = PixelInBand<Band>;
-    using Rows = pixel::RowFiles<Band, Pixel>;
+    using Rows = pixel::RowWriter<Band, Pixel>;
 
     void add_row(std::size_t r) {
-        typename Rows::Writers writers{.pixels = View::pixels};
+        typename Rows::Functions functions{.pixels = Presentation::pixels};
         pixel::BandFiles<Band> files{pictures_, {}, keep_piece_};
+
+        // The table of pixels, if the presentation has one and it is asked for.
         std::unique_ptr<table::TableFile<Pixel>> table;
-        if constexpr (requires { View::pixel_table(study_); }) {
-            if (options_.pixels_csv)
-                table = std::make_unique<table::TableFile<Pixel>>(keep_piece_ ? "" : options_.folder,
-                                                                  View::row_name(study_, r) + ".csv", View::pixel_title,
-                                                                  View::pixel_table(study_));
-            writers.add_pixel = [](table::TableFile<Pixel>& file, const Band& band, std::size_t i) {
-                if constexpr (requires { View::has_row(band, i); })
-                    if (!View::has_row(band, i)) return;
+        if constexpr (requires { Presentation::pixel_table(study_); }) {
+            if (options_.writes_pixels_csv)
+                table = std::make_unique<table::TableFile<Pixel>>(
+                    keep_piece_ ? "" : options_.folder, Presentation::row_name(study_, r) + ".csv",
+                    Presentation::pixel_title, Presentation::pixel_table(study_));
+            functions.add_pixel = [](table::TableFile<Pixel>& file, const Band& band, std::size_t i) {
+                if constexpr (requires { Presentation::has_row(band, i); })
+                    if (!Presentation::has_row(band, i)) return;
                 file.add({&band, i});
             };
         }
-        if constexpr (requires { View::layers(study_); }) {
-            if (!options_.folder.empty()) add_exr(r, writers, files);
+
+        if constexpr (requires { Presentation::layers(study_); }) {
+            if (!options_.folder.empty()) add_exr(r, functions, files);
         }
-        rows_.emplace_back(r, files, std::move(writers), std::move(table));
+        rows_.emplace_back(r, files, std::move(functions), std::move(table));
     }
 
-    void add_exr(std::size_t r, typename Rows::Writers& writers, pixel::BandFiles<Band>& files) {
-        const auto layers = std::make_shared<const pixel::ExrLayers<Band>>(View::layers(study_));
-        writers.exr_scanlines = [layers](const Band& band, std::span<const image::Rgb8>) {
+    void add_exr(std::size_t r, typename Rows::Functions& functions, pixel::BandFiles<Band>& files) {
+        const auto layers = std::make_shared<const pixel::ExrLayers<Band>>(Presentation::layers(study_));
+        functions.exr_scanlines = [layers](const Band& band, std::span<const image::Rgb8>) {
             return std::vector{
-                pixel::ExrScanlines{0, band.y0, band.scanlines, layers->samples(band, View::pixels(band))}};
+                pixel::ExrScanlines{0, band.y0, band.scanlines, layers->samples(band, Presentation::pixels(band))}};
         };
         if (keep_piece_) return;
         books_.push_back(std::make_unique<image::ExrBook>(
-            options_.folder / (View::row_name(study_, r) + ".exr"),
-            std::vector{image::ExrPart{"", View::exr_spec(study_, r, layers->channels(), options_.command)}}));
+            options_.folder / (Presentation::row_name(study_, r) + ".exr"),
+            std::vector{image::ExrPart{"", Presentation::exr_spec(study_, r, layers->channels(), options_.command)}}));
         files.write_exr = [book = books_.back().get()](const std::vector<pixel::ExrScanlines>& pieces) {
             for (const pixel::ExrScanlines& piece : pieces)
                 book->write_rows(piece.part, piece.y0, piece.rows, std::as_bytes(std::span(piece.samples)));
@@ -134,8 +138,8 @@ private:
     const Study& study_;
     pixel::SceneFilesOptions options_;
     pixel::PieceReceiver keep_piece_;
-    pixel::ColumnFiles<Band> pictures_;
-    std::optional<table::TableFile<typename View::SummaryRow>> table_;  ///< none in a shard
+    pixel::PictureWriter<Band> pictures_;
+    std::optional<table::TableFile<typename Presentation::SummaryRow>> table_;  ///< none in a shard
     std::deque<Rows> rows_;
     std::vector<std::unique_ptr<image::ExrBook>> books_;  ///< one for each row, if the study has an EXR
 };

@@ -11,7 +11,6 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/cell_plots.hpp"
-#include "text/shell_word.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -35,6 +34,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
     summary.set_meaning("rays", "number of rays in the case");
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "0");
+
     table::Table<R> table{
         {"case", "name of the case", &R::name},
         {"convention",
@@ -60,8 +60,8 @@ struct CellLook {
     [[nodiscard]] plot::MatrixCell cell(const FormSummary& s, Verdict verdict) const {
         switch (verdict) {
             case Verdict::right: return {case_right_colour, {}};
-            case Verdict::within_inputs: return value_cell(s, true);
-            case Verdict::wrong_value: return value_cell(s, false);
+            case Verdict::within_inputs: return within_inputs_cell(s);
+            case Verdict::wrong_value: return lost_bits_cell(s);
             case Verdict::false_hit: return wrong_cell(s, Outcome::false_hit);
             case Verdict::false_miss: return wrong_cell(s, Outcome::false_miss);
             case Verdict::not_a_number: return wrong_cell(s, Outcome::not_a_number);
@@ -79,16 +79,61 @@ private:
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
-    [[nodiscard]] plot::MatrixCell value_cell(const FormSummary& s, bool is_within_inputs) const {
-        const double lost_bits = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+    [[nodiscard]] double most_lost_bits(const FormSummary& s) const {
+        return s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+    }
+
+    [[nodiscard]] plot::MatrixCell lost_bits_cell(const FormSummary& s) const {
+        const double lost_bits = most_lost_bits(s);
+        return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
+    }
+
+    /// A paler cell, which also gives the bits that the inputs cost if they were measured.
+    [[nodiscard]] plot::MatrixCell within_inputs_cell(const FormSummary& s) const {
+        const double lost_bits = most_lost_bits(s);
         const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
-        if (!is_within_inputs) return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
         return {map::make_paler(scale.colour(lost_bits, format)),
                 inherent_index < metrics.size()
                     ? fmt::format("{:.0f}/{:.0f} b", lost_bits, s.metrics[inherent_index].quantile(1))
                     : fmt::format("{:.0f} b", lost_bits)};
     }
 };
+
+/// Adds a column for each row of the request that is judged by the convention, grouped by format. Returns the indices
+/// of these rows in the order of the columns.
+std::vector<std::size_t> add_case_columns(plot::MatrixPlotSpec& spec, const CaseRequest& request,
+                                          std::optional<intersect::Touching> touching) {
+    for (const measure::evaluate::TestedForm& tested_form : request.tested_forms) {
+        const std::string& format = tested_form.format.name;
+        if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
+            spec.groups.push_back({format, {}});
+    }
+
+    std::vector<std::size_t> row_order;
+    for (auto& group : spec.groups) {
+        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+            if (request.tested_forms[r].format.name != group.label || request.tested_forms[r].touching != touching)
+                continue;
+            group.columns.push_back(map::short_name(*request.tested_forms[r].form->info));
+            row_order.push_back(r);
+            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.tested_forms[r]);
+        }
+    }
+    return row_order;
+}
+
+/// Adds the wrong outcomes that occur in the columns to the legend.
+void add_outcomes_to_legend(plot::MatrixPlotSpec& spec, const std::vector<std::vector<FormSummary>>& cases,
+                            const std::vector<std::size_t>& row_order) {
+    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
+                            Outcome::unresolved}) {
+        const bool occurs = std::ranges::any_of(cases, [&](const auto& rows) {
+            return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
+        });
+        if (occurs)
+            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
+    }
+}
 
 }  // namespace
 
@@ -103,33 +148,15 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
         .legend = {{"right", case_right_colour, {}}},
         .scale = scale.bar(),
         .unit = scale.unit()};
-    std::vector<std::size_t> row_order;  // indices of rows of the request, by format
-    for (const measure::evaluate::TestedForm& tested_form : request.tested_forms) {
-        const std::string& format = tested_form.format.name;
-        if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
-            spec.groups.push_back({format, {}});
-    }
-    for (auto& group : spec.groups) {
-        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
-            if (request.tested_forms[r].format.name != group.label || request.tested_forms[r].touching != touching)
-                continue;
-            group.columns.push_back(map::short_name(*request.tested_forms[r].form->info));
-            row_order.push_back(r);
-            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.tested_forms[r]);
-        }
-    }
-    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
-                            Outcome::unresolved}) {
-        const bool occurs = std::ranges::any_of(cases, [&](const auto& rows) {
-            return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
-        });
-        if (occurs)
-            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
-    }
+    const std::vector<std::size_t> row_order = add_case_columns(spec, request, touching);
+    add_outcomes_to_legend(spec, cases, row_order);
+
+    // A line of cells for each case.
     const auto cell_of = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
         return CellLook{request.metrics, scale, format}.cell(s, verdict);
     };
-    bool has_wrong_value = false, has_within_inputs = false;
+    bool has_wrong_value = false;
+    bool has_within_inputs = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         spec.rows.push_back(request.file.name(i));
         for (const std::size_t r : row_order) {
@@ -140,6 +167,8 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
             spec.cells.push_back(cell_of(cases[i][r], verdict, request.tested_forms[r].format.parameters));
         }
     }
+
+    // The colour bar and the paler colour are explained only if a cell has them.
     if (has_within_inputs) {
         spec.legend.insert(spec.legend.begin() + 1,
                            {within_meaning(request.file), map::make_paler(scale.bar().at(0.5)), {}});
@@ -148,24 +177,26 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     return plot::matrix_plot(spec);
 }
 
-CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument)
+CaseWriter::CaseWriter(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument)
     : request_(request),
       folder_(folder),
       file_argument_(std::move(file_argument)),
       csv_(folder, "cases.csv", "One row per case, form and format", case_table(request)) {}
 
-void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
+void CaseWriter::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string name = request_.file.name(i);
         const auto ray_arguments = [&](const measure::evaluate::WorstRay& ray) {
             const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
             return file_argument_ + " --case " + text::shell_word(fmt::format("{}:{}", name, ray_index));
         };
+
         for (std::size_t r = 0; r < request_.tested_forms.size(); ++r)
             csv_.add({name,
                       measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file.right_within_bits),
                       {request_.tested_forms[r], &cases[i][r], ray_arguments}});
     }
+
     for (const auto& touching : request_.file.conventions) {
         image::save_figure(
             folder_ / (touching ? fmt::format("matrix.{}.png", intersect::convention_name(touching)) : "matrix.png"),

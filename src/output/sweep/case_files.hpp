@@ -33,10 +33,10 @@ struct CaseRow {
 };
 
 /// Files of named cases. They are opened before the work and get their final names when they are complete.
-class CaseFiles {
+class CaseWriter {
 public:
     /// `file_argument` names the file to `lostbits explain`.
-    CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument);
+    CaseWriter(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument);
     void finish(const std::vector<std::vector<FormSummary>>& cases);
 
 private:

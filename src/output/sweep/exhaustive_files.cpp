@@ -24,7 +24,7 @@ using table::Table;
 
 /// Answers of a form in a format, on one ray, for the floats of one range.
 struct FloatsRow {
-    struct Worst {
+    struct WorstFloat {
         std::uint32_t float_index;
         double ulps, error_bound;
         measure::sweep::FloatAnswer answer;
@@ -46,7 +46,7 @@ struct FloatsRow {
     std::size_t ray, row;
     scene::sweep::FloatRange floats;
     const FloatTally& tally;
-    std::optional<Worst> worst = {};
+    std::optional<WorstFloat> worst = {};
     std::string binade = {}, statement = {};
     std::optional<std::string> right_up_to = {};
 };
@@ -107,10 +107,11 @@ Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
 }
 
 Table<FloatsRow> worst_columns(const std::string& unit) {
-    using W = FloatsRow::Worst;
+    using W = FloatsRow::WorstFloat;
     Table<FloatsRow> table;
     table.add<W>(
-        {{"lost_bits_max", "bits", "lost bits of the worst float; missing if no float is a hit for both form and truth",
+        {// the error
+         {"lost_bits_max", "bits", "lost bits of the worst float; missing if no float is a hit for both form and truth",
           [](const W& w) { return measure::truth::lost_bits(w.ulps, binary32.precision); }},
          {"worst_ulp_error", "ulp",
           "(t − t*)/ulp(t*) of the float at which it is largest in size, by the unrounded truth", &W::ulps},
@@ -119,9 +120,11 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
           "if thousands "
           "of floats are equally bad",
           &W::error_bound},
+         // the float
          {"worst_at", unit, "the worst float", [](const W& w) { return float_at(w.float_index); }},
          {"worst_hex", unit, "the worst float, exactly", [](const W& w) { return hex_of(w.float_index); }},
          {"worst_bits", "bits of the worst float", [](const W& w) { return float_bits(w.float_index); }},
+         // the answer there, and the truth
          {"worst_t_hex", "t", "the form's answer at the worst float", [](const W& w) { return file::hex(w.answer.t); }},
          {"worst_truth_hex", "t", "t*, correctly rounded to binary64",
           [](const W& w) { return file::hex(w.answer.truth); }}},
@@ -134,6 +137,8 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
     using R = FloatsRow;
     using WrongDecision = FloatTally::WrongDecision;
     Table<R> table;
+
+    // The first and the last float with a wrong decision.
     const auto add = [&](const std::string& position, std::optional<WrongDecision> FloatTally::*member) {
         table.add<WrongDecision>(
             {{position + "_wrong_hex", unit, "the " + position + " float with a wrong decision, exactly",
@@ -146,6 +151,8 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
     };
     add("first", &FloatTally::first_wrong);
     add("last", &FloatTally::last_wrong);
+
+    // How to explain the first one, and the padding that a box would need.
     return table.add(
         {{"fault_explain", "the command that explains the first float with a wrong decision",
           [](const R& r) { return r.tally.first_wrong ? r.explain(r.tally.first_wrong->float_index) : ""; }},
@@ -192,6 +199,8 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     const auto float_value = [](std::uint32_t float_index) { return float_at(float_index); };
     Table<R> table;
     table.add(subject_columns().add(end_columns(unit)), &R::floats_row);
+
+    // The event.
     table.add({{"event", "the event: lost_bits reach the threshold, or an outcome occurs",
                 [](const R& r) {
                     return r.is_about_lost_bits() ? std::string_view("lost_bits")
@@ -201,6 +210,8 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
                 [](const R& r) { return r.is_about_lost_bits() ? first_events[r.event].lost_bits : 1; }},
                {"found", "true if the event happens at any of the floats",
                 [](const R& r) { return r.first_bad.has_value(); }}});
+
+    // The two neighbouring floats between which it happens, as decimals, exactly and as bits.
     using P = std::uint32_t;
     table.add<P>(
         {{"last_good", unit, "the float before the event; missing if the first float is bad already", float_value}},
@@ -211,6 +222,8 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     table.add<P>(
         {{"first_bad_hex", unit, "first_bad, exactly", hex_of}, {"first_bad_bits", "bits of first_bad", float_bits}},
         &R::first_bad);
+
+    // The error there, the size of the range, and the command that explains the float.
     table.add({"ulp_error", "ulp", "(t − t*)/ulp(t*) at first_bad; missing for an outcome",
                [](const R& r) -> std::optional<double> {
                    if (!r.first_bad || !r.is_about_lost_bits()) return {};
@@ -251,13 +264,13 @@ std::string kinds_text(const FloatTally& tally) {
 std::string float_text(std::uint32_t float_index) {
     const float x = float_at(float_index);
     if (std::isnan(x)) return fmt::format("nan ({})", float_bits(float_index));
-    const std::string hex = file::hex(static_cast<double>(x)), decimal = file::decimal(x);
+    const std::string hex = file::hex(static_cast<double>(x));
+    const std::string decimal = file::decimal(x);
     return std::isinf(x) ? hex : fmt::format("{} ({})", hex, decimal);
 }
 
-}  // namespace
-
-std::string statement(const ExhaustiveRequest& request, const RangeFinding& finding) {
+/// The floats that were tried, the form, its convention and the ray: the subject of a statement.
+std::string statement_subject(const ExhaustiveRequest& request, const RangeFinding& finding) {
     const auto& sweep = request.sweep;
     const FloatTally& tally = finding.tally;
     std::string text = fmt::format("all {} between {} and {} were tried: {}",
@@ -266,34 +279,44 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& find
     if (const auto touching = request.tested_forms[finding.row].touching)
         text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[finding.ray].name);
-    if (!tally.first_wrong) {
-        text += tally.count(Outcome::unresolved) == 0
-                    ? " decides correctly for every one of them"
-                    : fmt::format(" decides correctly for all but {} whose truth is not proved",
-                                  tally.count(Outcome::unresolved));
-        return text;
-    }
+    return text;
+}
+
+}  // namespace
+
+std::string statement(const ExhaustiveRequest& request, const RangeFinding& finding) {
+    const FloatTally& tally = finding.tally;
+    std::string text = statement_subject(request, finding);
+    if (!tally.first_wrong)
+        return text + (tally.count(Outcome::unresolved) == 0
+                           ? " decides correctly for every one of them"
+                           : fmt::format(" decides correctly for all but {} whose truth is not proved",
+                                         tally.count(Outcome::unresolved)));
+
+    // Where it first fails.
     const auto& wrong = *tally.first_wrong;
     const auto last_right = finding.float_before(wrong.float_index);
     text += last_right ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",
                                      finding.floats.falls() ? "down to" : "up to", float_text(*last_right),
                                      float_text(wrong.float_index), failure_phrase(wrong.outcome))
                        : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
+
+    // How often it fails, and what would help.
     text += fmt::format("; it is wrong for {} in all{}, the last at {}", text::count_with_noun(tally.wrong(), "float"),
-                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->float_index));
+                        request.sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->float_index));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));
     return text;
 }
 
-ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::filesystem::path& folder)
+ExhaustiveWriter::ExhaustiveWriter(const ExhaustiveRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
       binades_(folder, "binades.csv", "One row per form, ray and binade of the axis", binade_table(request)),
       statements_(folder, "statements.csv", "One row per form, ray and range of floats", statement_table(request)),
       onsets_(folder, "onsets.csv", "One row per form, ray, range of floats and event", onset_table(request)) {}
 
-void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
+void ExhaustiveWriter::add_binades(const ExhaustiveState& state) {
     const auto binades = measure::sweep::binades_of(request_.sweep);
     for (std::size_t form_index = 0; form_index < request_.tested_forms.size(); ++form_index) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
@@ -308,7 +331,7 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     }
 }
 
-void ExhaustiveFiles::add_onsets(const RangeFinding& finding) {
+void ExhaustiveWriter::add_onsets(const RangeFinding& finding) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         if (!request_.sweep.mesh && !is_of_one_primitive(first_events[e])) continue;
         const auto first_bad = finding.tally.first_floats[e];
@@ -319,17 +342,21 @@ void ExhaustiveFiles::add_onsets(const RangeFinding& finding) {
     }
 }
 
-void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<RangeFinding>& findings) {
+void ExhaustiveWriter::add_statement(const RangeFinding& finding) {
+    FloatsRow floats_row{request_, finding.ray, finding.row, finding.floats, finding.tally};
+    floats_row.find_worst();
+    if (const auto& wrong = finding.tally.first_wrong)
+        if (const auto last_right = finding.float_before(wrong->float_index))
+            floats_row.right_up_to = hex_of(*last_right);
+    floats_row.statement = statement(request_, finding);
+    statements_.add(floats_row);
+}
+
+void ExhaustiveWriter::finish(const ExhaustiveState& state, const std::vector<RangeFinding>& findings) {
     add_binades(state);
     for (const RangeFinding& finding : findings) {
         add_onsets(finding);
-        FloatsRow floats_row{request_, finding.ray, finding.row, finding.floats, finding.tally};
-        floats_row.find_worst();
-        if (const auto& wrong = finding.tally.first_wrong)
-            if (const auto last_right = finding.float_before(wrong->float_index))
-                floats_row.right_up_to = hex_of(*last_right);
-        floats_row.statement = statement(request_, finding);
-        statements_.add(floats_row);
+        add_statement(finding);
     }
     if (const auto plots = exhaustive_plots(request_, state)) {
         image::save_figure(folder_ / "lost_bits_max.png", plot::line_plot(plots->lost_bits));

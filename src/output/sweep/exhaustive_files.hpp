@@ -19,14 +19,15 @@ struct FloatsRow;
 struct FloatEventRow;
 
 /// Files of an exhaustive sweep. The tables are opened before the work and get their final names in `finish`.
-class ExhaustiveFiles {
+class ExhaustiveWriter {
 public:
-    ExhaustiveFiles(const ExhaustiveRequest& request, const std::filesystem::path& folder);
+    ExhaustiveWriter(const ExhaustiveRequest& request, const std::filesystem::path& folder);
     void finish(const ExhaustiveState& state, const std::vector<RangeFinding>& findings);
 
 private:
     void add_binades(const ExhaustiveState& state);
     void add_onsets(const RangeFinding& finding);
+    void add_statement(const RangeFinding& finding);
 
     const ExhaustiveRequest& request_;
     std::filesystem::path folder_;
@@ -34,12 +35,12 @@ private:
     table::TableFile<FloatEventRow> onsets_;
 };
 
-/// Smallest share of a binade above 0: one float of a whole binade. A share of 0 is drawn below it.
-inline constexpr double smallest_share = 0x1p-23;
+/// Smallest fraction of a binade above 0: one float of a whole binade. A fraction of 0 is drawn below it.
+inline constexpr double smallest_fraction = 0x1p-23;
 
 struct ExhaustivePlots {
     plot::LinePlotSpec lost_bits;  ///< lost bits of the worst float of each binade
-    plot::LinePlotSpec wrong;      ///< the share of a binade's tried floats with a wrong decision
+    plot::LinePlotSpec wrong;      ///< the fraction of a binade's tried floats with a wrong decision
 };
 /// Plots with a line for each form, ray and sign. The line is level from the smallest to the largest float of a binade
 /// that was tried. Zeros, infinities and NaNs are not on the axis; the tables have them. Nothing if all floats on the

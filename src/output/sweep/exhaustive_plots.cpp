@@ -85,11 +85,12 @@ public:
         const auto& axis = request_.sweep.axis;
         // Less than two octaves have too few powers of two for ticks.
         const bool has_few_octaves = size_range_.high < 4 * size_range_.low;
-        return {axis.label + (negative_count_ == 0   ? ""
-                              : positive_count_ == 0 ? ", below 0, in size"
-                                                     : ", in size"),
-                has_few_octaves ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2, size_range_.low,
-                size_range_.high};
+        return {.title = axis.label + (negative_count_ == 0   ? ""
+                                       : positive_count_ == 0 ? ", below 0, in size"
+                                                              : ", in size"),
+                .scale = has_few_octaves ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2,
+                .low = size_range_.low,
+                .high = size_range_.high};
     }
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
@@ -104,8 +105,8 @@ public:
         std::vector<AxisHalf> list;
         for (std::size_t form_index = 0; form_index < request_.tested_forms.size(); ++form_index) {
             for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
-                if (positive_count_ > 0) list.push_back({form_index, ray, false});
-                if (negative_count_ > 0) list.push_back({form_index, ray, true});
+                if (positive_count_ > 0) list.push_back({.row = form_index, .ray = ray, .is_negative = false});
+                if (negative_count_ > 0) list.push_back({.row = form_index, .ray = ray, .is_negative = true});
             }
         }
         return list;
@@ -136,6 +137,7 @@ private:
 std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request, const ExhaustiveState& state) {
     const DrawnBinades binades(request, state);
     if (!binades.is_worth_drawing()) return std::nullopt;
+
     using S = plot::AxisSpec::Scale;
     plot::LinePlotSpec lost{.title = "Lost bits of the worst float in f32",
                             .subtitle = binades.subtitle(),
@@ -144,8 +146,13 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
     plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
                              .subtitle = binades.subtitle(),
                              .x = binades.axis(),
-                             .y = {"share of the tried floats in the binade", S::log2, smallest_share, 1.0, true}};
+                             .y = {.title = "share of the tried floats in the binade",
+                                   .scale = S::log2,
+                                   .low = smallest_fraction,
+                                   .high = 1.0,
+                                   .shows_zero = true}};
     wrong.subtitle.emplace_back("a line at 0, below the log scale, means no such float in that binade");
+
     for (const AxisHalf& half : binades.halves()) {
         lost.series.push_back(binades.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;

@@ -17,7 +17,7 @@ using table::when;
 namespace {
 
 template <class Row>
-Table<StepRow<Row>> along_axes(const SweepRequest& request, const Table<Row>& columns) {
+Table<StepRow<Row>> step_columns(const SweepRequest& request, const Table<Row>& columns) {
     using R = StepRow<Row>;
     Table<R> table;
     std::size_t axis_index = 0;
@@ -38,7 +38,7 @@ Table<SampleRow> sample_table(const SweepRequest& request) {
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
     summary.add({"views", views_meaning, [](const map::SummaryRow& r) { return r.summary->views; }});
-    return along_axes(request, summary);
+    return step_columns(request, summary);
 }
 
 std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vector<SweepStep>& steps) {
@@ -55,12 +55,16 @@ std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vecto
 Table<Onset> onset_table(const SweepRequest& request) {
     using R = Onset;
     const scene::sweep::Axis& axis = request.sweep.axes.front();
+
+    // Values of cells that more than one column shows, and that are missing in some rows.
     const auto is_good = [](const R& r) { return r.found && !r.from_start; };
     const auto is_bad_again = [](const R& r) { return r.recovers && !r.good_at_end; };
     const auto last_good = [=](const R& r) { return when(is_good(r), r.last_good); };
     const auto first_bad = [](const R& r) { return when(r.found, r.first_bad); };
     const auto last_good_after = [](const R& r) { return when(r.recovers, r.last_good_after); };
     const auto bad_again = [=](const R& r) { return when(is_bad_again(r), r.bad_again); };
+
+    // A value as a C hexadecimal float, and a statistic of the first bad values of all draws.
     const auto exact = [](const auto& value) { return [value](const R& r) { return table::hex_text(value(r)); }; };
     const auto of_draws = [](double measure::metric::Spread::*member) {
         return [member](const R& r) {
@@ -68,11 +72,13 @@ Table<Onset> onset_table(const SweepRequest& request) {
             return when(spread.draws > 0, spread.*member);
         };
     };
+
     Table<R> table;
     table.add(
         table::subject_columns(), [&request](const R& r) -> const auto& { return request.tested_forms[r.form_index]; });
     return table.add(
-        {{"event",
+        {// the event
+         {"event",
           "the event: lost_bits, or the loss in a step of a transform, reach the threshold, or an outcome occurs",
           &R::event},
          {"statistic", "p50, p99 or max over the rays of a step; count for an outcome", &R::statistic},
@@ -82,6 +88,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
           "first: steps are read in their order; last: from the last step backwards, so that `first` and `last` below "
           "are the other way round",
           [](const R& r) { return r.from_last ? "last" : "first"; }},
+
+         // the first values at which it happens
          {"found", "true if the event happens within the sweep", &R::found},
          {"last_good_" + axis.name, axis.unit,
           "last value before the event, in reading order; missing if the step where reading starts is bad already",
@@ -94,6 +102,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
          {"first_bad_hex", axis.unit, "the first bad value, exactly", exact(first_bad)},
          {"value_at_first_bad", "the statistic at the first bad value",
           [](const R& r) { return when(r.found, r.value_at_first_bad); }},
+
+         // the values at which it ends
          {"recovers", "true if a step after the first bad one is good again", &R::recovers},
          {"last_good_after_" + axis.name, axis.unit,
           "the last good value after the first bad one; missing if there is none", last_good_after},
@@ -101,8 +111,12 @@ Table<Onset> onset_table(const SweepRequest& request) {
           "value from which it is bad to the end, narrowed by bisection; missing if the last step is good", bad_again},
          {"last_good_after_hex", axis.unit, "that last good value, exactly", exact(last_good_after)},
          {"bad_again_hex", axis.unit, "that value, exactly", exact(bad_again)},
+
+         // the samples
          {"rays", "number of rays in each step; with more rays the first failure comes earlier", &R::rays},
          {"views", views_meaning, &R::views},
+
+         // the same event for other draws of the rays
          {"draws", "sets of rays tried, one per seed; the columns above are for the file's own seed",
           [](const R& r) { return 1 + r.further_first_bad.size(); }},
          {"draws_found", "draws in which the event happens within the sweep; the columns below are about these draws",
@@ -115,9 +129,9 @@ Table<Onset> onset_table(const SweepRequest& request) {
           of_draws(&measure::metric::Spread::high)}});
 }
 
-void SweepFiles::require_own_columns(const SweepRequest& request) {
+void SweepWriter::require_own_columns(const SweepRequest& request) {
     for (const auto& columns : {sample_table(request).columns(), onset_table(request).columns(),
-                                along_axes(request, map::culprit_table()).columns()}) {
+                                step_columns(request, map::culprit_table()).columns()}) {
         std::set<std::string> names;
         for (const file::Column& column : columns) {
             if (names.insert(column.name).second) continue;
@@ -133,7 +147,7 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
     }
 }
 
-SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path& folder)
+SweepWriter::SweepWriter(const SweepRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
       samples_(folder, "samples.csv", "One row per form, format and step", sample_table(request)) {
@@ -143,15 +157,16 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
                         onset_table(request));
     if (map::asks_for_culprits(request.metrics))
         culprits_.emplace(folder, "culprits.csv", "One row per form, format, step and operation that is a culprit",
-                          along_axes(request, map::culprit_table()));
+                          step_columns(request, map::culprit_table()));
 }
 
-void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
+void SweepWriter::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     samples_.add_all(sample_rows(request_, steps));
     if (onsets_) onsets_->add_all(onsets);
     for (std::size_t r = 0; culprits_ && r < request_.tested_forms.size(); ++r)
         for (const SweepStep& step : steps)
-            for (const auto& culprit : map::culprits_of(request_.metrics, request_.tested_forms[r], step.summaries[r]))
+            for (const auto& culprit :
+                 map::find_culprits(request_.metrics, request_.tested_forms[r], step.summaries[r]))
                 culprits_->add({&step, culprit});
     table::close_tables(folder_, request_.sweep.title, samples_, onsets_, culprits_);
 }

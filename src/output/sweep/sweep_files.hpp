@@ -28,9 +28,9 @@ std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vecto
 table::Table<Onset> onset_table(const SweepRequest& request);
 
 /// Files of a sweep. The tables are opened before the work and get their final names in `finish`.
-class SweepFiles {
+class SweepWriter {
 public:
-    SweepFiles(const SweepRequest& request, const std::filesystem::path& folder);
+    SweepWriter(const SweepRequest& request, const std::filesystem::path& folder);
     /// Throws InputError if an axis has the name of another column. Call it before the work.
     static void require_own_columns(const SweepRequest& request);
     void finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets);

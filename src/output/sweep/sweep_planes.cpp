@@ -29,25 +29,26 @@ struct Layer {
     std::function<float(const FormSummary&)> value;
 };
 
-std::vector<Layer> layers_of(const SweepRequest& request) {
+std::vector<Layer> make_layers(const SweepRequest& request) {
     const auto quantile = [&](const char* metric, double q) {
         return [i = measure::metric::index_of(request.metrics, metric), q](const FormSummary& s) {
             return static_cast<float>(s.metrics[i].quantile(q));
         };
     };
-    const auto share = [](Outcome o) {
+    const auto fraction = [](Outcome o) {
         return [o](const FormSummary& s) {
             return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays));
         };
     };
+
     return {{"bits.lost_p50", quantile("lost_bits", 0.5)},
             {"bits.lost_p99", quantile("lost_bits", 0.99)},
             {"bits.lost_max", quantile("lost_bits", 1)},
             {"condition.inherent_p99", quantile("inherent_bits", 0.99)},
             {"condition.excess_p99", quantile("excess_bits", 0.99)},
-            {"class.false_hit", share(Outcome::false_hit)},
-            {"class.false_miss", share(Outcome::false_miss)},
-            {"class.not_a_number", share(Outcome::not_a_number)}};
+            {"class.false_hit", fraction(Outcome::false_hit)},
+            {"class.false_miss", fraction(Outcome::false_miss)},
+            {"class.not_a_number", fraction(Outcome::not_a_number)}};
 }
 
 void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane,
@@ -56,7 +57,8 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
-    const auto layers = layers_of(request);
+
+    const auto layers = make_layers(request);
     for (const Layer& layer : layers) spec.channels.push_back({layer.name, image::Channel::Type::f32});
     const auto& axes = request.sweep.axes;
     spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},
@@ -67,12 +69,15 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
                        {"lostbits:x_values", file::number_list(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
                        {"lostbits:y_values", file::number_list(std::views::reverse(plane.y), file::decimal, " ")}};
+
+    // The rows of an EXR run from top to bottom, and y rises upwards.
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
             for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(form_index, column, line)));
         }
     }
+
     image::ExrBook exr(path, {{"", spec}});
     exr.write_rows(0, 0, spec.height, std::as_bytes(std::span(samples)));
     exr.close();
@@ -92,7 +97,7 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
 
 const FormSummary& SweepGrid::at(std::size_t form_index, std::size_t x_index, std::size_t y_index) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - x_index : x_index, j = y_falls_ ? y.size() - 1 - y_index : y_index;
-    return steps_[i * y.size() + j].summaries[form_index];
+    return steps_[i * y.size() + j].rows[form_index];
 }
 
 namespace {
@@ -125,7 +130,9 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
             plot::PlaneCell cell;
             bool is_explained = false;
             ++drawn.counts.cells;
-            if (share_of_wrong_rays(s) <= 0.5) {
+
+            // If most rays are wrong, the cell has the colour of the outcome; otherwise it shows the lost bits.
+            if (wrong_fraction(s) <= 0.5) {
                 cell.value = drawn_quantile(s, lost_index, 0.99);
                 drawn.has_withheld_cells |= s.true_hits > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
@@ -137,6 +144,7 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
                 cell.colour = pixel::colour_of(worst_outcome);
                 ++drawn.counts.outcomes[static_cast<std::size_t>(worst_outcome)];
             }
+
             drawn.cells.push_back(cell);
             drawn.is_explained.push_back(is_explained);
         }
@@ -148,8 +156,8 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
 constexpr image::Rgb8 no_value_colour = image::outcome_colours[0];
 
 /// Colours of the cells for a sheet, the top line first. Cells of a sheet are too small for outlines.
-std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
-                                    const FloatFormat& format) {
+std::vector<image::Rgb8> sheet_colours(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
+                                       const FloatFormat& format) {
     std::vector<image::Rgb8> colours;
     for (std::size_t line = drawn.cells.size() / width; line-- > 0;) {
         for (std::size_t k = line * width; k < (line + 1) * width; ++k) {
@@ -163,8 +171,28 @@ std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, 
     return colours;
 }
 
+/// Legend of a sheet of planes: the outcomes that any plane shows, and the colours that not every sheet has.
+std::vector<image::LegendEntry> plane_sheet_legend(const std::vector<DrawnPlane>& planes,
+                                                   const map::LostBitsScale& scale) {
+    CellCounts total;
+    bool has_gap = false;
+    bool has_explained = false;
+    for (const DrawnPlane& drawn : planes) {
+        for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += drawn.counts.outcomes[o];
+        total.cells += drawn.counts.cells;
+        has_gap |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
+        has_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
+    }
+
+    std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
+    for (image::LegendEntry& entry : legend) entry.count.clear();
+    if (has_gap) legend.push_back({gap_text(), no_value_colour, ""});
+    if (has_explained) legend.push_back({map::paler_colour_meaning, map::make_paler(scale.bar().at(0.5)), ""});
+    return legend;
+}
+
 /// `p99 3.2 to 11.7 bits`, and the number of steps that are mostly wrong.
-std::string note_of(const DrawnPlane& drawn) {
+std::string plane_note(const DrawnPlane& drawn) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const plot::PlaneCell& cell : drawn.cells) {
         if (cell.colour || std::isnan(cell.value)) continue;
@@ -205,19 +233,9 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     const map::LostBitsScale scale(request.tested_forms);
     const map::RowGrid grid(request.tested_forms);
     std::vector<DrawnPlane> planes;
-    CellCounts total;
-    bool has_gap = false, has_explained = false;
-    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
-        const DrawnPlane& drawn = planes.emplace_back(draw_plane(request, plane, r));
-        for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += drawn.counts.outcomes[o];
-        total.cells += drawn.counts.cells;
-        has_gap |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
-        has_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
-    }
-    std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
-    for (image::LegendEntry& entry : legend) entry.count.clear();
-    if (has_gap) legend.push_back({gap_text(), no_value_colour, ""});
-    if (has_explained) legend.push_back({map::paler_colour_meaning, map::make_paler(scale.bar().at(0.5)), ""});
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) planes.push_back(draw_plane(request, plane, r));
+
+    // Open the sheet. Its subtitle names the axes and explains the colours.
     const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),
                            file::short_decimal(values.back(), 3));
@@ -236,22 +254,23 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
                .scales = {scale.bar()},
                .unit = scale.unit(),
                .note_lines = 2});
+
     for (std::size_t r = 0; r < planes.size(); ++r) {
         const auto& [form, format] = grid.cells[r];
         sheet.add_rows(form, format, 0,
-                       colours_of(planes[r], plane.x.size(), scale, request.tested_forms[r].format.parameters));
-        sheet.set_note(form, format, note_of(planes[r]));
+                       sheet_colours(planes[r], plane.x.size(), scale, request.tested_forms[r].format.parameters));
+        sheet.set_note(form, format, plane_note(planes[r]));
     }
-    sheet.finish(legend);
+    sheet.finish(plane_sheet_legend(planes, scale));
 }
 
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                  bool single_pictures) {
+                  bool draws_single_pictures) {
     const SweepGrid plane(request, steps);
     write_plane_sheet(folder / "contact.png", request, steps);
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const std::string file_stem = map::row_name(request.tested_forms[r]);
-        if (single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
+        if (draws_single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
         write_exr(folder / (file_stem + ".exr"), request, plane, r);
     }
 }

@@ -24,21 +24,22 @@ struct MeasuredSweep {
 };
 
 /// The formats of the rows of a sweep, each once.
-[[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
+[[nodiscard]] std::vector<Format> list_formats(const MeasuredSweep& sweep);
 /// Axis of a plot that shows an axis of a sweep.
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Axis of lost bits in the format called `name`: `lost bits, of 24 in f32`.
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name);
-/// Share of rays with a wrong decision or NaN.
-double share_of_wrong_rays(const FormSummary& s);
+/// Fraction of the rays that have a wrong decision or NaN.
+double wrong_fraction(const FormSummary& s);
 
 /// Writes the pictures of a sweep. For one axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with
 /// every form, the conditioning envelope (inherent bits, if the request measures them) and the sweep's own marks;
-/// `false_hit.<format>.png` and `false_miss.<format>.png` with the shares of such rays, and the same for other wrong
+/// `false_hit.<format>.png` and `false_miss.<format>.png` with the fractions of such rays, and the same for other wrong
 /// outcomes that occur; `culprit.<form>.<format>.png` if culprits are measured; and `steps.<form>.<format>.png` if
 /// steps of transforms are measured, with the value at which the median of each first reaches an ulp. For two axes see
-/// `write_planes`; `single_pictures` matters only there.
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool single_pictures = false);
+/// `write_planes`; `draws_single_pictures` matters only there.
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep,
+                       bool draws_single_pictures = false);
 
 /// Size of a picture in pixels.
 struct PlotSize {
@@ -48,15 +49,15 @@ struct PlotSize {
 /// Plot of the quantile q (0.5 or 0.99) of lost bits in one format.
 image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
 
-/// Plot of the share of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
-image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
+/// Plot of the fraction of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
+image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
 
 /// True if any ray of a form in the format has the outcome.
 [[nodiscard]] bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
 /// Outcomes that have a plot of their own: false hits, false misses, and other wrong outcomes that occur.
 [[nodiscard]] std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
 /// `False hits`
-[[nodiscard]] std::string wrong_title(Outcome outcome);
+[[nodiscard]] std::string outcome_title(Outcome outcome);
 
 /// The steps of a sweep over two axes as a plane. Columns are sorted by the first axis and lines by the second, both
 /// rising.
@@ -78,13 +79,13 @@ inline constexpr const char* outline_meaning =
 inline constexpr const char* no_outline_text =
     "Nowhere does the form lose a bit beyond what half an ulp in each input would cost";
 
-/// Writes `contact.png`: a plane of each form and format. With `single_pictures` also each plane alone, as
+/// Writes `contact.png`: a plane of each form and format. With `draws_single_pictures` also each plane alone, as
 /// `<form>.<format>.png`: the 99th percentile of lost bits, or the colour of the most frequent wrong outcome if most
 /// rays are wrong. A cell is outlined where the form, not the problem, loses the bits, and hatched where too few hits
 /// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order. The rows are the
 /// values of the second axis, the highest at the top. The attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                  bool single_pictures);
+                  bool draws_single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
 image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t form_index);
 /// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not

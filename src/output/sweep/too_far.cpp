@@ -43,10 +43,14 @@ std::optional<AxisPart> too_far_part(const scene::sweep::SweepFile& sweep, const
     const scene::sweep::Axis& axis = sweep.axes.front();
     const auto [low, high] = std::ranges::minmax(axis.values);
     const auto is_far = [&](double value) { return is_too_far(sweep, format, value); };
-    const bool is_far_at_low = is_far(low), is_far_at_high = is_far(high);
+    const bool is_far_at_low = is_far(low);
+    const bool is_far_at_high = is_far(high);
     if (is_far_at_low && is_far_at_high) return AxisPart{low, high};
     if (!is_far_at_low && !is_far_at_high) return {};
-    double near_end = is_far_at_low ? high : low, far_end = is_far_at_low ? low : high;
+
+    // Bisect between the end that is near and the end that is too far.
+    double near_end = is_far_at_low ? high : low;
+    double far_end = is_far_at_low ? low : high;
     for (int k = 0; k < max_steps && std::fabs(far_end - near_end) > relative_bracket * std::fabs(far_end); ++k) {
         const double middle = axis.middle(near_end, far_end);
         if (middle == near_end || middle == far_end) break;
@@ -64,6 +68,7 @@ void add_shade_and_notes(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, c
         shade.to = part->to;
         shade.label = too_far_text;
     }
+
     const auto is_withheld = [&](const SweepStep& step) {
         for (std::size_t r = 0; r < step.summaries.size(); ++r) {
             const FormSummary& s = step.summaries[r];

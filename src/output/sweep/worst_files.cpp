@@ -57,6 +57,7 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& grou
     }
     std::string primitives;
     for (const auto& [shape, list] : lists) primitives += fmt::format("{} = [{}]\n", row_of(shape).plural, list);
+
     const Ray<double> ray = group.rays[0];
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
@@ -76,7 +77,7 @@ struct WorstRow {
     const std::optional<WorstResult>& worst;
 };
 
-scene::rays::RayGroup group_of_worst(const WorstResult& w) {
+scene::rays::RayGroup make_worst_group(const WorstResult& w) {
     scene::rays::RayGroup group = scene::rays::group_of(w.ray);
     group.primitives = {w.primitive};
     return group;
@@ -92,6 +93,8 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     table.add(table::subject_columns(), &R::tested_form);
     table.add(
         {"found", "true if the form hit anything within the ranges", [](const R& r) { return r.worst.has_value(); }});
+
+    // The worst ray: how bad it is, the answer, and the ray itself.
     table::Table<W> columns{
         {"outcome", "outcome of the worst ray",
          [](const W& w) { return measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]; }},
@@ -112,7 +115,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     return table.add(
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
              if (!r.worst) return std::string();
-             const scene::rays::RayGroup group = group_of_worst(*r.worst);
+             const scene::rays::RayGroup group = make_worst_group(*r.worst);
              return attribution::explain_command(attribution::explain_ray_arguments(&group), r.tested_form);
          }});
 }
@@ -125,7 +128,7 @@ std::string worst_case_text(const WorstRequest& request, const measure::evaluate
                                   : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
     return case_text(fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, result_text),
-                     group_of_worst(w));
+                     make_worst_group(w));
 }
 
 }  // namespace
@@ -136,6 +139,8 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
                                    worst_table(request));
     file::AtomicFile hard_cases(folder / "hard.toml");
+
+    // The file of cases begins with the command that found them.
     const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
         case_file_head(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
@@ -143,10 +148,12 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
                                    search.id, search.seed, search.starts, search.generations,
                                    search.smallest ? "smallest" : "largest", search.metric) +
                            (search.nearest ? ", nearest wrong decision" : ""));
+
     for (std::size_t r = 0; r < results.size(); ++r) {
         csv.add({request.tested_forms[r], results[r]});
         if (results[r]) text += worst_case_text(request, request.tested_forms[r], *results[r]);
     }
+
     hard_cases.write(text);
     hard_cases.commit();
     table::close_tables(folder, search.title, csv);
@@ -172,6 +179,8 @@ table::Table<NearestRow> nearest_table() {
     const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::tested_form);
+
+    // The search.
     table.add(
         {{"outcome", "the outcome that was searched for: crack or double_hit", &R::outcome},
          {"found", "true if a ray with that outcome was found", [](const R& r) { return r.nearest.has_value(); }}});
@@ -181,6 +190,8 @@ table::Table<NearestRow> nearest_table() {
           &N::distance}},
         nearest);
     table.add({"rays", "rays tried", &R::rays});
+
+    // The nearest ray: the edge, the answer, and the ray itself.
     table.add<N>({{"face_a", "index of one triangle of the edge among the primitives of the scene",
                    [](const N& n) { return n.faces[0]; }},
                   {"face_b", "index of the other triangle", [](const N& n) { return n.faces[1]; }},
@@ -231,12 +242,13 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
 
 }  // namespace
 
-void NearestFiles::write(const std::filesystem::path& folder) const {
+void NearestWriter::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
         const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
         return attribution::explain_command(scene_argument + " " + attribution::explain_ray_arguments(&group),
                                             request.tested_forms[r]);
     };
+
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
     for (std::size_t r = 0; r < findings.size(); ++r) {
@@ -246,6 +258,7 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
                      nearest ? explain(r, *nearest) : ""});
         }
     }
+
     table::TableFile<CensusRow> census(folder, "census.csv",
                                        "One row per form, format and target: cracks and double hits of the rays of the "
                                        "census",
@@ -256,7 +269,7 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
     table::close_tables(folder, request.search.title, csv, census);
 }
 
-std::string NearestFiles::sentence(std::size_t r) const {
+std::string NearestWriter::sentence(std::size_t r) const {
     std::string text =
         fmt::format("{} in {}:", request.tested_forms[r].form->info->name, request.tested_forms[r].format.name);
     const std::string counts = census_phrase(findings[r]);

@@ -23,7 +23,7 @@ void write_worst(const std::filesystem::path& folder, const measure::sweep::Wors
                  const std::vector<std::optional<measure::sweep::WorstResult>>& results);
 
 /// Results of a search along the edges of a mesh.
-struct NearestFiles {
+struct NearestWriter {
     const measure::edges::EdgeRequest& request;
     const std::vector<measure::edges::EdgeFinding>& findings;  ///< one per row of the request
     std::string scene_argument;                                ///< the scene as an argument of a command

@@ -28,6 +28,8 @@ void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoin
     std::vector<ParetoPoint> qualities;
     for (const KernelPoint& p : points) qualities.push_back(p.quality);
     const auto is_dominated = measure::trade::find_dominated(qualities);
+
+    // A point for each kernel. Kernels that are neither on the front nor named are faint.
     std::vector<std::size_t> front_indices;
     for (std::size_t k = 0; k < points.size(); ++k) {
         const KernelPoint& p = points[k];
@@ -46,6 +48,8 @@ void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoin
                                .key = map::row_name(p.tested_form) + " " + std::to_string(k)});
         if (!is_dominated[k] && !std::isnan(p.quality.kept_bits)) front_indices.push_back(k);
     }
+
+    // The line of the front goes from fast to slow.
     std::ranges::stable_sort(front_indices, {}, [&points](std::size_t k) { return points[k].quality.time_ns; });
     for (const std::size_t k : front_indices)
         spec.pareto_front.push_back(

@@ -35,6 +35,8 @@ Table<TimeRow> time_table() {
     using KernelTime = TradeResult::KernelTime;
     Table<R> table;
     table.add(kernel_columns(form_meaning), &R::kernel);
+
+    // The load: rays and answers, and their place in memory.
     table.add({"working_set",
                "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays "
                "of the scene, taken evenly from its picture",
@@ -47,6 +49,8 @@ Table<TimeRow> time_table() {
           "branches look faster than they are",
           &KernelTime::hit_rate}},
         &R::timed);
+
+    // Times.
     const auto timing = [](const R& r) -> const Timing& { return r.timed->timing; };
     table.add(
         time_columns("per ray, for a scene per ray and primitive; median of the repetitions, and so for the quartiles"),
@@ -56,6 +60,8 @@ Table<TimeRow> time_table() {
                        {"rays_per_second", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
                       timing);
     table.add({"repetitions", "number of measurements, one in each round over all kernels", &R::repetitions});
+
+    // Operations of the form.
     for (std::size_t k = 0; k < operation_names.size(); ++k) {
         const std::string name(operation_names[k]);
         table.add({"ops_" + name,
@@ -71,6 +77,8 @@ Table<TimeRow> time_table() {
 
 Table<ParetoRow> pareto_table() {
     using R = ParetoRow;
+
+    // Columns of one outcome, and of one quantile of a metric.
     const auto fraction = [](Outcome o, const auto& denominator) {
         return or_missing([o, denominator](const R& r) {
             return measure::truth::fraction(r.accuracy->count(o), std::invoke(denominator, *r.accuracy));
@@ -79,12 +87,16 @@ Table<ParetoRow> pareto_table() {
     const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
         return or_missing([metric, q](const R& r) { return (r.*metric)->quantile(q); });
     };
+
     Table<R> table{{"ray_set", "set of rays on which accuracy is measured", &R::ray_set}};
     table.add(kernel_columns(form_meaning), &R::kernel);
-    table.add({{"time_ns", "ns",
+    table.add({// time
+               {"time_ns", "ns",
                 "median, per ray, where half of the rays hit as in the easy set and half miss; working set l1; for a "
                 "scene, per ray and primitive of the scene",
                 [](const R& r) { return r.quality.time_ns; }},
+
+               // bits lost and kept
                {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
                {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost_bits, 0.5)},
                {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost_bits, 0.99)},
@@ -92,6 +104,8 @@ Table<ParetoRow> pareto_table() {
                 quantile(&R::excess_bits, 0.99)},
                {"kept_bits_p99", "bits", "significand bits of the format minus lost_bits_p99",
                 or_missing([](const R& r) { return r.quality.kept_bits; })},
+
+               // wrong decisions
                {"false_hit_fraction", "1", "false hits among the rays that truly miss",
                 fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
                {"false_miss_fraction", "1", "false misses among the rays that truly hit",
@@ -100,6 +114,8 @@ Table<ParetoRow> pareto_table() {
                 "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays "
                 "whose truth is known",
                 [](const R& r) { return r.quality.wrong_fraction; }},
+
+               // comparison with the other entries
                {"dominated",
                 "true if another entry of the set is at least as fast and at least as accurate, and better in one of "
                 "the two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
@@ -110,8 +126,8 @@ Table<ParetoRow> pareto_table() {
 
 namespace {
 
-const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::evaluate::FormSummary& s,
-                                               const char* name) {
+const measure::metric::Distribution& find_metric_values(const TradeRequest& request,
+                                                        const measure::evaluate::FormSummary& s, const char* name) {
     return s.metrics[measure::metric::index_of(request.metrics, name)];
 }
 
@@ -170,6 +186,7 @@ int marker_of(const TradeKernel& kernel) {
 
 std::vector<ScatterPlotSpec::Key> legend_keys(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
+    // The colours of the formats, and the markers of the register widths.
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
         const auto has_engine = [engine = engine](const TradeKernel& k) { return k.measured.format.engine == engine; };
         if (std::ranges::any_of(request.kernels, has_engine))
@@ -179,8 +196,10 @@ std::vector<ScatterPlotSpec::Key> legend_keys(const TradeRequest& request) {
         if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return has_marker(k, mark); }))
             keys.push_back({mark.label, mark.marker, plot::ink_colour});
     }
-    keys.push_back({"decides some rays wrongly", 0, plot::ink_colour, false, true});
-    keys.push_back({"not on the Pareto front", 0, 0, true});
+
+    // Properties that any colour and marker can have.
+    keys.push_back({.label = "decides some rays wrongly", .marker = 0, .colour = plot::ink_colour, .is_hollow = true});
+    keys.push_back({.label = "not on the Pareto front", .marker = 0, .colour = 0, .is_faint = true});
     return keys;
 }
 
@@ -216,8 +235,11 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     spec.subtitle = {rays_text(request, result, set_index),
                      "Named: the Pareto front, and every form from outside lostbits. Fewer wrong decisions count "
                      "before more bits, so the front may step down to a form that is never wrong."};
-    spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
-    spec.y = {kept_title, plot::AxisSpec::Scale::linear, {}, {}};
+    spec.x = {.title = request.scene ? scene_time_title : time_title,
+              .scale = plot::AxisSpec::Scale::log2,
+              .has_decimal_ticks = true};
+    spec.y = {.title = kept_title};
+
     std::vector<KernelPoint> points;
     for (std::size_t k = 0; k < qualities.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
@@ -243,6 +265,8 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
     const auto timing = [&](std::size_t k) {
         return result.times[k][measure::trade::reference_load(request.loads)].timing;
     };
+
+    // Sort the kernels by time, and list each form and format at its first, fastest kernel.
     std::vector<std::size_t> order(qualities.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&qualities](std::size_t k) { return qualities[k].time_ns; });
@@ -252,6 +276,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
     for (const std::size_t k : order) {
         const auto [form, format, isa] = kernel_key(request.kernels[k]);
         if (!listed_forms.emplace(form, format).second) continue;
+
         const Timing t = timing(k);
         const double kept_bits = qualities[k].kept_bits;
         text += fmt::format(
@@ -292,7 +317,7 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     return text + timing_text(request, result);
 }
 
-TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path& folder)
+TradeWriter::TradeWriter(const TradeRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
       times_(folder, "trade.csv",
@@ -319,20 +344,21 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
         for (std::size_t k = 0; k < qualities.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
             rows.push_back({sets[s].name, kernel_key(request.kernels[k]), qualities[k], &accuracy,
-                            &metric_of(request, accuracy, "lost_bits"), &metric_of(request, accuracy, "excess_bits"),
-                            static_cast<bool>(is_dominated[k])});
+                            &find_metric_values(request, accuracy, "lost_bits"),
+                            &find_metric_values(request, accuracy, "excess_bits"), static_cast<bool>(is_dominated[k])});
         }
     }
     return rows;
 }
 
-void TradeFiles::finish(const TradeResult& result) {
+void TradeWriter::finish(const TradeResult& result) {
     times_.add_all(time_rows(request_, result));
     pareto_.add_all(pareto_rows(request_, result));
     const auto sets = measure::trade::trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s)
         image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
                            plot::scatter_plot(trade_plot(request_, result, s)));
+
     file::write_file(folder_ / "trade.txt", trade_text(request_, result));
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)

@@ -74,9 +74,9 @@ struct ParetoRow {
 [[nodiscard]] std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResult& result);
 
 /// Files of a trade. They are opened before the work and get their final names when they are complete.
-class TradeFiles {
+class TradeWriter {
 public:
-    TradeFiles(const TradeRequest& request, const std::filesystem::path& folder);
+    TradeWriter(const TradeRequest& request, const std::filesystem::path& folder);
     void finish(const TradeResult& result);
 
 private:

@@ -71,9 +71,9 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
                          row("sphere.schoolbook_strict", "f32")},
         .metrics = lostbits::test::case_metrics};
     static_cast<void>(backend());
-    output::sweep::CaseFiles files(request, folder.path(), "t.toml");
+    output::sweep::CaseWriter writer(request, folder.path(), "t.toml");
     CHECK_FALSE(fs::exists(folder / "cases.csv"));
-    files.finish(measure::sweep::run_cases(request));
+    writer.finish(measure::sweep::run_cases(request));
 
     const output::file::CsvTable table = read_csv(folder / "cases.csv");
     REQUIRE(table.rows() == 5 * 3);

@@ -55,8 +55,8 @@ struct Planes {
         for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"})
             request.metrics.push_back(measure::metric::find_metric(name));
         steps = measure::sweep::run_sweep(request);
-        output::sweep::SweepFiles files(request, folder.path());
-        files.finish(steps, {});
+        output::sweep::SweepWriter writer(request, folder.path());
+        writer.finish(steps, {});
         output::sweep::write_planes(folder.path(), request, steps, true);
     }
     Scratch folder;

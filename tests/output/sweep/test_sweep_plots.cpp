@@ -92,7 +92,7 @@ TEST_CASE("a plot of one false miss in a thousand rays differs from that of none
     Made made;
     const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.tested_forms[0].form));
     const auto drawn = [&](Outcome o) {
-        output::image::save_figure(folder / "w.png", output::sweep::wrong_plot(made.measured(), made.format(), o));
+        output::image::save_figure(folder / "w.png", output::sweep::outcome_plot(made.measured(), made.format(), o));
         return find(backend().read_png(folder / "w.png"), line);
     };
     static_cast<void>(backend());
