@@ -221,7 +221,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder =
-        take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
+        lock_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choose::ChoiceFiles files(folder);
     output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed_rows.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
@@ -251,7 +251,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
                    "apply only to the requirement map of a scene\n",
                    id);
     const auto folder = std::filesystem::path(options.out) / id;
-    const auto result_folder = take_folder(folder, common, opened_rays.quoted_files);
+    const auto result_folder = lock_folder(folder, common, opened_rays.quoted_files);
     output::choose::ChoiceFiles files(folder);
     const bool counts_bytes = opened_rays.dump->bytes() > 0;
     output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),

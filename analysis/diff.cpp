@@ -152,7 +152,7 @@ Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const Compar
     diff::refuse_unknown_columns(compare_options, names);
     std::unique_ptr<output::file::ResultFolder> result_folder;
     if (!options.draw.empty())
-        result_folder = take_folder(options.draw, common, options.a + (options.b.empty() ? "" : " " + options.b));
+        result_folder = lock_folder(options.draw, common, options.a + (options.b.empty() ? "" : " " + options.b));
     const auto pictures =
         options.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, options.draw, common.stop);
     complete_folder(result_folder);

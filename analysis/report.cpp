@@ -306,7 +306,7 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
         shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
     selection::note_unmeasured(options.forms, shown_rows, common.quiet);
     const selection::ThreadLimit limit(common.threads);
-    const auto folder = take_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});
+    const auto folder = lock_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});
     output::file::AtomicFile file(std::filesystem::path(options.out) / "index.html");
     // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten
     // sweeps.

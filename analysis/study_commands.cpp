@@ -169,7 +169,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
     complete();
     if (!run.common.quiet) {
         run.progress.print_without_bar([&] {
-            print_figures(folder / "contact.png");
+            print_figure_paths(folder / "contact.png");
             Adapter::print_results(study, *summaries, run.common.verbose);
         });
     }

@@ -65,7 +65,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     }
     if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, rows);
     const auto folder = chosen.folder_of(file.id);
-    const auto result_folder = chosen.take_sweep_folder(file.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(file.id, path);
     std::optional<output::sweep::CaseFiles> files;
     if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
@@ -89,7 +89,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.rows, common.stop);
     const auto folder = chosen.folder_of(sweep.id);
-    const auto result_folder = chosen.take_sweep_folder(sweep.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(sweep.id, path);
     const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
     const auto units = measure::sweep::sweep_units(request) / request.share.count;

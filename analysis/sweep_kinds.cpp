@@ -94,7 +94,7 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
 
 void ExhaustiveRun::forget_state() const {
     const auto result_folder =
-        was_stopped() ? chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = true}) : nullptr;
+        was_stopped() ? chosen_.lock_sweep_folder(sweep_.id, path_, {.continues_run = true}) : nullptr;
     output::file::remove_result(state_file_.path());
     std::error_code ignored;
     std::filesystem::remove(folder_, ignored);  // only removes an empty folder, as a shard leaves it
@@ -109,10 +109,10 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
                    "one, use --resume)\n",
                    state_file_.path().string());
     const auto result_folder =
-        chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
+        chosen_.lock_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveFiles> files;
     if (result_folder) files.emplace(request_, folder_);
-    const auto state = chosen_.division().result_of(
+    const auto state = chosen_.division().measure_or_join(
         "sweep " + sweep_.id, [&] { return try_floats(others_follow); },
         [this](const ExhaustiveState& part) { part.require_match(request_); });
     if (!state) return 0;
@@ -163,7 +163,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
         selection::with_default_metrics({chosen.metric_set.find(search.metric)}, request.rows),
         measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
     const auto folder = chosen.folder_of(search.id);
-    const auto result_folder = chosen.take_sweep_folder(search.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto worst_rays = chosen.measure_or_join(search.id, request.share.unit_range(request.rows.size()).size(),
@@ -208,7 +208,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
             throw InputError(std::string(tested_form.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);
-    const auto result_folder = chosen.take_sweep_folder(search.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto units = measure::edges::progress_units_per_row * request.share.unit_range(request.rows.size()).size();

@@ -56,7 +56,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     request.limit.stop = request.plan.stop = common.stop;
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(options.out) / name;
-    const auto result_folder = take_folder(folder, common, scene ? output::attribution::shell_word(options.scene) : "");
+    const auto result_folder = lock_folder(folder, common, scene ? output::attribution::shell_word(options.scene) : "");
     output::trade::TradeFiles files(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);

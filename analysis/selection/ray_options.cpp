@@ -385,7 +385,7 @@ void PrimitiveOptions::add_to(const shell::Command& command, const std::string& 
                 .add(fmt::format("--{}", shape_row.name), values_of(shape_row.shape),
                      fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
                 .under_heading(heading));
-    order_ = command.value_order(options);
+    order_ = command.make_value_order(options);
 }
 
 }  // namespace lostbits::analysis::selection

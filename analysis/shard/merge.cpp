@@ -32,7 +32,7 @@ std::vector<std::string> arguments_of_run(const std::string& command, const Merg
 
 }  // namespace
 
-void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again) {
+void add_merge(const shell::Command& program, const std::string& version, const RunCommandAgain& run_again) {
     auto command =
         program.add_command("merge", "Join the shards of a run into the files that an unsharded run would write");
     const auto options = std::make_shared<MergeOptions>();

@@ -124,7 +124,7 @@ OptionRow make_option_row(const Option& option) {
 void add_options(const Command& command, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
     for (const Option& option : command.options())
         (option.is_argument() ? arguments : options).push_back(make_option_row(option));
-    for (const Command& group : command.groups()) {
+    for (const Command& group : command.option_groups()) {
         const std::size_t first = options.size();
         add_options(group, options, arguments);
         options.erase(std::remove_if(options.begin() + static_cast<std::ptrdiff_t>(first), options.end(),
@@ -158,7 +158,7 @@ std::vector<OptionRow> common_options(const Command& program) {
 
 std::vector<CommandRow> command_table(const Command& program, bool includes_hidden) {
     std::vector<CommandRow> rows;
-    for (const Command& command : program.commands()) {
+    for (const Command& command : program.subcommands()) {
         if (command.is_hidden() && !includes_hidden) continue;
         CommandRow row{command.name(), command.help(), command.examples(), {}, {}, command_table(command)};
         add_options(command, row.options, row.arguments);

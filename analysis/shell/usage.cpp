@@ -33,7 +33,7 @@ std::string usage_elsewhere(const Command& program, const std::string& bare_name
 std::string unknown_option(const Command& program, const std::string& word) {
     const Command command = program.given_commands().back();
     std::vector<std::string> names;
-    std::vector<Command> searched = command.groups();
+    std::vector<Command> searched = command.option_groups();
     searched.insert(searched.end(), {command, program});
     for (const Command& owner : searched) {
         for (const Option& option : owner.options()) std::ranges::copy(option.long_names(), std::back_inserter(names));
