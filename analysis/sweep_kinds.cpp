@@ -36,14 +36,17 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     : sweep_(path, chosen.data()),
       path_(path),
       folder_(chosen.folder_of(sweep_.id)),
-      state_file_(folder_,
-                  {.program = program_and_version,
-                   .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
-                   .inputs = hash_of_inputs(selection::files_of(path, scene::sweep::SweepKind::every_float,
-                                                                chosen.options, chosen.data(), chosen.common.stop),
-                                            chosen.common),
-                   .share = chosen.division().share()},
-                  "sweep " + sweep_.id),
+      state_file_(
+          folder_,
+          {
+              .program = program_and_version,
+              .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
+              .inputs = hash_of_inputs(selection::@ @(path, scene::sweep::SweepKind::every_float, chosen.options,
+                                                      chosen.data(), chosen.common.stop),
+                                       chosen.common),
+              .share = chosen.division().share()
+          },
+          "sweep " + sweep_.id),
       chosen_(chosen) {
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
@@ -71,12 +74,15 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
     ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common,
                                   state_.floats_tried * rays_per_float);
     request_.progress = progress.advance_callback();
+
+    // A run that is killed loses at most the work of a few seconds.
     auto last_save = std::chrono::steady_clock::now();
     request_.store_state = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - last_save < save_interval) return;
         state_file_.write(output::shard::bits_of(state));
         last_save = std::chrono::steady_clock::now();
     };
+
     try {
         measure::sweep::run_exhaustive(request_, state_);
     } catch (const Interrupted&) {
@@ -108,6 +114,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
                    "lostbits: {} is the state of a stopped run; this run starts from the beginning (to continue that "
                    "one, use --resume)\n",
                    state_file_.path().string());
+
     const auto result_folder =
         chosen_.lock_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveFiles> files;
@@ -116,16 +123,19 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
         "sweep " + sweep_.id, [&] { return try_floats(others_follow); },
         [this](const ExhaustiveState& part) { part.require_match(request_); });
     if (!state) return 0;
+
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
     if (const std::uint64_t float_count = measure::sweep::count_floats(sweep_, {}); state->floats_tried != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
             state->floats_tried, float_count, sweep_.id));
+
     const auto findings = measure::sweep::findings_of(request_, *state);
     files->finish(*state, findings);
     if (!others_follow) output::file::remove_result(state_file_.path());
     complete_folder(result_folder);
+
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;
@@ -162,6 +172,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics({chosen.metric_set.find(search.metric)}, request.rows),
         measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
+
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.lock_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
@@ -169,6 +180,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
     const auto worst_rays = chosen.measure_or_join(search.id, request.share.unit_range(request.rows.size()).size(),
                                                    request, measure::sweep::find_worst);
     if (!worst_rays) return;
+
     if (std::ranges::none_of(*worst_rays, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() + ": no form hit anything with a ray of these ranges; " +
                               excluding_keys_text(search));
@@ -207,6 +219,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
         if (scene::rays::generator_of(*tested_form.form) != nullptr)
             throw InputError(std::string(tested_form.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
+
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.lock_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
@@ -214,6 +227,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     const auto units = measure::edges::progress_units_per_row * request.share.unit_range(request.rows.size()).size();
     const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!edge_results) return;
+
     const output::sweep::NearestFiles files{request, *edge_results,
                                             selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);

@@ -52,8 +52,10 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
         study::trade_request(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
     const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
     selection::note_unmeasured(options.forms, selection::filter_tested_forms(rows, can_test), common.quiet);
+
     request.plan = timing_plan(options);
     request.limit.stop = request.plan.stop = common.stop;
+
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(options.out) / name;
     const auto result_folder = lock_folder(folder, common, scene ? output::attribution::shell_word(options.scene) : "");
@@ -63,6 +65,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
+
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
     files.finish(result);
     complete_folder(result_folder);

@@ -39,29 +39,33 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
-SweepPart case_part(const SweepWork& work, StopToken stop) {
-    const scene::sweep::CaseFile file(work.path);
+SweepPart case_part(const PlannedSweep& planned, StopToken stop) {
+    const scene::sweep::CaseFile file(planned.path);
     measure::sweep::CaseRequest request{
         .file = file,
         .rows = {},
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.rows),
         .limit = {.stop = stop}};
-    for (TestedForm tested_form : work.rows) {
+    // Each form is judged by every convention of the file.
+    for (TestedForm tested_form : planned.rows) {
         for (const auto& touching : file.conventions) {
             tested_form.touching = touching;
             request.rows.push_back(tested_form);
         }
     }
     const auto cases = measure::sweep::run_cases(request);
+
     SweepPart part{.kind = SweepPart::Kind::cases,
                    .id = file.id,
                    .title = file.title,
                    .note = file.note,
                    .source = file.source,
-                   .row_names = row_keys(work.rows)};
+                   .row_names = row_keys(planned.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = output::report::case_json(request, cases);
+
+    // One chart for each convention.
     for (const auto& touching : file.conventions) {
         const std::string alt =
             touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
@@ -104,40 +108,29 @@ std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Forma
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
 
-SweepPart axes_part(const SweepWork& work, StopToken stop) {
-    const scene::sweep::SweepFile sweep(work.path, work.data, {}, stop);
-    measure::sweep::SweepRequest request{
-        .sweep = sweep,
-        .rows = work.rows,
-        .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
-        .limit = {.stop = stop}};
-    for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
-    const auto steps = measure::sweep::run_sweep(request);
-    SweepPart part{.kind = SweepPart::Kind::line,
-                   .id = sweep.id,
-                   .title = sweep.title,
-                   .note = sweep.note,
-                   .source = sweep.source,
-                   .row_names = row_keys(work.rows)};
-    if (sweep.axes.size() == 2) {
-        const output::sweep::SweepGrid plane(request, steps);
-        part.kind = SweepPart::Kind::plane;
-        part.axes = {plane.x, plane.y};
-        part.json = output::report::plane_json(request, steps);
-        for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const std::string alt =
-                fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
-            part.charts.push_back(
-                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
-        }
-        return part;
+/// Makes the part of a sweep over a plane: one chart for each form and format.
+void add_plane(SweepPart& part, const measure::sweep::SweepRequest& request,
+               const std::vector<measure::sweep::SweepStep>& steps) {
+    const output::sweep::SweepGrid plane(request, steps);
+    part.kind = SweepPart::Kind::plane;
+    part.axes = {plane.x, plane.y};
+    part.json = output::report::plane_json(request, steps);
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const std::string alt = fmt::format("{}: {} in {}", request.sweep.title, request.rows[r].form->info->name,
+                                            request.rows[r].format.name);
+        part.charts.push_back(
+            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
     }
-    request.further_draws = work.further_draws;
+}
+
+/// Makes the part of a sweep along one axis: its onsets, and charts for each format.
+void add_line(SweepPart& part, const measure::sweep::SweepRequest& request,
+              const std::vector<measure::sweep::SweepStep>& steps) {
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    part.axes = {sweep.axes.front().values};
+    part.axes = {request.sweep.axes.front().values};
     part.json = output::report::sweep_json(request, steps, onsets);
     part.table = output::report::onset_table(request, onsets);
+
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     part.charts = line_charts(measured);
     for (const Format& format : output::sweep::formats_of(measured)) {
@@ -145,25 +138,52 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         part.json["absent"][format.name] = absent;
         if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);
     }
+}
+
+SweepPart axes_part(const PlannedSweep& planned, StopToken stop) {
+    const scene::sweep::SweepFile sweep(planned.path, planned.data, {}, stop);
+    measure::sweep::SweepRequest request{
+        .sweep = sweep,
+        .rows = planned.rows,
+        .metrics = selection::with_default_metrics(
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.rows),
+        .limit = {.stop = stop}};
+    for (TestedForm& tested_form : request.rows) tested_form.touching = sweep.convention;
+    const auto steps = measure::sweep::run_sweep(request);
+
+    SweepPart part{.kind = SweepPart::Kind::line,
+                   .id = sweep.id,
+                   .title = sweep.title,
+                   .note = sweep.note,
+                   .source = sweep.source,
+                   .row_names = row_keys(planned.rows)};
+    if (sweep.axes.size() == 2) {
+        add_plane(part, request, steps);
+    } else {
+        request.further_draws = planned.further_draws;
+        add_line(part, request, steps);
+    }
     return part;
 }
 
 }  // namespace
 
-output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
+output::report::MapPart map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
                                  const std::function<void(std::uint64_t)>& advance, StopToken stop) {
-    const scene::file::Scene& scene = work.scene;
+    const scene::file::Scene& scene = planned.scene;
     measure::evaluate::MapStudy request{
-        .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
+        .scene = &scene, .rows = planned.rows, .metrics = planned.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
+
+    // Measures the map. The sheet and the data of the page get the same bands.
     output::report::MapData data(request);
     std::vector<measure::evaluate::FormSummary> summaries;
     output::report::Picture contact_sheet = output::report::picture(
         fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
             output::map::MapFiles sheet(request, {.folder = {},
                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
-                                                  .scene_arguments = work.scene_arguments,
+                                                  .scene_arguments = planned.scene_arguments,
                                                   .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
                                                                 std::size_t row_index, const auto& band) {
@@ -172,32 +192,34 @@ output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metr
             });
             sheet.finish(summaries);
         });
-    work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    auto index = data.index(summaries, work.own_size, work.scene_arguments);
-    index["claimed"] = work.name_in_claims;
+    planned.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
+
+    auto index = data.index(summaries, planned.own_size, planned.scene_arguments);
+    index["claimed"] = planned.name_in_claims;
     std::vector<std::string> names;
-    for (const measure::metric::Metric* m : work.metrics) names.emplace_back(m->name);
+    for (const measure::metric::Metric* m : planned.metrics) names.emplace_back(m->name);
     return {.id = scene.id,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .row_names = row_keys(work.rows),
+            .row_names = row_keys(planned.rows),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
-            .has_scene_size = work.own_size,
+            .has_scene_size = planned.own_size,
             .metrics = std::move(names),
             .finding = output::map::finding_text(request, summaries),
             .wrong_row_count = static_cast<std::size_t>(
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
-SweepPart sweep_part(const SweepWork& work, StopToken stop) {
-    SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
-                                                                                           : axes_part(work, stop);
-    part.json["named"] = selection::name_of_sweep(work.path, work.data);
-    part.json["claimed"] = selection::sweep_name_in_claims(work.path, work.data);
+SweepPart sweep_part(const PlannedSweep& planned, StopToken stop) {
+    SweepPart part = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
+                         ? case_part(planned, stop)
+                         : axes_part(planned, stop);
+    part.json["named"] = selection::name_of_sweep(planned.path, planned.data);
+    part.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
     return part;
 }
 
@@ -225,6 +247,8 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
     if (rows.empty()) return std::nullopt;
     study.rows = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
+
+    // Measures the study while its sheet is drawn.
     std::vector<offset::OffsetSummary> summaries;
     output::report::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = output::report::picture(scene.title +
@@ -236,6 +260,7 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
                                              summaries = measure::study::run_study(study, sheet.show());
                                              sheet.finish(summaries);
                                          });
+
     const offset::OffsetSummary& summary = summaries.front();
     part.sentences = output::offset::summary_lines(study, 0, summary);
     part.table = output::report::offset_table(study, summary);
@@ -248,8 +273,8 @@ std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& 
     return part;
 }
 
-StudyWork parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                      StopToken stop) {
+PlannedStudy parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                         StopToken stop) {
     const std::size_t colon = text.find(':');
     const std::string names = fmt::format("{}", fmt::join(study::study_names(), ", "));
     if (colon == std::string::npos)
@@ -263,14 +288,14 @@ StudyWork parse_study(const std::string& text, const std::string& size, const st
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-output::report::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
+output::report::StudyPart study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
                                      const std::vector<std::string>& formats, StopToken stop) {
-    auto part = study::study_part(work.study, work.scene, forms, formats, stop);
+    auto part = study::study_part(planned.study, planned.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
             fmt::format("--study {0}:{1}: none of the forms fits; `lostbits {0} --help` says which "
                         "forms and scenes the study takes",
-                        work.study, work.scene.id));
+                        planned.study, planned.scene.id));
     return std::move(*part);
 }
 

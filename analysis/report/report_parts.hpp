@@ -19,7 +19,7 @@ namespace lostbits::analysis::report {
 using intersect::process::StopToken;
 
 /// A scene and the forms that can test it.
-struct MapWork {
+struct PlannedMap {
     scene::file::Scene scene;
     std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> metrics;
@@ -30,55 +30,55 @@ struct MapWork {
 };
 /// Measures a map. `metric_set` owns the metrics that are made for the map; `advance` gets the units of work that are
 /// done.
-output::report::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
+output::report::MapPart map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
                                  const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
 /// A sweep along one axis, over a plane, or over named cases, and the forms that can test it.
-struct SweepWork {
+struct PlannedSweep {
     std::filesystem::path path, data;
     std::vector<measure::evaluate::TestedForm> rows;
     int further_draws = 0;  ///< more draws of random rays, for the spread of onsets
 };
-output::report::SweepPart sweep_part(const SweepWork& work, StopToken stop);
+output::report::SweepPart sweep_part(const PlannedSweep& planned, StopToken stop);
 
 /// A scene, a requirement, and the forms that can be timed on the scene.
-struct ChoiceWork {
+struct PlannedChoice {
     scene::file::Scene scene;
     measure::choose::Requirement requirement;
     std::vector<measure::evaluate::TestedForm> rows;
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other texts.
-ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
-                        const std::filesystem::path& data, StopToken stop);
+PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
+                           const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
-output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
+output::report::ChoicePart choice_part(const PlannedChoice& planned, StopToken stop);
 
 /// A scene, a form to repair and a requirement.
-struct MendWork {
+struct PlannedMend {
     scene::file::Scene scene;
     measure::choose::Requirement requirement;
     measure::evaluate::TestedForm row;
 };
 /// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Otherwise
 /// like `parse_choice`.
-MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                    StopToken stop);
+PlannedMend parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                       StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
-output::report::MendPart mend_part(const MendWork& work, StopToken stop);
+output::report::MendPart mend_part(const PlannedMend& planned, StopToken stop);
 output::report::MendPart mend_part(const output::repair::RepairSummary& result);
 
 /// A study and a scene that it takes.
-struct StudyWork {
+struct PlannedStudy {
     std::string study;
     scene::file::Scene scene;
 };
 /// Parses `STUDY:SCENE`. Throws InputError, which says what to write, for other texts.
-StudyWork parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                      StopToken stop);
+PlannedStudy parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                         StopToken stop);
 /// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
 /// NothingSelected if none of the forms fits.
-output::report::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
+output::report::StudyPart study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
                                      const std::vector<std::string>& formats, StopToken stop);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.

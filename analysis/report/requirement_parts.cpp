@@ -29,6 +29,7 @@ public:
           parts_(std::move(parts)),
           example_(std::move(example)),
           text_(text) {
+        // The last part may be the share of the hits, such as p99.
         std::string bits = take_last();
         if (bits.starts_with('p') || bits == "max") {
             try {
@@ -38,6 +39,7 @@ public:
             }
             bits = take_last();
         }
+
         if (rest.empty())
             refuse(text.find(':') == std::string::npos ? "the bits are missing" : "the scene or the bits are missing");
         const auto [end, error] = std::from_chars(bits.data(), bits.data() + bits.size(), requirement.bits);
@@ -68,16 +70,16 @@ private:
 
 }  // namespace
 
-ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
-                        const std::filesystem::path& data, StopToken stop) {
+PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
+                           const std::filesystem::path& data, StopToken stop) {
     const RequirementText parsed("--choose", "a scene", "near-benign", text, {});
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
     auto timed_rows = selection::select_timed_forms(scene, rows);
     return {std::move(scene), parsed.requirement, std::move(timed_rows)};
 }
 
-MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                    StopToken stop) {
+PlannedMend parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                       StopToken stop) {
     RequirementText parsed("--mend", "a scene, a form", "near-benign:sphere.half_b", text, {.quantile = 1});
     const std::string form = parsed.take_last();
     if (parsed.rest.empty()) parsed.refuse("the scene or the form is missing");
@@ -90,29 +92,32 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     if (rows.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");
     selection::refuse_generators({rows.front().form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
-    MendWork work{std::move(scene), parsed.requirement, rows.front()};
+    PlannedMend planned{std::move(scene), parsed.requirement, rows.front()};
     // Refuses a form that filters here, before anything is measured.
-    static_cast<void>(measure::repair::record_tape({.scene = &work.scene, .row = work.row}));
-    return work;
+    static_cast<void>(measure::repair::record_tape({.scene = &planned.scene, .row = planned.row}));
+    return planned;
 }
 
-output::report::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
-    measure::choose::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .requirement = work.requirement};
+output::report::ChoicePart choice_part(const PlannedChoice& planned, StopToken stop) {
+    measure::choose::ChoiceRequest request{
+        .scene = &planned.scene, .rows = planned.rows, .requirement = planned.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto chosen = output::choose::choose_among(request, candidates, timed_rays);
-    return {.scene = work.scene.id,
-            .requirement = output::choose::requirement_text(work.requirement),
-            .text = output::choose::choice_text(chosen),
-            .table = output::report::choice_table(chosen),
-            .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
+    return {
+        .scene = planned.scene.id,
+        .requirement = output::choose::requirement_text(planned.requirement),
+        .text = output::choose::choice_text(chosen),
+        .table = output::report::choice_table(chosen),
+        .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-output::report::MendPart mend_part(const MendWork& work, StopToken stop) {
-    measure::repair::RepairRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
+output::report::MendPart mend_part(const PlannedMend& planned, StopToken stop) {
+    measure::repair::RepairRequest request{
+        .scene = &planned.scene, .row = planned.row, .requirement = planned.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
     return mend_part(output::repair::summarize_repair(request, repair));

@@ -71,6 +71,8 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
         return unknown_option(program, word);
     if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.command_path());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
+
+    // The word is in the place of a command, or of an argument.
     const std::vector<std::string> subcommands = command.command_names();
     const auto suggestion = scene::toml::closest(word, subcommands);
     if (is_program)
@@ -95,6 +97,7 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
     if (error.kind == CommandLineError::unknown_word ||
         (error.kind == CommandLineError::missing && !program.leftover_words().empty()))
         return leftover_text(program, text);
+
     const Command command = program.given_commands().back();
     std::smatch part;
     const auto matches = [&](CommandLineError::Kind kind, const char* pattern) {
@@ -105,6 +108,8 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
         const Option command_option = command.option(part[1]);
         return command_option ? command_option : program.option(part[1]);
     };
+
+    // The texts of the parser, each with the message that replaces it.
     if (matches(CommandLineError::missing, "A subcommand.*"))
         return fmt::format("name a command: {}{}", fmt::join(command.command_names(), ", "),
                            program.given_commands().size() == 1 ? "; start with map, explain or judge" : "");
