@@ -148,6 +148,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.run_division.out / study.scene.id;
     const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
+
     ExtraFiles<Adapter> extra_files(study, run);
     output::study::StudyFiles<typename Adapter::View> files(
         study,
@@ -157,6 +158,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
          .single_pictures = options.pictures == "all",
          .other_tables = extra_files.resources()},
         shard::piece_recorder(run.run_division.division, job));
+
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(
         run.progress, study.scene.id,
@@ -165,6 +167,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
     const auto summaries = shard::run_divided(study, files, run.run_division.division, job);
     extra_files.run(study, run.run_division.division);
     if (!summaries) return 0;
+
     files.finish(*summaries);
     complete();
     if (!run.common.quiet) {
@@ -202,6 +205,7 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
         input_files.push_back(scene.path);
         units += count_units<Adapter>(studies.back(), options.values);
     }
+
     auto run_division = divide_run(options.shard, options.out, input_files, common);
     run_division.division.expect(jobs);
     SceneFolders folders(scenes, run_division, common);
@@ -225,6 +229,7 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
     options->formats = {study::usual_format};
     options->scenes.stop = common.stop;
     options->scenes.refuses_ranges = true;
+
     selection::add_scenes(command, *options, Adapter::kinds);
     command.add_list("-i,--form", options->forms, Adapter::form_help);
     selection::add_formats(command, options->formats, study::usual_format);
@@ -233,6 +238,7 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
         command.add_list("--" + option.name, values, option.help,
                          option.allowed_values.empty() ? shell::ValueRule{} : shell::one_of(option.allowed_values));
     }
+
     selection::add_changes(command, options->scenes, Adapter::example);
     if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);

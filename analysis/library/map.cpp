@@ -25,16 +25,12 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
-    std::deque<RayTable> ray_tables;
-    for (const TestedForm& tested_form : request.rows) {
-        if (chosen.arguments.rows == 0) break;
-        ResultTable& ray_table = result->tables.emplace_back(
-            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
-            RayTable::columns(request.metrics));
-        ray_tables.emplace_back(ray_table, tested_form, request.metrics);
-    }
+
+    // The tables with a row per ray are filled while the map is measured.
+    std::deque<RayTable> ray_tables = add_ray_tables(*result, chosen, request.rows, request.metrics);
     const auto show = ray_tables.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(ray_tables);
     const auto summaries = measure::evaluate::run_map(request, show);
+
     auto csv = table.writer();
     const auto name_worst_ray = [&](const measure::evaluate::WorstRay& ray) {
         return scene_handle.explain_arguments.empty()

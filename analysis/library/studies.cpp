@@ -79,12 +79,15 @@ std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& sc
 template <class Adapter>
 std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, const std::vector<std::string>& options,
                                               const lostbits_choice* choice, CallSettings& settings) {
+    // A call that names no forms or formats gets the usual ones of the study.
     lostbits_choice given = choice ? *choice : lostbits_choice{};
     const std::vector<std::string> default_forms = Adapter::usual_forms();
     std::vector<const char*> forms(default_forms.size());
     std::ranges::transform(default_forms, forms.begin(), &std::string::c_str);
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
+
+    // Keeps the forms that the study and the scene take.
     CallSelection chosen(&given);
     std::erase_if(chosen.tested_forms,
                   [](const TestedForm& tested_form) { return !Adapter::can_measure(*tested_form.form); });
@@ -93,6 +96,7 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     Adapter::require(scene);
     chosen.keep_forms_for("scene " + scene.id,
                           [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
+
     auto study = Adapter::make_study(scene, chosen.tested_forms, study::study_values(Adapter::options(), options),
                                      settings.stop());
     study.progress = settings.advance_callback(scene.pixels() * study.rows.size());
@@ -143,12 +147,14 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({tested_form.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
+
     measure::repair::RepairRequest request{
         .scene = &scene, .row = tested_form, .requirement = requirement, .two_words = two_words};
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
     const output::repair::RepairSummary repair_summary = output::repair::summarize_repair(request, repair);
+
     result.add_table("mend", output::repair::form_table(), output::repair::form_rows(repair_summary));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));
     result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(repair_summary));
@@ -174,6 +180,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
     request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
+
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto choice = output::choose::choose_among(request, candidates, timed_rays);

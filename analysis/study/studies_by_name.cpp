@@ -77,12 +77,15 @@ std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& 
             rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
         .stop = stop};
     if (question.rows.empty()) return std::nullopt;
+
+    // The study is measured while its sheet is drawn.
     const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
     output::report::StudyPart part{
         .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
     part.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
                                          [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
+
     const auto table = Adapter::View::summary_table();
     std::vector<std::vector<output::file::Cell>> cells;
     for (const auto& row : Adapter::View::summary_rows(study, summaries)) {
