@@ -189,6 +189,8 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
     if (fs::is_directory(path, ignored))
         return fs::is_regular_file(path / "manifest.json", ignored) ? std::optional(Kind::results) : std::nullopt;
     if (!fs::is_regular_file(path, ignored)) return std::nullopt;
+
+    // The first bytes decide, and then the ending of the name.
     const std::string begin = beginning_of(path), ending = path.extension().string();
     static constexpr std::pair<std::string_view, Kind> magic[] = {{"\x7f"
                                                                    "ELF",
@@ -198,6 +200,7 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
                                                                   {"\x76\x2f\x31\x01", Kind::picture}};
     for (const auto& [bytes, kind] : magic)
         if (begin.starts_with(bytes)) return kind;
+
     static constexpr std::pair<std::string_view, Kind> endings[] = {
         {".csv", Kind::rays}, {".npy", Kind::rays}, {".glsl", Kind::shader}, {".hlsl", Kind::shader}};
     for (const auto& [text, kind] : endings)
@@ -208,7 +211,9 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
 void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
     const std::vector<shell::Command> given_commands = command.given_commands();
     const shell::Command& last_command = given_commands.back();
-    std::vector<std::string> decided_arguments;  // arguments whose row was found
+
+    // The first row of an argument whose option is given decides.
+    std::vector<std::string> decided_arguments;
     for (const ArgumentKinds& row : argument_rows) {
         if (given_commands.size() < 2 || given_commands[1].name() != row.command ||
             std::ranges::find(decided_arguments, row.argument) != decided_arguments.end())
@@ -220,6 +225,7 @@ void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
         for (const std::string& word : argument.given_values())
             refuse_other_kind(word, row, command.command_path(), data);
     }
+
     if (std::ranges::find(decided_arguments, default_row.argument) != decided_arguments.end()) return;
     if (const shell::Option argument = last_command.option(default_row.argument))
         for (const std::string& word : argument.given_values())

@@ -81,6 +81,8 @@ void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const st
         lost.emplace_back(format.parameters);
         with_march.push_back(marches_in(format, tested_forms));
     }
+
+    // Visits every step, on one axis or two.
     const std::vector<double> no_second_axis{0};
     const bool has_two_axes = sweep.axes.size() > 1;
     for (const double first : sweep.axes.front().values) {
@@ -94,6 +96,7 @@ void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const st
             }
         }
     }
+
     for (std::size_t i = 0; i < formats.size(); ++i) print_unrepresentable(sweep.id, formats[i], lost[i].lines());
 }
 

@@ -212,7 +212,7 @@ std::string fish_command(const CommandRow& command) {
     if (!command.commands.empty())
         text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, fmt::join(command.command_names(), " "));
     for (const OptionRow& argument : command.arguments) {
-        const auto values = fmt::join(argument.values.words, " ");
+        const std::string values = fmt::format("{}", fmt::join(argument.values.words, " "));
         if (argument.values.kind == Kind::names)
             text += fmt::format("complete -c lostbits{} -a '(__lostbits_names {})'\n", condition, values);
         if (argument.values.kind == Kind::words)
