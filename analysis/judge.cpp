@@ -194,6 +194,18 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     return std::move(findings->result);
 }
 
+/// Adds the primitives that all rays share to the request, with the numbers of the file's format. Returns an example of
+/// each shape.
+std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const JudgeOptions& options,
+                                              const std::optional<scene::file::Scene>& scene, Dump& dump) {
+    request.primitives = selection::shared_primitives(options, scene, dump.format());
+    if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump.format().parameters);
+    if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
+    auto representatives = scene::rays::representatives_of(request.primitives, request.mesh.get());
+    selection::put_under_matrices(dump, representatives);
+    return representatives;
+}
+
 std::unique_ptr<Dump> open_judged_file(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene) {
     return selection::open_file(options, options.file, selection::shared_shape(options, scene),
                                 options.writes_rows || !options.by.empty());
@@ -268,6 +280,17 @@ RunDivision divide_judgement(const JudgeOptions& options, const std::optional<sc
     return run_division;
 }
 
+output::judge::JudgeFilesOptions make_files_options(const JudgeOptions& options, const std::filesystem::path& folder,
+                                                    const std::string& command) {
+    return {.folder = folder,
+            .id = folder.filename().string(),
+            .title = "rays of " + std::filesystem::path(options.file).filename().string(),
+            .command = command,
+            .single_pictures = options.pictures == "all",
+            .writes_rows = options.writes_rows,
+            .worst_count = options.worst_count};
+}
+
 void print_judgement(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
                      const Format& format, bool verbose) {
     selection::note_rounded(options.file, result.rounded, format);
@@ -301,14 +324,8 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)
         return run_mesh_judge(options, scene, *dump, common);
 
-    // The primitives of the rays, in the format of the file.
-    JudgeRequest request{.primitives = selection::shared_primitives(options, scene, dump->format()),
-                         .limit = {.stop = common.stop}};
-    if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
-    if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    const std::vector<Primitive<double>> representatives =
-        scene::rays::representatives_of(request.primitives, request.mesh.get());
-    selection::put_under_matrices(*dump, representatives);
+    JudgeRequest request{.limit = {.stop = common.stop}};
+    const auto representatives = add_primitives(request, options, scene, *dump);
     const Shapes shapes = selection::shapes_of_rays(dump->layout(), representatives);
     const Shape first_shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
     const selection::ShapePredicate can_test = [&](Shapes forms) {
@@ -339,16 +356,10 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     RunDivision run_division = divide_judgement(options, scene, common);
     const auto folder = std::filesystem::path(options.out) / stem;
     const auto result_folder = lock_folder(run_division, folder, common, output::attribution::shell_word(options.file));
-    output::judge::JudgeFiles files(request, *dump,
-                                    {.folder = folder,
-                                     .id = stem,
-                                     .title = "rays of " + std::filesystem::path(options.file).filename().string(),
-                                     .command = common.typed_command.text(),
-                                     .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
-                                     .single_pictures = options.pictures == "all",
-                                     .writes_rows = options.writes_rows,
-                                     .worst_count = options.worst_count,
-                                     .keep_piece = shard::piece_recorder(run_division.division, "judge")});
+    output::judge::JudgeFilesOptions files_options = make_files_options(options, folder, common.typed_command.text());
+    if (request.picture) files_options.drawn_metrics = drawn_metrics;
+    files_options.keep_piece = shard::piece_recorder(run_division.division, "judge");
+    output::judge::JudgeFiles files(request, *dump, std::move(files_options));
     const auto judgement =
         judge_rays(*dump, request, files, run_division.division, [&] { return open_judged_file(options, scene); });
     finish_run(run_division, common);

@@ -45,12 +45,16 @@ void add_common(const shell::Command& program, CommonOptions& common) {
     };
     program.add_named("--progress", {"auto", "bar", "none"}, set_progress,
                       "Progress on stderr (default: auto, which shows it only on a terminal)");
+
+    // What is written and printed.
     program.add("--force", common.force,
                 "Also write if the folder of a result, such as out/map/SCENE, has other files; these are kept");
     program.add_list("--figure", common.figures, "Kinds of pictures (default: png); svg and pdf are vector graphics",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
+
+    // How the processor is used.
     program.add("-j,--threads", common.threads,
                 "Number of threads (default: one per core); results do not depend on it",
                 shell::whole_number_between(1, 1024));
@@ -72,6 +76,8 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
         "Also measure a C, C++, Rust, GLSL or HLSL function as it stands (docs/your-function.md); may be repeated");
     program.add_list("--device", external.devices,
                      "Driver for --shader: opengl, vulkan, or all (default: the first that works)");
+
+    // Where they run, and for how long.
     const auto isolate =
         program.add("--isolate", external.isolate,
                     "Run each library in a process of its own, away from the program; a crash ends the "

@@ -38,14 +38,12 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
       folder_(chosen.folder_of(sweep_.id)),
       state_file_(
           folder_,
-          {
-              .program = program_and_version,
-              .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
-              .inputs = hash_of_inputs(selection::@ @(path, scene::sweep::SweepKind::every_float, chosen.options,
-                                                      chosen.data(), chosen.common.stop),
-                                       chosen.common),
-              .share = chosen.division().share()
-          },
+          {.program = program_and_version,
+           .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
+           .inputs = hash_of_inputs(selection::list_input_files(path, scene::sweep::SweepKind::every_float,
+                                                                chosen.options, chosen.data(), chosen.common.stop),
+                                    chosen.common),
+           .share = chosen.division().share()},
           "sweep " + sweep_.id),
       chosen_(chosen) {
     request_.share = chosen.division().share();

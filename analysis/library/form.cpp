@@ -101,6 +101,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                 "form: the operations of this form come from its source file; call lostbits_form_write only for a "
                 "form that was made without a file");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
+
         WrittenFormula formula{.name = std::string(form->foreign_form->info.name),
                                .shape = form->form.shape,
                                .operations = {},
@@ -113,6 +114,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                  .value = operation.value,
                  .label = operation.label ? operation.label : ""});
         require_valid(formula);
+
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         update_forms(*form);
         return Exit::done;

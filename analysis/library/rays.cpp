@@ -308,6 +308,8 @@ std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, CallS
                                               {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
+
+    // Answers need no truth, so no primitives are culled.
     for_each_piece(given_rays, settings, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
         for (std::size_t r = 0; r < chosen.tested_forms.size(); ++r) {
@@ -362,14 +364,11 @@ std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSet
     return result;
 }
 
-std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, CallSettings& settings) {
-    GivenRays given_rays = read_rays(rays, settings);
-    const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
-    if (rays.paired != 0 || !std::ranges::all_of(given_rays.representatives(), is_triangle))
-        throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
-
-    std::vector<measure::crossing::MeshCrossings> crossings_by_ray(rays.count);
-    for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
+/// All crossings of each ray, found in parallel.
+std::vector<measure::crossing::MeshCrossings> find_crossings(GivenRays& given_rays, std::size_t count,
+                                                             CallSettings& settings) {
+    std::vector<measure::crossing::MeshCrossings> crossings_by_ray(count);
+    for_each_piece(given_rays, settings, count, measure::culling::least_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const auto primitives = scene::rays::primitive_list_of(group);
                        for (std::size_t i = 0; i < group.rays.size(); ++i)
@@ -377,6 +376,15 @@ std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, Cal
                                group.rays[i], {primitives, culler ? culler->index_for_truth() : nullptr},
                                group.rays.range(i), {.stop = settings.stop()});
                    });
+    return crossings_by_ray;
+}
+
+std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, CallSettings& settings) {
+    GivenRays given_rays = read_rays(rays, settings);
+    const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
+    if (rays.paired != 0 || !std::ranges::all_of(given_rays.representatives(), is_triangle))
+        throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
+    const auto crossings_by_ray = find_crossings(given_rays, rays.count, settings);
 
     // One table has a row per crossing, the other a row per ray.
     auto result = std::make_unique<lostbits_result>();

@@ -209,6 +209,19 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
     return metrics;
 }
 
+namespace {
+
+/// Says why the t of a form cannot be compared with that of another one, which the user calls `other_name`.
+std::string incomparable_text(const intersect::Info& form, const intersect::Info& other, std::string_view other_name) {
+    const bool has_no_t = form.roots == intersect::Roots::none, other_has_no_t = other.roots == intersect::Roots::none;
+    if (has_no_t || other_has_no_t) return fmt::format("{} returns no t", has_no_t ? form.name : other_name);
+    const bool takes_unit = form.direction == intersect::Direction::unit;
+    return fmt::format("{} takes unit directions and {} any, so their t have different units",
+                       takes_unit ? form.name : other_name, takes_unit ? other_name : form.name);
+}
+
+}  // namespace
+
 void compare_against(std::vector<TestedForm>& tested_forms, const std::string& name, bool quiet) {
     const auto matching_forms = select_forms({name}, "--against");
     if (matching_forms.size() != 1)
@@ -237,18 +250,9 @@ void compare_against(std::vector<TestedForm>& tested_forms, const std::string& n
         tested_form.against = &against_form;
         if (quiet || measure::answer::are_comparable(*tested_form.form->info, *against_form.info)) continue;
 
-        // Says why only their decisions can be compared.
-        const bool without_t = tested_form.form->info->roots == intersect::Roots::none,
-                   other_without_t = against_form.info->roots == intersect::Roots::none;
-        const bool has_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
-        const std::string reason =
-            without_t || other_without_t
-                ? fmt::format("{} returns no t", without_t ? tested_form.form->info->name : std::string_view(name))
-                : fmt::format("{} takes unit directions and {} any, so their t have different units",
-                              has_unit_directions ? tested_form.form->info->name : std::string_view(name),
-                              has_unit_directions ? std::string_view(name) : tested_form.form->info->name);
         fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n",
-                   tested_form.form->info->name, name, reason);
+                   tested_form.form->info->name, name,
+                   incomparable_text(*tested_form.form->info, *against_form.info, name));
     }
 }
 

@@ -236,13 +236,15 @@ const Intersector& plain_set(Shapes shapes) {
     return intersect::table::set_of(parts);
 }
 
-Forms select_composed(const std::string& pattern, const char* option) {
+namespace {
+
+/// Throws InputError if one side of the sign in a composed name is empty.
+void require_both_parts(const scene::rays::ComposedName& name, const std::string& pattern, const char* option) {
     using Kind = scene::rays::ComposedName::Kind;
-    const auto name = scene::rays::split_composed_name(pattern).value();
-    const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
-    if (is_contracted && name.form.empty())
+    if (name.kind == Kind::contracted && name.form.empty())
         throw InputError(fmt::format(
             "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, pattern));
+    const bool is_box = name.kind == Kind::box;
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
             "{} {}: the form or the {} beside the {} is missing; write {}", option, pattern,
@@ -250,6 +252,15 @@ Forms select_composed(const std::string& pattern, const char* option) {
             is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"
                    : "FORM@TRANSFORM, such as sphere.unified@pbrt; `lostbits list transforms` lists them"));
+}
+
+}  // namespace
+
+Forms select_composed(const std::string& pattern, const char* option) {
+    using Kind = scene::rays::ComposedName::Kind;
+    const auto name = scene::rays::split_composed_name(pattern).value();
+    const bool is_contracted = name.kind == Kind::contracted;
+    require_both_parts(name, pattern, option);
 
     const Forms composed = rows_of(
         name,

@@ -138,9 +138,10 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
         unit_name(kind), name);
 }
 
-std::vector<std::filesystem::path> @ @(const std::filesystem::path& path, SweepKind kind,
-                                       const SweepChangeOptions& options, const std::filesystem::path& data,
-                                       intersect::process::StopToken stop) {
+std::vector<std::filesystem::path> list_input_files(const std::filesystem::path& path, SweepKind kind,
+                                                    const SweepChangeOptions& options,
+                                                    const std::filesystem::path& data,
+                                                    intersect::process::StopToken stop) {
     std::vector<std::filesystem::path> files{path};
     if (kind == SweepKind::edge_search)
         files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(options).set, stop).scene.path);
