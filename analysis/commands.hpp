@@ -136,15 +136,14 @@ private:
 /// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& shard_value);
 
-/// A hash of these files and of the libraries, which decide what a run measures.
-[[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files,
-                                           const CommonOptions& common);
+/// Hashes these files and the libraries, which decide what a run measures.
+[[nodiscard]] std::uint64_t hash_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common);
 
 /// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` are the files that decide
 /// what it measures. Throws InputError for a bad value, and if the shards to join read other files.
 [[nodiscard]] RunDivision divide_run(const std::string& shard_value, const std::string& out,
                                      const std::vector<std::filesystem::path>& files, const CommonOptions& common,
-                                     bool resumed = false);
+                                     bool is_resumed = false);
 
 /// Ends a divided run. Gives the file of a shard its final name and prints the name. Returns false for a shard, which
 /// has only a part of the results.
@@ -162,7 +161,7 @@ void require_writable(const std::filesystem::path& file);
 [[nodiscard]] std::string concatenate(const char* prefix, const std::vector<std::string>& values,
                                       const char* suffix = "");
 
-/// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
+/// Parses the value of `--at`, a fraction of the hits: p50, p99 or max. Throws InputError.
 [[nodiscard]] double parse_quantile(const std::string& text);
 
 /// Returns the exit status of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a

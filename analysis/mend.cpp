@@ -104,7 +104,7 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
     output::report::Report report{
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
-    report.mends.push_back(report::mend_part(result));
+    report.mends.push_back(report::make_mend_part(result));
     if (report.mends.front().has_times) report.processor = measure::trade::processor_name();
     output::file::write_file(path, output::report::page(report));
 }

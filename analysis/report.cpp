@@ -55,7 +55,7 @@ struct Subjects {
     std::vector<std::filesystem::path> sweeps;
 };
 
-std::vector<std::string> ids_in(const std::filesystem::path& folder) {
+std::vector<std::string> list_ids(const std::filesystem::path& folder) {
     std::vector<std::string> ids;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         if (entry.path().extension() == ".toml") ids.push_back(entry.path().stem().string());
@@ -73,8 +73,8 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
         return;
     }
 
-    auto names = ids_in(data / "scenes");
-    const auto sweeps = ids_in(data / "sweeps");
+    auto names = list_ids(data / "scenes");
+    const auto sweeps = list_ids(data / "sweeps");
     const auto contains_name = [&name](const std::vector<std::string>& list) {
         return std::ranges::find(list, name) != list.end();
     };
@@ -96,7 +96,7 @@ Subjects select_subjects(const ReportOptions& options, const scene::check::Repor
     for (const auto& name : options.subjects) add_subject(subjects, name, data);
     if (options.all) {
         for (const auto& path : scene::file::scene_files(data)) subjects.scenes.push_back({path});
-        for (const auto& id : ids_in(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
+        for (const auto& id : list_ids(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
     } else if (options.subjects.empty()) {
         for (const auto& name : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(name, data));
         for (const auto& name : defaults.sweeps) subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
@@ -127,12 +127,12 @@ bool has_tested_form(const std::vector<TestedForm>& tested_forms, const Claim& c
                                [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
 }
 
-/// Returns the selected forms and, if `with_claims`, those of the claims about the subject. External forms come first,
-/// then the others in the order of the catalogue.
+/// Returns the selected forms and, if `includes_claims`, those of the claims about the subject. External forms come
+/// first, then the others in the order of the catalogue.
 std::vector<TestedForm> tested_forms_for(const std::string& subject, std::vector<TestedForm> tested_forms,
-                                         const std::vector<Claim>& claims, bool with_claims) {
+                                         const std::vector<Claim>& claims, bool includes_claims) {
     for (const Claim& c : claims) {
-        if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
+        if (!includes_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
         if (!has_tested_form(tested_forms, c))
             tested_forms.push_back({measure::check::tested_form_of(c).form, measure::check::tested_form_of(c).format});
     }
@@ -197,7 +197,7 @@ bool is_chosen(const Claim& c, const ReportOptions& options, const PlannedReport
 }
 
 /// The tested forms to time: the forms of -i in f32 and f64.
-std::vector<TestedForm> timeable_forms(const ReportOptions& options) {
+std::vector<TestedForm> select_timeable_forms(const ReportOptions& options) {
     return selection::pair_forms_with_formats(selection::select_forms(form_patterns_of(options)),
                                               selection::select_formats({"f32", "f64"}));
 }
@@ -291,15 +291,15 @@ void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const
 void plan_requested_sections(PlannedReport& planned, const ReportOptions& options,
                              const scene::check::ReportFile& defaults, const std::filesystem::path& data) {
     for (const std::string& text : options.choices) {
-        auto timed = timeable_forms(options);
+        auto timed = select_timeable_forms(options);
         planned.choices.push_back(
             report::parse_choice(text, options.size, {timed, form_patterns_of(options), true}, data, options.stop));
     }
     for (const std::string& text : options.mends.empty() && options.subjects.empty() ? defaults.mends : options.mends)
         planned.mends.push_back(report::parse_mend(text, options.size, data, options.stop));
-    planned.offsets =
-        report::offset_scenes(options.offsets.empty() && options.subjects.empty() ? defaults.offsets : options.offsets,
-                              options.size, data, options.stop);
+    planned.offsets = report::load_offset_scenes(
+        options.offsets.empty() && options.subjects.empty() ? defaults.offsets : options.offsets, options.size, data,
+        options.stop);
     for (const std::string& text : options.studies)
         planned.studies.push_back(report::parse_study(text, options.size, data, options.stop));
 }
@@ -359,11 +359,11 @@ std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& pl
                                const std::filesystem::path& data, const std::function<void(std::uint64_t)>& advance) {
     std::uint64_t unresolved = 0;
     for (PlannedMap& map : planned.maps) {
-        report.maps.push_back(map_part(map, planned.metric_set, advance, options.stop));
+        report.maps.push_back(measure_map_part(map, planned.metric_set, advance, options.stop));
         unresolved += map.unresolved;
     }
     for (const PlannedSweep& sweep : planned.sweeps) {
-        report.sweeps.push_back(sweep_part(sweep, options.stop));
+        report.sweeps.push_back(measure_sweep_part(sweep, options.stop));
         advance(sweep_units);
     }
     const study::StudiesByName studies;
@@ -378,9 +378,9 @@ std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& pl
 void measure_trades(output::report::Report& report, const ReportOptions& options) {
     for (const ShapeRow& primitive : shape_rows) {
         const Shape shape = primitive.shape;
-        const auto rows =
-            selection::filter_tested_forms(timeable_forms(options), [shape](Shapes forms) { return forms == shape; });
-        if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, options.stop));
+        const auto rows = selection::filter_tested_forms(select_timeable_forms(options),
+                                                         [shape](Shapes forms) { return forms == shape; });
+        if (!rows.empty()) report.trades.push_back(report::measure_trade_part(shape, rows, options.stop));
     }
 }
 
@@ -388,13 +388,14 @@ void measure_trades(output::report::Report& report, const ReportOptions& options
 void measure_requested_sections(output::report::Report& report, const PlannedReport& planned,
                                 const ReportOptions& options) {
     for (const report::PlannedStudy& planned_study : planned.studies)
-        report.studies.push_back(study_part(planned_study, options.forms, options.formats, options.stop));
+        report.studies.push_back(measure_study_part(planned_study, options.forms, options.formats, options.stop));
     for (const scene::file::Scene& scene : planned.offsets) {
-        if (auto part = report::offset_part(scene, options.stop)) report.offsets.push_back(std::move(*part));
+        if (auto part = report::measure_offset_part(scene, options.stop)) report.offsets.push_back(std::move(*part));
     }
     if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
-    for (const PlannedChoice& choice : planned.choices) report.choices.push_back(choice_part(choice, options.stop));
-    for (const report::PlannedMend& mend : planned.mends) report.mends.push_back(mend_part(mend, options.stop));
+    for (const PlannedChoice& choice : planned.choices)
+        report.choices.push_back(measure_choice_part(choice, options.stop));
+    for (const report::PlannedMend& mend : planned.mends) report.mends.push_back(measure_mend_part(mend, options.stop));
     if (options.trade) measure_trades(report, options);
 }
 

@@ -102,7 +102,7 @@ void add_shard(const shell::Command& command, std::string& shard_value) {
                  ""});
 }
 
-std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common) {
+std::uint64_t hash_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common) {
     output::shard::InputHash inputs;
     for (const auto& file : files) inputs.add_file(file);
     for (const std::string& plugin : common.external.plugins) {
@@ -114,10 +114,10 @@ std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, co
 }
 
 RunDivision divide_run(const std::string& shard_value, const std::string& out,
-                       const std::vector<std::filesystem::path>& files, const CommonOptions& common, bool resumed) {
+                       const std::vector<std::filesystem::path>& files, const CommonOptions& common, bool is_resumed) {
     if (shard_value.empty() && !common.shards_to_join) return {.division = {}, .out = out};
     const auto share = shard_value.empty() ? measure::shard::Share{} : shard::parse_share(shard_value);
-    const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_of_inputs(files, common),
+    const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_inputs(files, common),
                                         share};
     if (common.shards_to_join) {
         common.shards_to_join->check_inputs(head.inputs);
@@ -128,7 +128,7 @@ RunDivision divide_run(const std::string& shard_value, const std::string& out,
         folder,
         output::file::Provenance{fmt::format("{} --shard {}", common.typed_command.text(), shard_value),
                                  program_and_version},
-        output::file::ResultFolder::Rules{.allows_unlisted = common.force, .continues_run = resumed});
+        output::file::ResultFolder::Rules{.allows_unlisted = common.force, .continues_run = is_resumed});
     return {.division = shard::Division(folder, head), .folder = std::move(result_folder), .out = folder};
 }
 
@@ -174,7 +174,7 @@ Exit report_unproved(std::uint64_t rays, int bits) {
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     if (common.quiet) return;
-    for (const std::string& line : selection::suspicions_of(tested_forms, suspicion))
+    for (const std::string& line : selection::list_suspicions(tested_forms, suspicion))
         fmt::print(stderr, "lostbits: {}\n", line);
 }
 

@@ -25,7 +25,7 @@ namespace {
 
 constexpr auto save_interval = std::chrono::seconds(5);
 
-/// The share in percent, rounded down, so that a stopped run is never 100 % done.
+/// The fraction in percent, rounded down, so that a stopped run is never 100 % done.
 std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
     return static_cast<std::uint64_t>(static_cast<double>(part) / static_cast<double>(whole) * 100);
 }
@@ -36,15 +36,14 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     : sweep_(path, chosen.data()),
       path_(path),
       folder_(chosen.folder_of(sweep_.id)),
-      state_file_(
-          folder_,
-          {.program = program_and_version,
-           .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
-           .inputs = hash_of_inputs(selection::list_input_files(path, scene::sweep::SweepKind::every_float,
-                                                                chosen.options, chosen.data(), chosen.common.stop),
-                                    chosen.common),
-           .share = chosen.division().share()},
-          "sweep " + sweep_.id),
+      state_file_(folder_,
+                  {.program = program_and_version,
+                   .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
+                   .inputs = hash_inputs(selection::list_input_files(path, scene::sweep::SweepKind::every_float,
+                                                                     chosen.options, chosen.data(), chosen.common.stop),
+                                         chosen.common),
+                   .share = chosen.division().share()},
+                  "sweep " + sweep_.id),
       chosen_(chosen) {
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
@@ -62,10 +61,10 @@ void ExhaustiveRun::resume() {
         bits(state_);
         state_.require_match(request_);
     });
-    resumed_ = true;
+    is_resumed_ = true;
 }
 
-ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
+ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
     require_writable(state_file_.path());
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.rows.size();
     const std::uint64_t floats = measure::sweep::count_floats(sweep_, request_.share);
@@ -92,7 +91,7 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
-    if (keep_state) state_file_.write(output::shard::bits_of(state_));
+    if (keeps_state) state_file_.write(output::shard::bits_of(state_));
     return std::move(state_);
 }
 
@@ -107,14 +106,14 @@ void ExhaustiveRun::forget_state() const {
 std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const CommonOptions& common = chosen_.common;
     // The user may have forgotten --resume. The old state stays until this run writes its own.
-    if (!resumed_ && !common.quiet && state_file_.exists())
+    if (!is_resumed_ && !common.quiet && state_file_.exists())
         fmt::print(stderr,
                    "lostbits: {} is the state of a stopped run; this run starts from the beginning (to continue that "
                    "one, use --resume)\n",
                    state_file_.path().string());
 
-    const auto result_folder =
-        chosen_.lock_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
+    const auto result_folder = chosen_.lock_sweep_folder(
+        sweep_.id, path_, {.continues_run = is_resumed_, .can_resume = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveFiles> files;
     if (result_folder) files.emplace(request_, folder_);
     const auto state = chosen_.division().measure_or_join(

@@ -98,14 +98,14 @@ public:
     void forget_state() const;
 
 private:
-    measure::sweep::ExhaustiveState try_floats(bool keep_state);
+    measure::sweep::ExhaustiveState try_floats(bool keeps_state);
 
     scene::sweep::ExhaustiveFile sweep_;
     measure::sweep::ExhaustiveRequest request_{.sweep = sweep_};
     measure::sweep::ExhaustiveState state_;
     std::filesystem::path path_, folder_;
     output::shard::UnfinishedFile state_file_;
-    bool resumed_ = false;
+    bool is_resumed_ = false;
     const SweepSelection& chosen_;
 };
 

@@ -231,7 +231,7 @@ inline intersect::process::StopToken make_stop_token(const unsigned char* byte) 
 /// The optional settings of a call: threads, stop flag, progress. They apply as long as this object lives.
 class CallSettings {
 public:
-    explicit CallSettings(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
+    explicit CallSettings(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(read_threads(run_)) {}
     [[nodiscard]] intersect::process::StopToken stop() const { return make_stop_token(run_.stop); }
     /// Returns a function that adds a number of finished units of work and reports the sum to the caller. `total` is
     /// the number of all units.
@@ -246,7 +246,7 @@ public:
     }
 
 private:
-    static int threads_of(const lostbits_run& run) {
+    static int read_threads(const lostbits_run& run) {
         if (run.threads < 0)
             throw InputError("threads is " + std::to_string(run.threads) +
                              "; give 0 for one per core, or a number above 0");

@@ -12,8 +12,8 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
-                                            CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
+                                                 CallSettings& settings) {
     const scene::file::Scene& scene = scene_handle.scene;
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
@@ -40,7 +40,7 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_worst_ray});
-    result->texts = selection::suspicions_of(request.rows, [&scene](const TestedForm& tested_form) {
+    result->texts = selection::list_suspicions(request.rows, [&scene](const TestedForm& tested_form) {
         return measure::contract::suspicion_text(scene, tested_form);
     });
     return result;
@@ -59,6 +59,6 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
         require(result, "result");
         CallSelection chosen(choice);
         CallSettings settings(run);
-        return hand_over(map_result(*scene, chosen, settings), result);
+        return hand_over(make_map_result(*scene, chosen, settings), result);
     });
 }

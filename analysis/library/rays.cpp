@@ -202,7 +202,7 @@ std::vector<std::string> find_suspicions(const measure::judge::JudgeRequest& req
                                          const measure::judge::JudgeResult& judgement) {
     const auto file_row = request.file_row_index();
     if (!file_row) return {};
-    return selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
+    return selection::list_suspicions({request.rows[*file_row]}, [&](const TestedForm&) {
         const auto& summary_of_file = judgement.summaries[*file_row];
         const std::string suspicion_text =
             measure::contract::suspicion_text(judgement.first_samples, measure::contract::AnswerSource::file,
@@ -214,8 +214,8 @@ std::vector<std::string> find_suspicions(const measure::judge::JudgeRequest& req
     });
 }
 
-std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, CallSelection& chosen,
-                                                  CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays, CallSelection& chosen,
+                                                       CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     measure::judge::JudgeRequest request{
         .primitives = given_rays.primitives, .mesh = given_rays.mesh, .limit = {.stop = settings.stop()}};
@@ -296,8 +296,8 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
         });
 }
 
-std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, CallSelection& chosen,
-                                                CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_answers_result(const lostbits_rays& rays, CallSelection& chosen,
+                                                     CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     chosen.keep_forms_for(rays_name, shape_filter(given_rays));
     auto result = std::make_unique<lostbits_result>();
@@ -316,10 +316,10 @@ std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, CallS
             const TestedForm& tested_form = chosen.tested_forms[r];
             const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
             const auto answers = measure::answer::evaluate(*tested_form.form, inputs);
-            ResultTable& table = result->tables[r];
+            ResultColumn &hit = result->tables[r]["hit"], &t = result->tables[r]["t"];
             for (std::size_t i = 0; i < answers.t.size(); ++i) {
-                table.columns[0].numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;
-                table.columns[1].numbers[first + i] = answers.hit[i] != 0 ? answers.t[i] : measure::truth::missing;
+                hit.numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;
+                t.numbers[first + i] = answers.hit[i] != 0 ? answers.t[i] : measure::truth::missing;
             }
         }
     });
@@ -332,7 +332,7 @@ std::pair<double, double> to_two_doubles(const measure::truth::Certified& t) {
     return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
 }
 
-std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     const intersect::Info contract = read_contract(rays, given_rays.shape);
     auto result = std::make_unique<lostbits_result>();
@@ -344,6 +344,8 @@ std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSet
                                           {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
 
+    ResultColumn &decisions = table["decision"], &primitives = table["primitive"];
+    ResultColumn &t_hi = table["t_hi"], &t_lo = table["t_lo"];
     const bool is_unit = contract.direction == intersect::Direction::unit;
     for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
@@ -351,13 +353,13 @@ std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSet
                        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
                        for (std::size_t i = 0; i < band.pixels(); ++i) {
                            const measure::truth::Truth ray_truth = band.truth(i, contract.convention());
-                           table.columns[0].numbers[first + i] = static_cast<double>(ray_truth.decision);
+                           decisions.numbers[first + i] = static_cast<double>(ray_truth.decision);
                            if (!ray_truth.is_hit()) continue;
 
                            // Only a hit has a primitive and a t.
-                           table.columns[1].numbers[first + i] =
+                           primitives.numbers[first + i] =
                                static_cast<double>(is_paired ? first + i : ray_truth.primitive);
-                           std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
+                           std::tie(t_hi.numbers[first + i], t_lo.numbers[first + i]) =
                                to_two_doubles(is_unit ? ray_truth.distance : ray_truth.t);
                        }
                    });
@@ -379,7 +381,7 @@ std::vector<measure::crossing::MeshCrossings> find_crossings(GivenRays& given_ra
     return crossings_by_ray;
 }
 
-std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_crossings_result(const lostbits_rays& rays, CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
     if (rays.paired != 0 || !std::ranges::all_of(given_rays.representatives(), is_triangle))
@@ -401,17 +403,20 @@ std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, Cal
     ResultTable& resolved = result->tables.emplace_back(
         "rays", std::vector<output::file::Column>{{"resolved", "boolean", "", "every decision is proved"}});
 
+    ResultColumn &rays_of_crossings = table["ray"], &places = table["place"], &triangles = table["primitive"];
+    ResultColumn &t_hi = table["t_hi"], &t_lo = table["t_lo"];
+    ResultColumn &hits_front = table["front"], &at_rim = table["at_rim"], &is_resolved = resolved["resolved"];
     for (std::size_t i = 0; i < crossings_by_ray.size(); ++i) {
-        resolved.columns[0].numbers.push_back(crossings_by_ray[i].is_resolved ? 1 : 0);
+        is_resolved.numbers.push_back(crossings_by_ray[i].is_resolved ? 1 : 0);
         for (const measure::crossing::MeshCrossing& crossing : crossings_by_ray[i].in_order) {
-            table.columns[0].numbers.push_back(static_cast<double>(i));
-            table.columns[1].numbers.push_back(crossing.rank);
-            table.columns[2].numbers.push_back(crossing.triangle);
+            rays_of_crossings.numbers.push_back(static_cast<double>(i));
+            places.numbers.push_back(crossing.rank);
+            triangles.numbers.push_back(crossing.triangle);
             const auto [hi, lo] = to_two_doubles(crossing.t);
-            table.columns[3].numbers.push_back(hi);
-            table.columns[4].numbers.push_back(lo);
-            table.columns[5].numbers.push_back(crossing.hits_front ? 1 : 0);
-            table.columns[6].numbers.push_back(crossing.is_at_rim ? 1 : 0);
+            t_hi.numbers.push_back(hi);
+            t_lo.numbers.push_back(lo);
+            hits_front.numbers.push_back(crossing.hits_front ? 1 : 0);
+            at_rim.numbers.push_back(crossing.is_at_rim ? 1 : 0);
         }
     }
     return result;
@@ -461,8 +466,8 @@ std::vector<measure::crossing::PointInMesh> locate_points(const SceneInFormat& s
     return points_in_mesh;
 }
 
-std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, const lostbits_array& points,
-                                               std::size_t count, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_points_result(const lostbits_scene& scene, const lostbits_array& points,
+                                                    std::size_t count, CallSettings& settings) {
     if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
     require_addressable(points, count, 3, "points");
     const auto stored = scene.stored->get(scene.scene, binary64);
@@ -477,11 +482,13 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
                       {"crossings", "integer", "", "crossings of the ray by which the layers are counted"},
                       {"on_surface", "boolean", "", "the point lies on a triangle"},
                       {"resolved", "boolean", "", "the other columns are proved"}});
+    ResultColumn &windings = table["winding"], &crossings = table["crossings"];
+    ResultColumn &on_surface = table["on_surface"], &resolved = table["resolved"];
     for (const measure::crossing::PointInMesh& point : points_in_mesh) {
-        table.columns[0].numbers.push_back(point.winding);
-        table.columns[1].numbers.push_back(point.crossings);
-        table.columns[2].numbers.push_back(point.is_on_surface ? 1 : 0);
-        table.columns[3].numbers.push_back(point.is_resolved ? 1 : 0);
+        windings.numbers.push_back(point.winding);
+        crossings.numbers.push_back(point.crossings);
+        on_surface.numbers.push_back(point.is_on_surface ? 1 : 0);
+        resolved.numbers.push_back(point.is_resolved ? 1 : 0);
     }
     add_edges(stored->mesh->mesh().edges, *result);
     return result;
@@ -509,7 +516,7 @@ int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, con
     return run_call(result, error, rays, [&] {
         CallSelection chosen(choice, CallSelection::WithoutForms::no_form);
         CallSettings settings(run);
-        return judgement_result(*rays, chosen, settings);
+        return make_judgement_result(*rays, chosen, settings);
     });
 }
 
@@ -518,7 +525,7 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
     return run_call(result, error, rays, [&] {
         CallSelection chosen(choice);
         CallSettings settings(run);
-        return answers_result(*rays, chosen, settings);
+        return make_answers_result(*rays, chosen, settings);
     });
 }
 
@@ -526,14 +533,14 @@ int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_
                    lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         CallSettings settings(run);
-        return truth_result(*rays, settings);
+        return make_truth_result(*rays, settings);
     });
 }
 
 int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         CallSettings settings(run);
-        return crossings_result(*rays, settings);
+        return make_crossings_result(*rays, settings);
     });
 }
 
@@ -544,7 +551,7 @@ int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, s
         require(points, "points");
         require(result, "result");
         CallSettings settings(run);
-        return hand_over(points_result(*scene, *points, count, settings), result);
+        return hand_over(make_points_result(*scene, *points, count, settings), result);
     });
 }
 }

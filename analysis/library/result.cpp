@@ -22,7 +22,7 @@ void append_names(ResultColumn& column, const Names& names) {
     for (const auto& name : names) column.names.emplace_back(name);
 }
 
-std::uint8_t code_of(double category) {
+std::uint8_t to_code(double category) {
     return std::isnan(category) || category >= no_category ? no_category : static_cast<std::uint8_t>(category);
 }
 
@@ -90,27 +90,37 @@ std::deque<RayTable> add_ray_tables(lostbits_result& result, const CallSelection
     return ray_tables;
 }
 
+/// The first columns of the table of a form. The columns of its metrics follow.
+enum FixedColumn : std::size_t {
+    outcome_column,
+    primitive_column,
+    true_primitive_column,
+    t_column,
+    true_t_column,
+    fixed_columns
+};
+
 void RayTable::add_band(const measure::evaluate::BandResult& result) {
     const std::size_t n = result.outcomes.size();
     auto& columns = table_.columns;
     for (std::size_t i = 0; i < n; ++i) {
         const bool is_hit = result.answers->hit[i] != 0;
         const measure::truth::Truth ray_truth = result.truth(i);
-        columns[0].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
-        columns[1].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
-        columns[2].numbers.push_back(ray_truth.is_hit() ? ray_truth.primitive : measure::truth::missing);
-        columns[3].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
-        columns[4].numbers.push_back(
+        columns[outcome_column].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
+        columns[primitive_column].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
+        columns[true_primitive_column].numbers.push_back(ray_truth.is_hit() ? ray_truth.primitive
+                                                                            : measure::truth::missing);
+        columns[t_column].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
+        columns[true_t_column].numbers.push_back(
             ray_truth.is_hit()
                 ? result.band->rounded_truth(i, binary64, tested_form_.form->info->direction, result.convention)
                 : measure::truth::missing);
     }
-    // The metrics follow the five columns that every form has.
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
-        ResultColumn& column = columns[5 + m];
+        ResultColumn& column = columns[fixed_columns + m];
         const std::vector<double>& values = result.metrics[m];
         if (column.names.empty()) column.numbers.insert(column.numbers.end(), values.begin(), values.end());
-        else std::ranges::transform(values, std::back_inserter(column.codes), code_of);
+        else std::ranges::transform(values, std::back_inserter(column.codes), to_code);
     }
 }
 

@@ -33,7 +33,7 @@ Scene load_scene(const std::string& name, const lostbits_where& where, const std
     return selection::load_one_scene(choice, data);
 }
 
-std::string data_folder_of(const lostbits_where& where) {
+std::string find_data_folder(const lostbits_where& where) {
     return selection::data_folder(where.data ? where.data : "").string();
 }
 
@@ -113,11 +113,12 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
     auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
                                                             : scene::rays::input_rays(scene, 0, scene.height, binary64);
+    ResultColumn &x = table["x"], &y = table["y"];
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
-        table.columns[0].numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
-        table.columns[1].numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
+        x.numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
+        y.numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
     }
-    std::size_t k = 2;
+    std::size_t k = 2;  // behind x and y
     for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz})
         table.columns[k++].numbers = std::move(*column);
 }
@@ -176,7 +177,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         require(name, "name");
         require(scene, "scene");
         const lostbits_where given = where ? *where : lostbits_where{};
-        const std::string data = data_folder_of(given);
+        const std::string data = find_data_folder(given);
         auto created = std::make_unique<lostbits_scene>(
             lostbits_scene{.scene = load_scene(name, given, data), .explain_arguments = {}});
         created->explain_arguments = selection::name_of_scene(created->scene, data);

@@ -24,8 +24,8 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-std::unique_ptr<lostbits_result> sweep_result(const std::filesystem::path& path, const std::string& data,
-                                              CallSelection& chosen, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& path, const std::string& data,
+                                                   CallSelection& chosen, CallSettings& settings) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
@@ -59,8 +59,8 @@ const TestedForm& only_tested_form(const CallSelection& chosen, const std::strin
     return tested_form;
 }
 
-std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& scene, int x, int y,
-                                                    CallSelection& chosen) {
+std::unique_ptr<lostbits_result> make_explanation_result(const scene::file::Scene& scene, int x, int y,
+                                                         CallSelection& chosen) {
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& tested_form = only_tested_form(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*tested_form.form);
@@ -77,8 +77,9 @@ std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& sc
 
 /// Measures a study of a scene; the result has its summary.
 template <class Adapter>
-std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, const std::vector<std::string>& options,
-                                              const lostbits_choice* choice, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_study_result(const scene::file::Scene& scene,
+                                                   const std::vector<std::string>& options,
+                                                   const lostbits_choice* choice, CallSettings& settings) {
     // A call that names no forms or formats gets the usual ones of the study.
     lostbits_choice given = choice ? *choice : lostbits_choice{};
     const std::vector<std::string> default_forms = Adapter::usual_forms();
@@ -106,8 +107,8 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     return result;
 }
 
-std::unique_ptr<lostbits_result> trade_result(const scene::file::Scene* scene, const std::string& shape, bool quick,
-                                              CallSelection& chosen, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_trade_result(const scene::file::Scene* scene, const std::string& shape,
+                                                   bool quick, CallSelection& chosen, CallSettings& settings) {
     auto request = study::trade_request(scene, shape, {chosen.tested_forms, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = settings.stop();
@@ -231,10 +232,12 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
         CallSettings settings(run);
         const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
-            return hand_over(sweep_result(scene::sweep::find_sweep(sweep, folder), folder, chosen, settings), result);
+            return hand_over(make_sweep_result(scene::sweep::find_sweep(sweep, folder), folder, chosen, settings),
+                             result);
         const TextFile file(sweep);
         return hand_over(
-            file.run_with_text_positions([&] { return sweep_result(file.path(), folder, chosen, settings); }), result);
+            file.run_with_text_positions([&] { return make_sweep_result(file.path(), folder, chosen, settings); }),
+            result);
     });
 }
 
@@ -244,7 +247,7 @@ int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_c
         require(scene, "scene");
         require(result, "result");
         CallSelection chosen(choice);
-        return hand_over(explanation_result(scene->scene, x, y, chosen), result);
+        return hand_over(make_explanation_result(scene->scene, x, y, chosen), result);
     });
 }
 
@@ -258,7 +261,7 @@ int lostbits_study(const char* study, const lostbits_scene* scene, const lostbit
         const auto option_texts = options ? to_strings(*options, "options") : std::vector<std::string>{};
         CallSettings settings(run);
         auto study_tables = study::with_study(study, [&](auto adapter) {
-            return study_result<decltype(adapter)>(scene->scene, option_texts, choice, settings);
+            return make_study_result<decltype(adapter)>(scene->scene, option_texts, choice, settings);
         });
         return hand_over(std::move(study_tables), result);
     });
@@ -274,7 +277,8 @@ int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick, co
         CallSelection chosen(choice);
         CallSettings settings(run);
         return hand_over(
-            trade_result(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, settings), result);
+            make_trade_result(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, settings),
+            result);
     });
 }
 

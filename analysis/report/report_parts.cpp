@@ -39,7 +39,7 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
-SweepPart case_part(const PlannedSweep& planned, StopToken stop) {
+SweepPart measure_case_part(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::CaseFile file(planned.path);
     measure::sweep::CaseRequest request{
         .file = file,
@@ -140,7 +140,7 @@ void add_line(SweepPart& part, const measure::sweep::SweepRequest& request,
     }
 }
 
-SweepPart axes_part(const PlannedSweep& planned, StopToken stop) {
+SweepPart measure_axes_part(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::SweepFile sweep(planned.path, planned.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
@@ -168,8 +168,8 @@ SweepPart axes_part(const PlannedSweep& planned, StopToken stop) {
 
 }  // namespace
 
-output::report::MapPart map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
-                                 const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
+                                         const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = planned.scene;
     measure::evaluate::MapStudy request{
         .scene = &scene, .rows = planned.rows, .metrics = planned.metrics, .limit = {.stop = stop}};
@@ -194,7 +194,7 @@ output::report::MapPart map_part(PlannedMap& planned, measure::metric::MetricSet
         });
     planned.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
 
-    auto index = data.index(summaries, planned.own_size, planned.scene_arguments);
+    auto index = data.index(summaries, planned.has_own_size, planned.scene_arguments);
     index["claimed"] = planned.name_in_claims;
     std::vector<std::string> names;
     for (const measure::metric::Metric* m : planned.metrics) names.emplace_back(m->name);
@@ -207,24 +207,24 @@ output::report::MapPart map_part(PlannedMap& planned, measure::metric::MetricSet
             .blobs = data.blobs(summaries),
             .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
-            .has_scene_size = planned.own_size,
+            .has_scene_size = planned.has_own_size,
             .metrics = std::move(names),
             .finding = output::map::finding_text(request, summaries),
             .wrong_row_count = static_cast<std::size_t>(
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
-SweepPart sweep_part(const PlannedSweep& planned, StopToken stop) {
+SweepPart measure_sweep_part(const PlannedSweep& planned, StopToken stop) {
     SweepPart part = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
-                         ? case_part(planned, stop)
-                         : axes_part(planned, stop);
+                         ? measure_case_part(planned, stop)
+                         : measure_axes_part(planned, stop);
     part.json["named"] = selection::name_of_sweep(planned.path, planned.data);
     part.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
     return part;
 }
 
-std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
-                                              const std::filesystem::path& data, StopToken stop) {
+std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string>& names, const std::string& size,
+                                                   const std::filesystem::path& data, StopToken stop) {
     auto scenes = selection::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
         measure::offset::require_few_primitives(scene);
@@ -232,7 +232,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     return scenes;
 }
 
-std::optional<output::report::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<output::report::OffsetPart> measure_offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
         .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
@@ -288,9 +288,9 @@ PlannedStudy parse_study(const std::string& text, const std::string& size, const
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-output::report::StudyPart study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
-                                     const std::vector<std::string>& formats, StopToken stop) {
-    auto part = study::study_part(planned.study, planned.scene, forms, formats, stop);
+output::report::StudyPart measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
+                                             const std::vector<std::string>& formats, StopToken stop) {
+    auto part = study::measure_study_part(planned.study, planned.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
             fmt::format("--study {0}:{1}: none of the forms fits; `lostbits {0} --help` says which "
@@ -299,7 +299,7 @@ output::report::StudyPart study_part(const PlannedStudy& planned, const std::vec
     return std::move(*part);
 }
 
-output::report::TradePart trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
+output::report::TradePart measure_trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
     std::vector<TestedForm> timed = tested_forms;
     measure::trade::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});

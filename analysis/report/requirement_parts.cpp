@@ -29,15 +29,15 @@ public:
           parts_(std::move(parts)),
           example_(std::move(example)),
           text_(text) {
-        // The last part may be the share of the hits, such as p99.
-        std::string bits = take_last();
+        // The last part may be the fraction of the hits, such as p99.
+        std::string bits = remove_last_part();
         if (bits.starts_with('p') || bits == "max") {
             try {
                 requirement.quantile = measure::choose::quantile_named(bits);
             } catch (const InputError& error) {
                 refuse(error.what());
             }
-            bits = take_last();
+            bits = remove_last_part();
         }
 
         if (rest.empty())
@@ -48,7 +48,7 @@ public:
             refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
     }
     /// Removes the part after the last colon and returns it.
-    std::string take_last() {
+    std::string remove_last_part() {
         const auto colon = rest.rfind(':');
         std::string part = colon == std::string::npos ? "" : rest.substr(colon + 1);
         rest.resize(colon == std::string::npos ? 0 : colon);
@@ -81,7 +81,7 @@ PlannedChoice parse_choice(const std::string& text, const std::string& size, con
 PlannedMend parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
                        StopToken stop) {
     RequirementText parsed("--mend", "a scene, a form", "near-benign:sphere.half_b", text, {.quantile = 1});
-    const std::string form = parsed.take_last();
+    const std::string form = parsed.remove_last_part();
     if (parsed.rest.empty()) parsed.refuse("the scene or the form is missing");
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
     auto candidates =
@@ -98,7 +98,7 @@ PlannedMend parse_mend(const std::string& text, const std::string& size, const s
     return planned;
 }
 
-output::report::ChoicePart choice_part(const PlannedChoice& planned, StopToken stop) {
+output::report::ChoicePart measure_choice_part(const PlannedChoice& planned, StopToken stop) {
     measure::choose::ChoiceRequest request{
         .scene = &planned.scene, .rows = planned.rows, .requirement = planned.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
@@ -115,15 +115,15 @@ output::report::ChoicePart choice_part(const PlannedChoice& planned, StopToken s
         .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-output::report::MendPart mend_part(const PlannedMend& planned, StopToken stop) {
+output::report::MendPart measure_mend_part(const PlannedMend& planned, StopToken stop) {
     measure::repair::RepairRequest request{
         .scene = &planned.scene, .row = planned.row, .requirement = planned.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
-    return mend_part(output::repair::summarize_repair(request, repair));
+    return make_mend_part(output::repair::summarize_repair(request, repair));
 }
 
-output::report::MendPart mend_part(const output::repair::RepairSummary& result) {
+output::report::MendPart make_mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.row;
     output::report::MendPart part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),

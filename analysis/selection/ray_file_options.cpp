@@ -124,7 +124,7 @@ std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
 }
 
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
-                                             std::optional<Shape> primitive, bool keep_own_columns) {
+                                             std::optional<Shape> primitive, bool keeps_own_columns) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions dump_options{.container = containers.at(options.container),
@@ -147,7 +147,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
 
     dump_options.miss = parse_miss_rule(options.miss);
     dump_options.primitive = primitive;
-    dump_options.keep = keep_own_columns;
+    dump_options.keep = keeps_own_columns;
     dump_options.open = open_ends_named(options.open_ends);
     return scene::dump::open_dump(file, dump_options);
 }

@@ -235,7 +235,7 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
                                      scene::toml::count_with_noun(count, "ray")));
-    const int k = ray_index ? *ray_index : worst_ray_index(groups, rays, tested_form, options.stop);
+    const int k = ray_index ? *ray_index : find_worst_ray_index(groups, rays, tested_form, options.stop);
     SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), tested_form.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
@@ -280,16 +280,16 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
         primitives.push_back(parse_primitive(shape, text, rounding_format(options.format)));
 
     // The form gets the usual transform if matrices place the primitives.
-    const bool placed =
+    const bool are_placed =
         std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
     const auto form_takes = [&given_form](const Primitive<double>& primitive) {
         return given_form.form->shapes().has(primitive.shape);
     };
     const TestedForm tested_form =
-        std::ranges::all_of(primitives, form_takes) && placed == given_form.form->shapes().are_placed()
+        std::ranges::all_of(primitives, form_takes) && are_placed == given_form.form->shapes().are_placed()
             ? given_form
             : tested_form_for_primitives(given_form, "the ray",
-                                         [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
+                                         [shapes = shapes_of(primitives).placed(are_placed)](Shapes forms) {
                                              return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
                                          });
 

@@ -345,7 +345,7 @@ std::vector<TestedForm> pair_forms_with_formats(const std::vector<const Intersec
     return tested_forms;
 }
 
-std::vector<std::string> suspicions_of(
+std::vector<std::string> list_suspicions(
     const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     // A t that is off by 2^-8 counts as wrong. In a narrower format rounding alone explains it: 2^-8 is one ulp of

@@ -83,7 +83,8 @@ RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_inde
     return single_ray;
 }
 
-int worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& tested_form, StopToken stop) {
+int find_worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& tested_form,
+                         StopToken stop) {
     const auto summaries =
         measure::evaluate::measure_groups(std::move(groups), {tested_form}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();

@@ -136,10 +136,10 @@ std::string escape_line_breaks(const std::string& message, const std::vector<std
         // part cut out of the word.
         const auto comes_from = [&](const std::string& word) {
             for (std::size_t i = 0; (i = word.find('\n', i)) != std::string::npos; ++i) {
-                const bool same_before = i == 0 || (position > 0 && message[position - 1] == word[i - 1]);
-                const bool same_after =
+                const bool is_same_before = i == 0 || (position > 0 && message[position - 1] == word[i - 1]);
+                const bool is_same_after =
                     i + 1 == word.size() || message.substr(position + 1, 1) == word.substr(i + 1, 1);
-                if (same_before && same_after) return true;
+                if (is_same_before && is_same_after) return true;
             }
             return false;
         };

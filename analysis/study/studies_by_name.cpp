@@ -64,9 +64,10 @@ auto draw_sheet(const typename Adapter::View::Study& study, const std::filesyste
 }
 
 template <class Adapter>
-std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& scene, std::vector<std::string> forms,
-                                                      std::vector<std::string> formats,
-                                                      intersect::process::StopToken stop) {
+std::optional<output::report::StudyPart> measure_part_of(const scene::file::Scene& scene,
+                                                         std::vector<std::string> forms,
+                                                         std::vector<std::string> formats,
+                                                         intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
@@ -135,11 +136,12 @@ std::vector<std::string> study_names() {
     return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
 }
 
-std::optional<output::report::StudyPart> study_part(const std::string& study, const scene::file::Scene& scene,
-                                                    std::vector<std::string> forms, std::vector<std::string> formats,
-                                                    intersect::process::StopToken stop) {
+std::optional<output::report::StudyPart> measure_study_part(const std::string& study, const scene::file::Scene& scene,
+                                                            std::vector<std::string> forms,
+                                                            std::vector<std::string> formats,
+                                                            intersect::process::StopToken stop) {
     return with_study(study, [&](auto adapter) {
-        return measure_part<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
+        return measure_part_of<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
     });
 }
 
