@@ -90,6 +90,8 @@ std::deque<RayTable> add_ray_tables(lostbits_result& result, const CallSelection
     return ray_tables;
 }
 
+namespace {
+
 /// The first columns of the table of a form. The columns of its metrics follow.
 enum FixedColumn : std::size_t {
     outcome_column,
@@ -99,6 +101,8 @@ enum FixedColumn : std::size_t {
     true_t_column,
     fixed_columns
 };
+
+}  // namespace
 
 void RayTable::add_band(const measure::evaluate::BandResult& result) {
     const std::size_t n = result.outcomes.size();
