@@ -194,8 +194,8 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     return std::move(findings->result);
 }
 
-/// Adds the primitives that all rays share to the request, with the numbers of the file's format. Returns an example of
-/// each shape.
+/// Adds the primitives that all rays share to the request, with the numbers of the file's format. Returns the few that
+/// stand for all of them, see `representatives_of`.
 std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const JudgeOptions& options,
                                               const std::optional<scene::file::Scene>& scene, Dump& dump) {
     request.primitives = selection::shared_primitives(options, scene, dump.format());
@@ -281,9 +281,9 @@ RunDivision divide_judgement(const JudgeOptions& options, const std::optional<sc
 }
 
 output::judge::JudgeFilesOptions make_files_options(const JudgeOptions& options, const std::filesystem::path& folder,
-                                                    const std::string& command) {
+                                                    const std::string& id, const std::string& command) {
     return {.folder = folder,
-            .id = folder.filename().string(),
+            .id = id,
             .title = "rays of " + std::filesystem::path(options.file).filename().string(),
             .command = command,
             .single_pictures = options.pictures == "all",
@@ -356,7 +356,8 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     RunDivision run_division = divide_judgement(options, scene, common);
     const auto folder = std::filesystem::path(options.out) / stem;
     const auto result_folder = lock_folder(run_division, folder, common, output::attribution::shell_word(options.file));
-    output::judge::JudgeFilesOptions files_options = make_files_options(options, folder, common.typed_command.text());
+    output::judge::JudgeFilesOptions files_options =
+        make_files_options(options, folder, stem, common.typed_command.text());
     if (request.picture) files_options.drawn_metrics = drawn_metrics;
     files_options.keep_piece = shard::piece_recorder(run_division.division, "judge");
     output::judge::JudgeFiles files(request, *dump, std::move(files_options));

@@ -227,6 +227,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
                             [](const auto& f) { return "every float of " + f.axis.name; });
         case SweepKind::axes: break;
     }
+
     return describe(scene::sweep::SweepFile(path, data), [](const auto& f) {
         std::string text;
         for (const scene::sweep::Axis& axis : f.axes) text += (text.empty() ? "" : " x ") + axis.name;

@@ -192,7 +192,7 @@ std::unique_ptr<lostbits_result> make_answers_result(const lostbits_rays& rays, 
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
 
-    // Answers need no truth, so no primitives are culled.
+    // Answers need no truth, so only a mesh is culled.
     for_each_piece(given_rays, settings, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
         for (std::size_t r = 0; r < chosen.tested_forms.size(); ++r) {

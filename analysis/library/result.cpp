@@ -120,6 +120,7 @@ void RayTable::add_band(const measure::evaluate::BandResult& result) {
                 ? result.band->rounded_truth(i, binary64, tested_form_.form->info->direction, result.convention)
                 : measure::truth::missing);
     }
+
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
         ResultColumn& column = columns[fixed_columns + m];
         const std::vector<double>& values = result.metrics[m];

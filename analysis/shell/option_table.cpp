@@ -16,11 +16,12 @@ namespace {
 /// The values of an option or argument that names files or rows of `lostbits list`.
 AllowedValues known_values(const std::string& name) {
     using Kind = AllowedValues::Kind;
-    struct Known {
+    struct KnownValues {
         AllowedValues values;
         std::vector<std::string_view> options;
     };
-    static const Known known[] = {
+    static const KnownValues known[] = {
+        // Rows of `lostbits list`.
         {{Kind::names, {"forms"}}, {"form", "against"}},
         {{Kind::names, {"formats"}}, {"format", "answer-format", "f", "as"}},
         {{Kind::names, {"metrics"}}, {"metric"}},
@@ -30,11 +31,13 @@ AllowedValues known_values(const std::string& name) {
         {{Kind::names, {"scenes"}}, {"scene", "SCENE"}},
         {{Kind::names, {"sweeps"}}, {"SWEEP"}},
         {{Kind::names, {"scenes", "sweeps"}}, {"SUBJECT"}},
+
+        // Paths.
         {{Kind::folders, {}}, {"out", "data", "report"}},
         {{Kind::files, {}},
          {"plugin", "shader", "junit", "export-csv", "export-json", "FILE", "CLAIMS", "LIBRARY", "A", "B"}}};
     const auto found = std::ranges::find_if(
-        known, [&name](const Known& k) { return std::ranges::find(k.options, name) != k.options.end(); });
+        known, [&name](const KnownValues& k) { return std::ranges::find(k.options, name) != k.options.end(); });
     return found == std::end(known) ? AllowedValues{} : found->values;
 }
 
