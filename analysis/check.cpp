@@ -40,6 +40,9 @@ struct CheckOptions {
     int seeds = 0;
 
     [[nodiscard]] bool is_timing() const { return profile == "timing"; }
+    [[nodiscard]] bool writes_files() const {
+        return !junit.empty() || !csv.empty() || !json.empty() || !report.empty();
+    }
     [[nodiscard]] bool selects(const std::string& id) const {
         return filters.empty() || selection::matches_any(filters, id);
     }
@@ -61,14 +64,15 @@ void require_claim_path(const std::string& path, const std::filesystem::path& da
 }
 
 std::vector<Claim> load_claims(const CheckOptions& options, const std::filesystem::path& data) {
-    std::vector<Claim> claims;
-    std::set<std::string> ids;
     const auto profile = options.is_timing()              ? Claim::Profile::timing
                          : options.profile == "libraries" ? Claim::Profile::libraries
                                                           : Claim::Profile::results;
-    std::set<std::string> other_profiles;
     const auto claim_paths =
         options.files.empty() ? std::vector<std::string>{(data / "claims").string()} : options.files;
+
+    // An id may be used only once in all files.
+    std::vector<Claim> claims;
+    std::set<std::string> ids, other_profiles;
     for (const std::string& claim_path : claim_paths) {
         require_claim_path(claim_path, data);
         for (const auto& path : scene::check::claim_files(claim_path)) {
@@ -82,6 +86,7 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
             }
         }
     }
+
     if (claims.empty() && !other_profiles.empty())
         throw NothingSelected(
             fmt::format("no claim is selected: the claims that match have another profile; try --profile {}",
@@ -90,22 +95,35 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
     return claims;
 }
 
+void print_agreement(const Claim& claim, const ClaimResult& result) {
+    const std::string floats = output::check::floats_text(result),
+                      evidence = output::check::evidence_text(claim, result);
+    fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), name_of(claim.verdict),
+               floats.empty() ? "" : ", " + floats, evidence.empty() ? "" : ", " + terminal_line(evidence),
+               output::file::decimal(result.measured));
+}
+
+/// Prints the annotation that GitHub shows beside the line of the claim.
+void print_annotation(const Claim& claim, const ClaimResult& result, bool is_warning) {
+    fmt::print("::{} file={},line={},title={}::{}\n", is_warning ? "warning" : "error",
+               output::file::workflow_value(claim.where.source), claim.where.line,
+               output::file::workflow_value(claim.id),
+               output::file::workflow_text(output::check::explanation_text(claim, result)));
+}
+
 void print(const Claim& claim, const ClaimResult& result, const CheckOptions& options, bool verbose) {
-    const std::string_view verdict = name_of(claim.verdict);
     if (result.state == State::agrees) {
-        const std::string floats = output::check::floats_text(result),
-                          evidence = output::check::evidence_text(claim, result);
-        if (verbose)
-            fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), verdict,
-                       floats.empty() ? "" : ", " + floats, evidence.empty() ? "" : ", " + terminal_line(evidence),
-                       output::file::decimal(result.measured));
+        if (verbose) print_agreement(claim, result);
         return;
     }
-    const char* label = result.state != State::skipped && claim.severity == Claim::Severity::warn && !options.strict
-                            ? "warning"
-                        : result.state == State::unmeasurable ? "broken"
-                        : result.state == State::skipped      ? "skipped"
-                                                              : "FAILED";
+
+    // The first line says what is wrong, the others where, on which ray, and how to see it again.
+    const bool is_warning =
+        result.state != State::skipped && claim.severity == Claim::Severity::warn && !options.strict;
+    const char* const label = is_warning                            ? "warning"
+                              : result.state == State::unmeasurable ? "broken"
+                              : result.state == State::skipped      ? "skipped"
+                                                                    : "FAILED";
     const std::string problem = result.state == State::skipped        ? "cannot be measured on this machine"
                                 : result.state == State::unmeasurable ? "could not be measured"
                                                                       : output::check::disagreement_text(claim, result);
@@ -113,21 +131,16 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
     fmt::print("         {}: {}\n", terminal_line(claim.where.text()),
                terminal_line(output::check::explanation_text(claim, result)));
     if (result.witness.x >= 0) {
-        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
-                   output::file::hex(result.witness.ray.origin.x), output::file::hex(result.witness.ray.origin.y),
-                   output::file::hex(result.witness.ray.origin.z), output::file::hex(result.witness.ray.direction.x),
-                   output::file::hex(result.witness.ray.direction.y),
-                   output::file::hex(result.witness.ray.direction.z));
+        const Ray<double>& ray = result.witness.ray;
+        fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n", output::file::hex(ray.origin.x),
+                   output::file::hex(ray.origin.y), output::file::hex(ray.origin.z), output::file::hex(ray.direction.x),
+                   output::file::hex(ray.direction.y), output::file::hex(ray.direction.z));
     }
     if (const std::string command = output::check::witness_command(claim, result); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
     fmt::print("         reproduce: {}\n", terminal_line(output::check::subject_texts(claim).command));
-    if (options.annotations == "github" && result.state != State::skipped) {
-        fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(label) == "warning" ? "warning" : "error",
-                   output::file::workflow_value(claim.where.source), claim.where.line,
-                   output::file::workflow_value(claim.id),
-                   output::file::workflow_text(output::check::explanation_text(claim, result)));
-    }
+
+    if (options.annotations == "github" && result.state != State::skipped) print_annotation(claim, result, is_warning);
 }
 
 /// `; 5 draws: 1.2 to 1.4, median 1.3; their interval is [1.1, 1.5]`.
@@ -210,87 +223,128 @@ void check_shard_options(const CheckOptions& options) {
             "instead");
 }
 
-Exit run(const CheckOptions& options, const CommonOptions& common) {
+/// Throws InputError for options that do not go with --profile timing or --measure, for shards and for files.
+void check_options(const CheckOptions& options) {
     check_shard_options(options);
     shell::require_different_files(
         {{"--junit", options.junit}, {"--export-csv", options.csv}, {"--export-json", options.json}},
         {"--report", options.report});
-    if (options.is_timing() && (options.strict || !options.junit.empty() || !options.csv.empty() ||
-                                !options.json.empty() || !options.report.empty() || options.annotations != "none")) {
+    if (options.is_timing() && (options.strict || options.writes_files() || options.annotations != "none"))
         throw InputError(
             "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
             "--annotations: claims about time never fail a check, and no report shows them; leave "
             "out --profile timing, or the other options");
-    }
-    if (options.measure &&
-        (!options.junit.empty() || !options.csv.empty() || !options.json.empty() || !options.report.empty())) {
+    if (options.measure && options.writes_files())
         throw InputError(
             "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
             "claims; leave out --measure, or the other options");
-    }
-    const auto data = selection::data_folder(common.data);
-    const auto claims = load_claims(options, data);
-    const selection::ThreadLimit limit(common.threads);
-    // Checks before the work that the reports can be written; they are small and written at the end.
-    for (const std::string& path : {options.junit, options.csv, options.json}) {
-        if (!path.empty()) output::file::AtomicFile probe(path);
-    }
+}
+
+RunDivision divide_check(const CheckOptions& options, const std::filesystem::path& data, const CommonOptions& common) {
     // Only a shard records which files it read, so a whole run need not list the data folder.
     const bool is_whole_run = options.shard.empty() && !common.shards_to_join;
     RunDivision run_division =
         divide_run(options.shard, options.report,
                    is_whole_run ? std::vector<std::filesystem::path>{} : input_files(options, data), common);
     run_division.division.expect({"check"});
-    std::unique_ptr<output::file::ResultFolder> folder;
-    if (!options.report.empty())
-        folder =
-            take_folder(run_division, options.report, common, common.typed_command.all_subjects(), {.is_shared = true});
+    return run_division;
+}
+
+/// The folder of --report; null without one, and in a shard.
+std::unique_ptr<output::file::ResultFolder> lock_report_folder(const CheckOptions& options,
+                                                               const RunDivision& run_division,
+                                                               const CommonOptions& common) {
+    if (options.report.empty()) return nullptr;
+    auto folder =
+        lock_folder(run_division, options.report, common, common.typed_command.all_subjects(), {.is_shared = true});
     if (folder) require_writable(std::filesystem::path(options.report) / "README.md");
-    const study::StudiesByName studies;
-    const measure::check::ClaimRequest request{
-        .data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies};
-    const auto measured = run_division.division.result_of("check", [&] {
-        const auto units = run_division.division.share().unit_range(claims.size());
+    return folder;
+}
+
+/// Measures the claims. A shard measures and records its part of them, and returns nothing.
+std::optional<std::vector<ClaimResult>> measure_claims(const std::vector<Claim>& claims,
+                                                       const measure::check::ClaimRequest& request,
+                                                       shard::Division& division) {
+    return division.measure_or_join("check", [&] {
+        const auto units = division.share().unit_range(claims.size());
         const std::vector<Claim> shard_claims(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
                                               claims.begin() + static_cast<std::ptrdiff_t>(units.last));
         return measure::check::measure_claims(shard_claims, request);
     });
-    finish_run(run_division, common);
-    if (!measured) return Exit::done;
-    const auto& results = *measured;
-    if (options.is_timing() && !options.measure) return report_times(claims, results);
-    if (options.measure) {
-        for (std::size_t i = 0; i < claims.size(); ++i)
-            fmt::print("{} = {}{}\n", terminal_line(claims[i].id), output::file::decimal(results[i].measured),
-                       draws_text(claims[i], results[i]));
-        return Exit::done;
-    }
-    const auto counts = output::check::count_verdicts(claims, results);
-    const std::size_t agreed = counts.all.confirmed(), skipped = counts.all.skipped;
-    std::size_t failed = 0;
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        print(claims[i], results[i], options, common.verbose);
-        failed += results[i].state != State::agrees && results[i].state != State::skipped &&
-                  (options.strict || claims[i].severity == Claim::Severity::error);
-    }
-    if (options.seeds > 0 && !common.quiet) print_spreads(claims, results);
+}
+
+void print_measured_numbers(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    for (std::size_t i = 0; i < claims.size(); ++i)
+        fmt::print("{} = {}{}\n", terminal_line(claims[i].id), output::file::decimal(results[i].measured),
+                   draws_text(claims[i], results[i]));
+}
+
+void write_reports(const CheckOptions& options, const std::vector<Claim>& claims,
+                   const std::vector<ClaimResult>& results, const measure::check::ClaimRequest& request) {
     if (!options.junit.empty()) output::check::write_junit(options.junit, claims, results, options.strict);
     if (!options.csv.empty()) output::check::write_claims_csv(options.csv, claims, results);
     if (!options.json.empty()) output::check::write_claims_json(options.json, claims, results);
     if (!options.report.empty()) output::check::write_claim_report(options.report, claims, results, request);
-    complete_folder(folder);
-    if (!common.quiet) {
-        // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
-        fmt::print("{} confirmed, {} failed{}\n", text::count_with_noun(agreed, "verdict"),
-                   claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
-        if (agreed > 0) fmt::print("{}\n", counts.text());
+}
+
+bool fails(const Claim& claim, const ClaimResult& result, bool is_strict) {
+    return result.state != State::agrees && result.state != State::skipped &&
+           (is_strict || claim.severity == Claim::Severity::error);
+}
+
+void print_counts(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    const auto counts = output::check::count_verdicts(claims, results);
+    const std::size_t agreed = counts.all.confirmed(), skipped = counts.all.skipped;
+    // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
+    fmt::print("{} confirmed, {} failed{}\n", text::count_with_noun(agreed, "verdict"),
+               claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
+    if (agreed > 0) fmt::print("{}\n", counts.text());
+}
+
+Exit run(const CheckOptions& options, const CommonOptions& common) {
+    check_options(options);
+    const auto data = selection::data_folder(common.data);
+    const auto claims = load_claims(options, data);
+    const selection::ThreadLimit limit(common.threads);
+
+    // Checks before the work that the reports can be written; they are small and written at the end.
+    for (const std::string& path : {options.junit, options.csv, options.json}) {
+        if (!path.empty()) output::file::AtomicFile probe(path);
     }
-    if (skipped > 0 && skipped == claims.size()) {
+    RunDivision run_division = divide_check(options, data, common);
+    const auto folder = lock_report_folder(options, run_division, common);
+
+    const study::StudiesByName studies;
+    const measure::check::ClaimRequest request{
+        .data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies};
+    const auto measured = measure_claims(claims, request, run_division.division);
+    finish_run(run_division, common);
+    if (!measured) return Exit::done;
+
+    const auto& results = *measured;
+    if (options.is_timing() && !options.measure) return report_times(claims, results);
+    if (options.measure) {
+        print_measured_numbers(claims, results);
+        return Exit::done;
+    }
+
+    bool any_fails = false;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        print(claims[i], results[i], options, common.verbose);
+        any_fails |= fails(claims[i], results[i], options.strict);
+    }
+    if (options.seeds > 0 && !common.quiet) print_spreads(claims, results);
+    write_reports(options, claims, results, request);
+    complete_folder(folder);
+    if (!common.quiet) print_counts(claims, results);
+
+    const auto is_skipped = [](const ClaimResult& result) { return result.state == State::skipped; };
+    if (!results.empty() && std::ranges::all_of(results, is_skipped)) {
         fmt::print(stderr, "lostbits: every claim was skipped, so nothing was checked; the reason of the first: {}\n",
                    terminal_line(results.front().reason));
         return Exit::nothing_selected;
     }
-    return failed == 0 ? Exit::done : Exit::answer_is_no;
+    return any_fails ? Exit::answer_is_no : Exit::done;
 }
 
 }  // namespace
@@ -301,6 +355,8 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     const auto options = std::make_shared<CheckOptions>();
     command.add("CLAIMS", options->files, "Claim files or folders (default: data/claims)");
     command.add_list("--filter", options->filters, "Measure only claims whose id matches a glob");
+
+    // What to write.
     command.add("--junit", options->junit, "Write JUnit XML");
     command.add("--export-csv", options->csv, "Write CSV, one row per claim");
     command.add("--export-json", options->json, "Write JSON, one object per claim");
@@ -308,6 +364,8 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     add_shard(command, options->shard);
     command.add("--annotations", options->annotations,
                 "github: also print annotations that GitHub shows beside the code", shell::one_of({"none", "github"}));
+
+    // What to measure, and how to judge it.
     command.add("--profile", options->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
     command.add("--seeds", options->seeds,

@@ -63,7 +63,7 @@ public:
 private:
     void repair_one(const TestedForm& tested_form) {
         requests_.push_back({.scene = request_.scene,
-                             .tested_form = tested_form,
+                             .row = tested_form,
                              .requirement = request_.requirement,
                              .limit = request_.limit});
         try {
@@ -119,7 +119,7 @@ LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::
     LoadedRepairs repairs;
     if (repairer.sources.empty()) return repairs;
     auto formulas =
-        compile_and_load({.scene = request.scene, .tested_form = {}, .limit = request.limit}, repairer.sources, setup);
+        compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, repairer.sources, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = repairer.candidates[k];
         const auto file = folder / candidate.file;
@@ -191,12 +191,14 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
     const auto measured_candidates = measure_candidates(request, timed_rays);
     auto requirement_map =
         met_pixels ? std::optional(requirement_map_of(request, measured_candidates, *met_pixels)) : std::nullopt;
+
     auto choice = output::choose::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choose::safe_offsets(
-            *request.scene, measured_candidates[*choice.cheapest_index].tested_form, request.limit);
+        choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
+                                                       request.limit);
+
     files.finish(choice);
     complete_folder(result_folder);
     progress.finish();
@@ -205,35 +207,53 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
 
-Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common) {
-    const auto scene =
-        selection::load_one_scene({{options.subjects.front()}, options.size, options.variant, options.set, common.stop},
-                                  selection::data_folder(common.data));
-    selection::refuse_generated_rays({scene}, "choose");
-    ChoiceRequest request = make_request(options, common.stop);
-    request.scene = &scene;
-    request.tested_forms =
-        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
+/// Moves the rows in emulated formats to `untimed_forms`.
+void separate_untimed_rows(ChoiceRequest& request) {
     const auto emulated = std::stable_partition(
         request.tested_forms.begin(), request.tested_forms.end(),
         [](const measure::evaluate::TestedForm& tested_form) { return !tested_form.format.is_emulated(); });
     request.untimed_forms.assign(emulated, request.tested_forms.end());
     request.tested_forms.erase(emulated, request.tested_forms.end());
+}
+
+Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common) {
+    const auto data = selection::data_folder(common.data);
+    const auto scene = selection::load_one_scene(
+        {{options.subjects.front()}, options.size, options.variant, options.set, common.stop}, data);
+    selection::refuse_generated_rays({scene}, "choose");
+    ChoiceRequest request = make_request(options, common.stop);
+    request.scene = &scene;
+    request.tested_forms =
+        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
+    separate_untimed_rows(request);
+
     const auto folder = std::filesystem::path(options.out) / scene.id;
-    const auto result_folder =
-        take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
+    const auto result_folder = lock_folder(folder, common, selection::name_of_scene(scene, data));
     output::choose::ChoiceFiles files(folder);
     output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.tested_forms);
     if (!options.mend) return choose(request, files, result_folder, progress, common);
-    LoadedRepairs repairs = load_repairs(
-        request, {options.compiler, selection::form_flags_folder()}, folder,
-        common.typed_command.for_subject(selection::name_of_scene(scene, selection::data_folder(common.data))));
+
+    // The repaired forms take part in the choice.
+    LoadedRepairs repairs = load_repairs(request, {options.compiler, selection::form_flags_folder()}, folder,
+                                         common.typed_command.for_subject(selection::name_of_scene(scene, data)));
     for (const auto& repair : repairs.forms)
         request.tested_forms.push_back({.form = &repair.formula.intersector, .format = repair.format});
     return choose(request, files, result_folder, progress, common, std::move(repairs.candidates));
+}
+
+/// Drops the rows in emulated formats, which only the requirement map of a scene shows.
+void drop_emulated_rows(ChoiceRequest& request, const std::string& id, bool quiet) {
+    const auto emulated =
+        std::erase_if(request.tested_forms, [](const auto& tested_form) { return tested_form.format.is_emulated(); });
+    if (emulated > 0 && !quiet)
+        fmt::print(stderr,
+                   "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "
+                   "since they "
+                   "apply only to the requirement map of a scene\n",
+                   id);
 }
 
 Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common) {
@@ -243,22 +263,18 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     ChoiceRequest request = make_request(options, common.stop);
     request.tested_forms =
         select_tested_forms(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
-    const auto emulated =
-        std::erase_if(request.tested_forms, [](const auto& tested_form) { return tested_form.format.is_emulated(); });
-    if (emulated > 0 && !common.quiet)
-        fmt::print(stderr,
-                   "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "
-                   "since they "
-                   "apply only to the requirement map of a scene\n",
-                   id);
+    drop_emulated_rows(request, id, common.quiet);
+
     const auto folder = std::filesystem::path(options.out) / id;
-    const auto result_folder = take_folder(folder, common, opened_rays.quoted_files);
+    const auto result_folder = lock_folder(folder, common, opened_rays.quoted_files);
     output::choose::ChoiceFiles files(folder);
     const bool counts_bytes = opened_rays.dump->bytes() > 0;
     output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
                                     common.progress, common.quiet);
     const auto advance = advance_callback(progress);
     opened_rays.terms.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
+
+    // Reads the files once. What follows uses a sample of their rays.
     const measure::choose::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.terms, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
@@ -290,6 +306,8 @@ void add_choose(const shell::Command& program, const CommonOptions& common) {
         .add("SCENE", options->subjects,
              "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
         .required();
+
+    // The requirement.
     command.add("--bits", options->bits,
                 "Require this many correct bits of t, for the share of the hits that --at gives",
                 shell::number_between(0, 53));
@@ -301,6 +319,8 @@ void add_choose(const shell::Command& program, const CommonOptions& common) {
                 shell::number_between(0, 1));
     command.add("--at", options->at,
                 "Share of the hits that must meet the requirement: p50, p99 (default), p99.9, or max for all hits");
+
+    // The candidates, and what they cost.
     selection::add_forms(command, options->forms);
     command.add_list(
         "-f,--format", options->formats,
@@ -311,10 +331,13 @@ void add_choose(const shell::Command& program, const CommonOptions& common) {
         .add("--bulk", options->bulk,
              "Compare the cost of packets of rays, one ray in each lane of a SIMD register (default)")
         .excludes(single);
+
+    // Changes of the scene, and the meaning of files of rays.
     command.add("--size", options->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", options->variant, "One variant of a scene that has several");
     command.add_set(options->set, "Change a number of the scene first: sphere[0].radius=10");
     selection::add_ray_options(command, *options);
+
     command.add("--mend", options->mend,
                 "Also repair the forms that do not meet the requirement, as `lostbits mend` does, and time them");
     command.add("--compiler", options->compiler, "The compiler that --mend uses (default: c++)");

@@ -16,6 +16,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "analysis/shell/text_table.hpp"
 #include "intersect/process/stop_token.hpp"
+#include "measure/contract/suspect.hpp"
 #include "measure/evaluate/map.hpp"
 #include "measure/evaluate/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -65,16 +66,16 @@ void add_examples(const shell::Command& program);
 
 /// Returns a descriptor of standard output for a command that answers a pipe. Everything else that is printed goes to
 /// standard error from then on. Throws EnvironmentError, which begins with `command`.
-int take_standard_output(const std::string& command);
+int redirect_standard_output(const std::string& command);
 
 // Shared by the commands that write a folder of results (results.cpp).
 
 /// Throws InputError if the value of -o is empty.
 void require_folder(const std::string& out);
 
-/// Takes a folder for the results of this run, see `ResultFolder`. The rule `allows_unlisted` is set from `--force`.
+/// Locks a folder for the results of this run, see `ResultFolder`. The rule `allows_unlisted` is set from `--force`.
 /// `subject` is the part of the command line that names what is measured, quoted for a shell.
-[[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
+[[nodiscard]] std::unique_ptr<output::file::ResultFolder> lock_folder(const std::filesystem::path& folder,
                                                                       const CommonOptions& common,
                                                                       const std::string& subject,
                                                                       output::file::ResultFolder::Rules rules = {});
@@ -91,20 +92,20 @@ struct RunDivision {
     }
 };
 
-/// Like `take_folder(folder, …)` for a run that may be a shard. Returns null in a shard, which already has a folder.
-[[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const RunDivision& run_division,
+/// Like `lock_folder(folder, …)` for a run that may be a shard. Returns null in a shard, which already has a folder.
+[[nodiscard]] std::unique_ptr<output::file::ResultFolder> lock_folder(const RunDivision& run_division,
                                                                       const std::filesystem::path& folder,
                                                                       const CommonOptions& common,
                                                                       const std::string& subject,
                                                                       output::file::ResultFolder::Rules rules = {});
 
 /// Prints the path of each file of a drawing.
-void print_figures(const std::filesystem::path& path);
+void print_figure_paths(const std::filesystem::path& path);
 
 /// Marks the results in the folder as complete, see `ResultFolder::complete`. Does nothing for null.
 void complete_folder(const std::unique_ptr<output::file::ResultFolder>& folder);
 
-/// Takes a folder in `out` for each scene, and checks that summary.csv can be written there. A folder belongs to this
+/// Locks a folder in `out` for each scene, and checks that summary.csv can be written there. A folder belongs to this
 /// run until the work on its scene is done; its files are then complete, even if the run fails later.
 class SceneFolders {
 public:
@@ -124,9 +125,9 @@ private:
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders_ = {};  ///< none in a shard
 };
 
-/// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the tested forms that the scenes
-/// need, and prints which scenes and forms are left out. `command` is the name of the command. Throws InputError for a
-/// ray generator, that is a scene or a form that makes the rays in each format. Also throws whatever `require_scene`
+/// Loads the scenes of a command that tests primitives one by one. Adds the forms that the scenes need to
+/// `tested_forms`, and prints which scenes and forms are left out. `command` is the name of the command. Throws
+/// InputError if a scene or a form makes its rays anew in each format (a ray generator), and whatever `require_scene`
 /// throws for a scene.
 [[nodiscard]] std::vector<scene::file::Scene> load_primitive_scenes(
     const selection::SharedOptions& shared, std::vector<measure::evaluate::TestedForm>& tested_forms,
@@ -135,15 +136,14 @@ private:
 /// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& shard_value);
 
-/// A hash of these files and of the libraries, which decide what a run measures.
-[[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files,
-                                           const CommonOptions& common);
+/// Hashes these files and the libraries, which decide what a run measures.
+[[nodiscard]] std::uint64_t hash_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common);
 
 /// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` are the files that decide
 /// what it measures. Throws InputError for a bad value, and if the shards to join read other files.
 [[nodiscard]] RunDivision divide_run(const std::string& shard_value, const std::string& out,
                                      const std::vector<std::filesystem::path>& files, const CommonOptions& common,
-                                     bool resumed = false);
+                                     bool is_resumed = false);
 
 /// Ends a divided run. Gives the file of a shard its final name and prints the name. Returns false for a shard, which
 /// has only a part of the results.
@@ -161,7 +161,7 @@ void require_writable(const std::filesystem::path& file);
 [[nodiscard]] std::string concatenate(const char* prefix, const std::vector<std::string>& values,
                                       const char* suffix = "");
 
-/// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
+/// Parses the value of `--at`, a fraction of the hits: p50, p99 or max. Throws InputError.
 [[nodiscard]] double parse_quantile(const std::string& text);
 
 /// Returns the exit status of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
@@ -185,10 +185,9 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& tested_
 
 /// Adds columns to a table on stdout for the outcomes that only meshes have.
 void add_mesh_columns(std::vector<shell::TextColumn>& columns);
-/// Adds the cells of a summary in these columns. `recognises_cracks` is false for the answers of a file, where cracks
-/// and double hits cannot be recognised.
+/// Adds the cells of a summary in these columns. In the answers of a file, cracks and double hits cannot be recognised.
 void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary,
-                    bool recognises_cracks);
+                    measure::contract::AnswerSource source);
 /// Adds columns to a table on stdout for the wrong decisions, and the cells of a summary in these columns.
 void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);

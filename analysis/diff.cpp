@@ -24,7 +24,7 @@ using output::diff::CompareOptions;
 
 namespace {
 
-/// The compare_options that change measured values, and not only which rows there are or how they are shown.
+/// The options that change measured values, and not only which rows there are or how they are shown.
 const std::vector<std::string>& measurement_options() {
     static const std::vector<std::string> all = [] {
         std::vector<std::string> names{"--bits",      "--wrong",    "--at",          "--single",   "--bulk",   "--size",
@@ -39,8 +39,8 @@ const std::vector<std::string>& measurement_options() {
 
 using Settings = std::map<std::string, std::set<std::string>>;
 
-/// The values of each measurement option in a command.
-Settings settings_of(const std::string& command) {
+/// Parses the values of each measurement option in a command.
+Settings parse_settings(const std::string& command) {
     Settings settings;
     const auto words = selection::split_shell_words(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -70,7 +70,7 @@ std::vector<std::string> values_only_in(const std::set<std::string>& left, const
 std::vector<std::string> option_differences(const fs::path& a, const fs::path& b) {
     const auto run_a = output::file::ResultFolder::last_run(a), run_b = output::file::ResultFolder::last_run(b);
     if (!run_a || !run_b) return {};
-    Settings settings_a = settings_of(run_a->command), settings_b = settings_of(run_b->command);
+    Settings settings_a = parse_settings(run_a->command), settings_b = parse_settings(run_b->command);
     std::vector<std::string> lines;
     for (const std::string& name : measurement_options()) {
         const std::string option(name);
@@ -111,7 +111,7 @@ void print_option_differences(const std::vector<std::string>& lines) {
 struct DiffOptions {
     std::string a, b, draw;
     std::vector<std::string> tolerances, ignored, forms, formats;
-    bool strict = false, pictures = false;
+    bool strict = false, compares_pictures = false;
 };
 
 std::set<std::string> compared_columns(const std::vector<FileResult>& results) {
@@ -128,6 +128,7 @@ Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_opti
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(options.a, options.b, compare_options);
     diff::refuse_unknown_columns(compare_options, compared_columns(results));
+
     const bool is_same = std::ranges::all_of(results, &FileResult::same);
     const bool compares_files = fs::is_regular_file(options.a) && fs::is_regular_file(options.b);
     if (compares_files) print_option_differences(option_differences(folder_of(options.a), folder_of(options.b)));
@@ -135,6 +136,8 @@ Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_opti
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
     if (is_same && !common.quiet) fmt::print("same\n");
+
+    // Two tables of results also get a verdict.
     if (!is_same && compares_files && !options.strict && diff::kind_of(options.a) == diff::FileKind::csv &&
         diff::kind_of(options.b) == diff::FileKind::csv) {
         const auto a = output::file::read_csv(options.a), b = output::file::read_csv(options.b);
@@ -146,17 +149,20 @@ Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_opti
 
 Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const CompareOptions& compare_options,
                  const CommonOptions& common) {
-    const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.pictures);
+    const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.compares_pictures);
     auto names = compared_columns(difference.other_files);
     names.insert(difference.rows.names.begin(), difference.rows.names.end());
     diff::refuse_unknown_columns(compare_options, names);
+
+    // Draws before anything is printed: a map without pixels is an error.
     std::unique_ptr<output::file::ResultFolder> result_folder;
     if (!options.draw.empty())
-        result_folder = take_folder(options.draw, common, options.a + (options.b.empty() ? "" : " " + options.b));
+        result_folder = lock_folder(options.draw, common, options.a + (options.b.empty() ? "" : " " + options.b));
     const auto pictures =
-        options.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, options.draw, common.stop);
+        options.draw.empty() ? std::vector<fs::path>{} : diff::draw_map_differences(sides, options.draw, common.stop);
     complete_folder(result_folder);
-    if (!sides.are_forms()) print_option_differences(option_differences_below(options.a, options.b));
+
+    if (!sides.compares_two_forms()) print_option_differences(option_differences_below(options.a, options.b));
     if (!difference.same() || common.verbose) diff::print(difference, sides, common.verbose);
     if (difference.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
@@ -188,7 +194,7 @@ void print_incomplete(const DiffOptions& options) {
     }
 }
 
-MapSides sides_of(const DiffOptions& options) {
+MapSides parse_sides(const DiffOptions& options) {
     if (options.forms.empty()) return {options.a, options.b, {}, {}, options.formats};
     if (options.forms.size() != 2)
         throw InputError(
@@ -202,6 +208,28 @@ MapSides sides_of(const DiffOptions& options) {
     return {options.a, options.a, options.forms[0], options.forms[1], options.formats};
 }
 
+bool compares_folders(const DiffOptions& options) {
+    return diff::are_folders(options.a, options.b.empty() ? options.a : options.b);
+}
+
+/// Throws InputError for options that do not go together, or not with what is compared.
+void check_options(const DiffOptions& options, const MapSides& sides) {
+    if (options.b.empty() && !sides.compares_two_forms())
+        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " +
+                         options.a + ": -i FORM -i FORM");
+    const bool are_folders = compares_folders(options);
+    if (!are_folders && sides.compares_two_forms())
+        throw InputError(options.a + ": is a file; to compare two forms, name the folder of a map");
+    if (!options.draw.empty() && options.strict)
+        throw InputError("--draw: --strict compares files and draws no maps; leave out --draw, or leave out --strict");
+    if (!options.draw.empty() && !are_folders)
+        throw InputError(
+            "--draw draws maps, which are folders, but files are compared; leave out --draw, or name two folders");
+    if (!options.formats.empty() && options.draw.empty())
+        throw InputError(
+            "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
+}
+
 Exit run(const DiffOptions& options, const CommonOptions& common) {
     CompareOptions compare_options;
     compare_options.stop = common.stop;
@@ -209,24 +237,12 @@ Exit run(const DiffOptions& options, const CommonOptions& common) {
         compare_options.tolerances.push_back(output::diff::parse_tolerance(text));
     compare_options.ignored = options.ignored;
     if (common.verbose) compare_options.max_listed = UINT64_MAX;
-    const MapSides sides = sides_of(options);
-    if (options.b.empty() && !sides.are_forms())
-        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " +
-                         options.a + ": -i FORM -i FORM");
-    const bool compares_folders = diff::are_folders(options.a, options.b.empty() ? options.a : options.b);
-    if (!compares_folders && sides.are_forms())
-        throw InputError(options.a + ": is a file; to compare two forms, name the folder of a map");
-    if (!options.draw.empty() && options.strict)
-        throw InputError("--draw: --strict compares files and draws no maps; leave out --draw, or leave out --strict");
-    if (!options.draw.empty() && !compares_folders)
-        throw InputError(
-            "--draw draws maps, which are folders, but files are compared; leave out --draw, or name two folders");
-    if (!options.formats.empty() && options.draw.empty())
-        throw InputError(
-            "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
+    const MapSides sides = parse_sides(options);
+    check_options(options, sides);
     print_incomplete(options);
-    return compares_folders && !options.strict ? run_on_maps(options, sides, compare_options, common)
-                                               : run_strictly(options, compare_options, common);
+    const bool compares_maps = !options.strict && compares_folders(options);
+    return compares_maps ? run_on_maps(options, sides, compare_options, common)
+                         : run_strictly(options, compare_options, common);
 }
 
 }  // namespace
@@ -242,7 +258,7 @@ void add_diff(const shell::Command& program, const CommonOptions& common) {
         "COLUMN=ABS[,REL]: numbers of a column may differ by ABS, or by REL times the larger one (docs/diff.md)");
     command.add("--ignore", options->ignored, "Do not compare these columns and channels, by name or glob");
     command.add("--strict", options->strict, "Compare every file to the last bit, pictures included");
-    command.add("--compare-pictures", options->pictures, "Also compare pictures");
+    command.add("--compare-pictures", options->compares_pictures, "Also compare pictures");
     command.add_list("-i,--form", options->forms, "Compare two forms of the maps in A; replaces B");
     command.add_list("-f,--format", options->formats, "Formats that --draw draws (default: all)");
     command.add("--draw", options->draw,

@@ -81,7 +81,7 @@ const CommandExamples all_examples[] = {
 }  // namespace
 
 void add_examples(const shell::Command& program) {
-    for (const shell::Command& command : program.commands()) {
+    for (const shell::Command& command : program.subcommands()) {
         const auto* const row = std::ranges::find(all_examples, command.name(), &CommandExamples::command);
         if (row != std::end(all_examples)) command.set_examples(row->examples);
     }

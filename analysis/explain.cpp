@@ -129,6 +129,8 @@ StepRays rays_at_step(const scene::sweep::SweepFile& sweep, const std::string& p
 Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_options,
                     const measure::evaluate::TestedForm& tested_form, bool json, const CommonOptions& common) {
     refuse_ray(ray);
+
+    // Each input may have one range from the command line.
     RangesRequest request{.format = tested_form.format, .boxes = static_cast<std::size_t>(range_options.boxes)};
     for (const std::string& text : range_options.ranges) {
         const GivenRange& given = request.given_ranges.emplace_back(parse_range(text));
@@ -136,6 +138,8 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
             throw InputError("--input-range " + text + ": " + given.name +
                              " already has a range from another --input-range; leave out one of the two");
     }
+
+    // The other ranges are those of a step of a sweep, or of a scene.
     const auto data = selection::data_folder(common.data);
     auto file = selection::find_sweep_file(ray.subject, data);
     // If a scene and a sweep have the same name, --at-step means the sweep.
@@ -156,6 +160,7 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
         request.form = form_for_primitives(*tested_form.form, scene);
         request.rays = std::move(scene);
     }
+
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
     const auto bound = measure::apriori::bound_over_ranges(request);
@@ -164,7 +169,9 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
     return Exit::done;
 }
 
-Exit run(const ExplainOptions& options, const CommonOptions& common) {
+/// The form and the format of the options. Throws InputError if the form does not exist in the format, and for an
+/// output that needs the operations of a form whose operations are not known.
+measure::evaluate::TestedForm select_tested_form(const ExplainOptions& options) {
     const intersect::table::Intersector& form = *select_one("-i", options.form, "form", selection::select_forms);
     const Format format = select_one("-f", options.format, "format", selection::select_formats);
     if (!form.exists_in(format))
@@ -178,29 +185,48 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
             options.json     ? "--json"
             : options.fpcore ? "--fpcore"
                              : "--c"));
+    return {&form, format};
+}
+
+/// Prints on stderr what is odd about the ray: numbers of its scene that the format cannot represent, or a direction of
+/// zero.
+void note_odd_ray(const selection::SelectedRay& selected, const selection::RayOptions& ray_options,
+                  const measure::evaluate::TestedForm& tested_form) {
+    if (selected.scene) selection::note_unrepresentable_numbers(*selected.scene, {tested_form});
+    if (ray_options.ray.empty()) return;
+    const auto inputs = selected.ray.inputs(*tested_form.form, tested_form.format);
+    if (inputs.ray(*tested_form.form->info).direction == Vec<double>(0, 0, 0))
+        fmt::print(stderr,
+                   "lostbits: --ray {}: the direction is 0,0,0, so this is not a ray; what follows shows only how the "
+                   "form computes with it\n",
+                   output::file::terminal_line(ray_options.ray));
+}
+
+measure::attribution::Explanation explain_ray(const selection::SelectedRay& selected, const Format& format,
+                                              const std::vector<std::string>& forms_beside,
+                                              intersect::process::StopToken stop) {
+    const auto forms = selection::select_forms(forms_beside, "--beside");
+    std::optional<measure::attribution::ScenePixel> pixel;
+    if (selected.scene && selected.pixel)
+        pixel = {selected.scene.get(), selected.pixel->first, selected.pixel->second, {.stop = stop}};
+    return measure::attribution::explain(*selected.form, format, selected.ray, forms, pixel);
+}
+
+Exit run(const ExplainOptions& options, const CommonOptions& common) {
+    const measure::evaluate::TestedForm tested_form = select_tested_form(options);
     if (options.ranges.is_given) {
         if (options.fpcore || options.c)
             throw InputError(
                 "--ranges: explain prints the bound as text or as --json only; leave out --fpcore and --c");
-        return explain_ranges(options.ray_options, options.ranges, {&form, format}, options.json, common);
+        return explain_ranges(options.ray_options, options.ranges, tested_form, options.json, common);
     }
+
     const selection::SelectedRay selected =
-        selection::find_ray(options.ray_options, {&form, format}, selection::data_folder(common.data));
-    const measure::answer::OneRay& ray = selected.ray;
-    if (selected.scene && !common.quiet) selection::note_unrepresentable_numbers(*selected.scene, {{&form, format}});
-    if (!options.ray_options.ray.empty() && !common.quiet &&
-        ray.inputs(form, format).ray(*form.info).direction == Vec<double>(0, 0, 0))
-        fmt::print(stderr,
-                   "lostbits: --ray {}: the direction is 0,0,0, so this is not a ray; what follows shows only how the "
-                   "form computes with it\n",
-                   output::file::terminal_line(options.ray_options.ray));
-    const auto forms_beside = selection::select_forms(options.forms_beside, "--beside");
-    std::optional<measure::attribution::ScenePixel> pixel;
-    if (selected.scene && selected.pixel)
-        pixel = {selected.scene.get(), selected.pixel->first, selected.pixel->second, {.stop = common.stop}};
-    const measure::attribution::Explanation explanation =
-        measure::attribution::explain(*selected.form, format, ray, forms_beside, pixel);
-    const auto march = output::attribution::end_of_march(form, format, ray);
+        selection::find_ray(options.ray_options, tested_form, selection::data_folder(common.data));
+    if (!common.quiet) note_odd_ray(selected, options.ray_options, tested_form);
+    const auto explanation = explain_ray(selected, tested_form.format, options.forms_beside, common.stop);
+    const auto march = output::attribution::end_of_march(*tested_form.form, tested_form.format, selected.ray);
+
     for (const std::string& failure : explanation.failures)
         fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(failure));
     if (options.json) fmt::print("{}", output::attribution::explain_json(explanation, march));
@@ -213,14 +239,8 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
     return Exit::done;
 }
 
-}  // namespace
-
-void add_explain(const shell::Command& program, const CommonOptions& common) {
-    auto command =
-        program.add_command("explain", "Show the operations of a form on one ray, and which operation loses the bits");
-    const auto options = std::make_shared<ExplainOptions>();
-    selection::RayOptions& ray_options = options->ray_options;
-    ray_options.stop = common.stop;
+/// Adds the options that choose a ray of a scene or of a sweep.
+void add_scene_ray_options(const shell::Command& command, selection::RayOptions& ray_options) {
     command.add("SCENE", ray_options.subject,
                 "A scene; with --worst also a sweep; with --case a file of cases (docs/explain.md)");
     command.add("--pixel", ray_options.pixel, "Column and row of a pixel, from the left and from the top: 17,42");
@@ -231,6 +251,10 @@ void add_explain(const shell::Command& program, const CommonOptions& common) {
     command.add("--size", ray_options.size, "Size of the picture that contains the pixel, WxH (default: the scene's)");
     command.add("--steps", ray_options.steps, "Steps of each axis of a sweep, with --worst: 40, or 40,20");
     command.add("--variant", ray_options.variant, "The variant of a scene that has several");
+}
+
+/// Adds the options that give a ray and its primitives by numbers, or name a case.
+void add_given_ray_options(const shell::Command& command, selection::RayOptions& ray_options) {
     command.add("--ray", ray_options.ray, "A ray of your own: OX,OY,OZ,DX,DY,DZ, as decimals or hexadecimal floats");
     ray_options.primitives.add_to(
         command, "Primitives for --ray, in place of a scene (may be repeated; a matrix follows after @)");
@@ -241,37 +265,60 @@ void add_explain(const shell::Command& program, const CommonOptions& common) {
                 shell::one_of({"none", "tmin", "tmax", "both"}));
     command.add("--as", ray_options.format,
                 "First round the numbers of --ray, of the primitives, --tmin and --tmax to this format");
+
+    // Cases, and how to judge them.
     command.add("--case", ray_options.named_case,
                 "A case of a file of cases: NAME for its worst ray, or NAME:K for its ray K, counted from 0");
     command.add(
         "--convention", ray_options.convention,
         "The right answer for a ray that touches: own (as the form states, default), closed (a hit), open (a miss)",
         shell::one_of({"own", "closed", "open"}));
-    const auto ranges = command.add("--ranges", options->ranges.is_given,
+}
+
+/// Adds --ranges and the options that need it.
+void add_range_options(const shell::Command& command, RangeOptions& range_options) {
+    const auto ranges = command.add("--ranges", range_options.is_given,
                                     "Bound the error of t over all rays within the ranges of a scene or of a step of a "
                                     "sweep");
     command
-        .add("--at-step", options->ranges.step,
+        .add("--at-step", range_options.step,
              "The step of a sweep for --ranges, as a value of each axis: 4096, or 4096,0.5")
         .needs(ranges);
     command
-        .add("--input-range", options->ranges.ranges,
+        .add("--input-range", range_options.ranges,
              "Another range of an input for --ranges, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command
-        .add("--boxes", options->ranges.boxes,
+        .add("--boxes", range_options.boxes,
              "The largest number of boxes into which --ranges divides the ranges (default: 4096)",
              shell::whole_number_between(1, 1 << 20))
         .needs(ranges);
+}
+
+void add_output_options(const shell::Command& command, ExplainOptions& options) {
+    auto output_group = command.add_group("as", "Instead of the table");
+    output_group.add("--json", options.json, "Print everything as JSON");
+    output_group.add("--fpcore", options.fpcore, "Print t as FPCore 2.0, for Herbie and FPBench");
+    output_group.add("--c", options.c, "Print a C program that reproduces t to the bit (docs/explain.md)");
+}
+
+}  // namespace
+
+void add_explain(const shell::Command& program, const CommonOptions& common) {
+    auto command =
+        program.add_command("explain", "Show the operations of a form on one ray, and which operation loses the bits");
+    const auto options = std::make_shared<ExplainOptions>();
+    options->ray_options.stop = common.stop;
+    add_scene_ray_options(command, options->ray_options);
+    add_given_ray_options(command, options->ray_options);
+    add_range_options(command, options->ranges);
+
     command.add("-i,--form", options->form, "The form to explain").required();
     command.add("-f,--format", options->format, "The format (default: f32)");
     command.add_list("--beside", options->forms_beside,
                      "Also try these forms on the ray, by name or glob (docs/explain.md)");
-    command.add_set(ray_options.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
-    auto output_group = command.add_group("as", "Instead of the table");
-    output_group.add("--json", options->json, "Print everything as JSON");
-    output_group.add("--fpcore", options->fpcore, "Print t as FPCore 2.0, for Herbie and FPBench");
-    output_group.add("--c", options->c, "Print a C program that reproduces t to the bit (docs/explain.md)");
+    command.add_set(options->ray_options.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
+    add_output_options(command, *options);
     command.set_action([options, &common] { return run(*options, common); });
 }
 

@@ -27,6 +27,8 @@ namespace {
 /// Throws InputError for an option of `judge` that answers of this kind do not have.
 void refuse_options(const JudgeOptions& options, AnswerKind kind, const std::string& column) {
     const selection::RayFileOptions defaults;
+
+    // Options that are only about first hits.
     const std::pair<const char*, bool> first_hit_options[] = {
         {"-i", !options.forms.empty()},
         {"-f", !options.formats.empty()},
@@ -50,6 +52,8 @@ void refuse_options(const JudgeOptions& options, AnswerKind kind, const std::str
                 kind == AnswerKind::all_hits ? "that it lists all hits"
                 : kind == AnswerKind::inside ? "that its records are points"
                                              : "how often rays cross the surface"));
+
+    // Options that are only about rays.
     if (kind == AnswerKind::inside)
         for (const auto& [name, is_given] : {std::pair("--direction", options.direction != defaults.direction),
                                              {"--touching", options.touching != defaults.touching},
@@ -80,12 +84,15 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
         cells.push_back(std::to_string(result.count(outcome)));
     }
+
+    // Only the answers that list all hits have t.
     if (result.kind == AnswerKind::all_hits)
         for (const auto& [title, q] : {std::pair("bits lost: p50", 0.5), {"p99", 0.99}, {"max", 1.0}}) {
             const double bits = result.lost_bits.quantile(q);
             columns.push_back({title, std::max<std::size_t>(std::string_view(title).size(), 6)});
             cells.push_back(std::isnan(bits) ? "-" : fmt::format("{:.2f}", bits));
         }
+
     shell::TextTable table(std::move(columns));
     table.add(std::move(cells));
     table.print();
@@ -115,13 +122,16 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
                                                             .facing = selection::answer_contract(options, dump).facing},
                                                .limit = {.stop = common.stop}};
     if (kind == AnswerKind::inside) measure::judge::require_inside(request.mesh->mesh(), options.file);
+
     const selection::ThreadLimit threads(common.threads);
     const bool counts_bytes = dump.bytes() > 0;
     output::file::Progress progress(counts_bytes ? dump.bytes() : 1, "judge", common.progress, common.quiet);
     request.progress = [&](std::uint64_t bytes) { progress.advance(counts_bytes ? bytes : 0); };
+
+    // Opens the files, and judges the answers record by record.
     const std::string stem = scene::toml::result_name(options.file), name = measure::judge::name_of_answers(stem);
     const auto folder = std::filesystem::path(options.out) / stem;
-    const auto result_folder = take_folder(folder, common, text::shell_word(options.file));
+    const auto result_folder = lock_folder(folder, common, text::shell_word(options.file));
     output::judge::MeshAnswerFiles files(
         {.folder = folder,
          .name = name,
@@ -134,6 +144,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     files.finish(result);
     complete_folder(result_folder);
     progress.finish();
+
     if (!common.quiet) {
         selection::note_rounded(options.file, result.rounded, dump.format());
         fmt::print("{} of {}, read as {}\n",

@@ -61,32 +61,36 @@ std::string inside_answer(intersect::Inside inside, Shape shape) {
     return inside_returns_zero(shape) ? "zero" : "exit";
 }
 
+/// The properties of a form, in words.
+Row make_form_row(const intersect::table::Intersector& form) {
+    const intersect::Info& info = *form.info;
+    const char* const roots = info.roots == intersect::Roots::both         ? "both"
+                              : info.roots == intersect::Roots::near_only  ? "near only"
+                              : info.roots == intersect::Roots::first_only ? "first only"
+                                                                           : "none";
+    const char* const at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hit"
+                                  : info.at_origin == intersect::AtOrigin::miss ? "miss"
+                                                                                : "exit";
+    const std::string facing =
+        is_flat(form.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none";
+
+    return {std::string(info.name),
+            std::string(info.title),
+            info.direction == intersect::Direction::unit ? "unit" : "any",
+            roots,
+            info.touching == intersect::Touching::hit ? "hit" : "miss",
+            at_origin,
+            inside_answer(info.inside, form.shape),
+            facing,
+            intersect::yields_next_crossing(info, form.shape) ? "yes" : "no",
+            selection::formats_text(form),
+            std::string(info.source)};
+}
+
 Listing intersectors(const CommonOptions& /*common*/) {
     return make_listing({"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing",
                          "next_crossing", "formats", "source"},
-                        lostbits::intersect::table::intersectors(), [](const intersect::table::Intersector& form) {
-                            const intersect::Info& info = *form.info;
-                            const char* roots = info.roots == intersect::Roots::both         ? "both"
-                                                : info.roots == intersect::Roots::near_only  ? "near only"
-                                                : info.roots == intersect::Roots::first_only ? "first only"
-                                                                                             : "none";
-                            const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hit"
-                                                    : info.at_origin == intersect::AtOrigin::miss ? "miss"
-                                                                                                  : "exit";
-                            return Row{std::string(info.name),
-                                       std::string(info.title),
-                                       info.direction == intersect::Direction::unit ? "unit" : "any",
-                                       roots,
-                                       info.touching == intersect::Touching::hit ? "hit" : "miss",
-                                       at_origin,
-                                       inside_answer(info.inside, form.shape),
-                                       is_flat(form.shape)
-                                           ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
-                                           : "none",
-                                       intersect::yields_next_crossing(info, form.shape) ? "yes" : "no",
-                                       selection::formats_text(form),
-                                       std::string(info.source)};
-                        });
+                        lostbits::intersect::table::intersectors(), make_form_row);
 }
 
 Listing formats(const CommonOptions& /*common*/) {
@@ -188,8 +192,8 @@ Listing labels(const CommonOptions& /*common*/) {
     return make_listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
         auto form_labels = measure::attribution::labels_of(
             form, {!is_primitive(form.shape) ? std::span(primitives).first(1) : std::span(primitives), &march});
-        std::ranges::sort(
-            form_labels);  // the order on the tape depends on the order in which the compiler evaluates arguments
+        // The order on the tape depends on the order in which the compiler evaluates arguments.
+        std::ranges::sort(form_labels);
         return Row{std::string(form.info->name), fmt::format("{}", fmt::join(form_labels, " "))};
     });
 }
@@ -223,6 +227,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
                             [](const auto& f) { return "every float of " + f.axis.name; });
         case SweepKind::axes: break;
     }
+
     return describe(scene::sweep::SweepFile(path, data), [](const auto& f) {
         std::string text;
         for (const scene::sweep::Axis& axis : f.axes) text += (text.empty() ? "" : " x ") + axis.name;
@@ -263,7 +268,8 @@ void print(const Listing& list) {
         for (const auto& row : list.rows) w = std::max(w, row[c].size());
         widths.push_back(w);
     }
-    const auto line = [&](const std::vector<std::string>& cells) {
+
+    const auto print_line = [&](const std::vector<std::string>& cells) {
         std::string text;
         for (std::size_t c = 0; c < cells.size(); ++c) {
             text += c + 1 == cells.size() ? cells[c] : fmt::format("{:<{}}  ", cells[c], widths[c]);
@@ -271,8 +277,8 @@ void print(const Listing& list) {
         text.erase(text.find_last_not_of(' ') + 1);
         fmt::print("{}\n", output::file::terminal_line(text));
     };
-    line(list.columns);
-    for (const auto& row : list.rows) line(row);
+    print_line(list.columns);
+    for (const auto& row : list.rows) print_line(row);
 }
 
 void print_json(const Listing& list) {

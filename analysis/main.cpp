@@ -45,12 +45,16 @@ void add_common(const shell::Command& program, CommonOptions& common) {
     };
     program.add_named("--progress", {"auto", "bar", "none"}, set_progress,
                       "Progress on stderr (default: auto, which shows it only on a terminal)");
+
+    // What is written and printed.
     program.add("--force", common.force,
                 "Also write if the folder of a result, such as out/map/SCENE, has other files; these are kept");
     program.add_list("--figure", common.figures, "Kinds of pictures (default: png); svg and pdf are vector graphics",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
+
+    // How the processor is used.
     program.add("-j,--threads", common.threads,
                 "Number of threads (default: one per core); results do not depend on it",
                 shell::whole_number_between(1, 1024));
@@ -72,6 +76,8 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
         "Also measure a C, C++, Rust, GLSL or HLSL function as it stands (docs/your-function.md); may be repeated");
     program.add_list("--device", external.devices,
                      "Driver for --shader: opengl, vulkan, or all (default: the first that works)");
+
+    // Where they run, and for how long.
     const auto isolate =
         program.add("--isolate", external.isolate,
                     "Run each library in a process of its own, away from the program; a crash ends the "
@@ -126,7 +132,7 @@ void add_shell(const shell::Command& program) {
 
 /// Returns the common options as arguments, for a run that joins shards. They replace those of the shards' own command
 /// lines.
-std::vector<std::string> arguments_of(const CommonOptions& common) {
+std::vector<std::string> to_arguments(const CommonOptions& common) {
     std::vector<std::string> arguments{"--progress", "none"};
     if (common.quiet) arguments.emplace_back("-q");
     if (common.verbose) arguments.emplace_back("-v");
@@ -141,7 +147,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
 void add_merge(const shell::Command& program, const CommonOptions& common) {
     shard::add_merge(program, program_and_version,
                      [&common](std::vector<std::string> command_arguments, std::shared_ptr<shard::Shards> shards) {
-                         std::ranges::move(arguments_of(common), std::back_inserter(command_arguments));
+                         std::ranges::move(to_arguments(common), std::back_inserter(command_arguments));
                          return run_arguments(command_arguments, std::move(shards));
                      });
 }
@@ -158,6 +164,43 @@ void add_commands(const shell::Command& program, const CommonOptions& common) {
     for (const NamedCommand& command : commands) command.add(program, common);
 }
 
+using IsCommand = std::function<bool(const char*)>;
+
+/// Loads the libraries, pipes, shaders and functions of the options. Returns in the process that does the work, see
+/// `supervise`.
+void load_external(const shell::Command& program, CommonOptions& common, const IsCommand& is_command) {
+    if (!common.quiet) selection::note_isolation(common.external, is_command("trade") || is_command("choose"));
+    if (const std::string libraries = selection::libraries_in_process(common.external); !libraries.empty())
+        shell::supervise(libraries, common.external.seconds);
+    common.external.quiet = common.quiet;
+    selection::open_external(common.external, common.threads);
+    shell::open_standard_streams();  // a library may have closed one
+    if (common.quiet) return;
+    selection::note_processor_states();
+    selection::note_unselected(program.given_commands().back());
+}
+
+/// Runs the command that was given, and writes its table to standard output if `-o -` asks for it.
+Exit run_given_command(const shell::CommandLine& program, CommonOptions& common) {
+    const IsCommand is_command = [name = program.given_commands().at(1).name()](const char* command) {
+        return name == command;
+    };
+    // These commands load external code themselves, or in other processes.
+    const bool loads_driver = is_command("shader") || is_command("devices");
+    if (!loads_driver) selection::decide_isolation(common.external, is_command("check"));
+    if (!loads_driver && !is_command("plugin")) load_external(program, common, is_command);
+
+    shell::TableOnStdout table(program);
+    const Exit code = program.run();
+    table.write();
+    // `plugin` prints these notes itself, or its caller does.
+    if (!common.quiet && !is_command("plugin")) {
+        for (const std::string& note : intersect::external::noted_changes())
+            fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
+    }
+    return code;
+}
+
 /// Runs the command that the arguments name. `shards`: its finished shards, which it joins; null: it does the work
 /// itself.
 Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards) {
@@ -171,6 +214,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     add_commands(program, common);
     add_shell(program);
     add_examples(program);
+
     const shell::UpdatedArguments updated = shell::update_names(program, arguments);
     try {
         const auto parsed = program.parse(updated.arguments);
@@ -181,6 +225,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
                    output::file::terminal_text(shell::describe_error(program, error)), program.command_path());
         return Exit::bad_input;
     }
+
     if (!common.quiet)
         for (const std::string& advice : updated.advice)
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(advice));
@@ -188,32 +233,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     selection::find_in_data(program.given_commands().back(), common.data);
     selection::refuse_other_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::find_isa(common.isa)) intersect::simd::set_isa(*isa);
-    const auto is_command = [name = program.given_commands().at(1).name()](const char* command) {
-        return name == command;
-    };
-    if (!is_command("shader") && !is_command("devices"))
-        selection::decide_isolation(common.external, is_command("check"));
-    if (!is_command("plugin") && !is_command("shader") && !is_command("devices")) {
-        if (!common.quiet) selection::note_isolation(common.external, is_command("trade") || is_command("choose"));
-        if (const std::string libraries = selection::libraries_in_process(common.external); !libraries.empty())
-            shell::supervise(libraries, common.external.seconds);
-        common.external.quiet = common.quiet;
-        selection::open_external(common.external, common.threads);
-        shell::open_standard_streams();  // a library may have closed one
-        if (!common.quiet) {
-            selection::note_processor_states();
-            selection::note_unselected(program.given_commands().back());
-        }
-    }
-    shell::TableOnStdout table(program);
-    const Exit code = program.run();
-    table.write();
-    // `plugin` prints these notes itself, or its caller does.
-    if (!common.quiet && !is_command("plugin")) {
-        for (const std::string& note : intersect::external::noted_changes())
-            fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
-    }
-    return code;
+    return run_given_command(program, common);
 }
 
 }  // namespace
@@ -228,6 +248,8 @@ namespace {
     // Without foreign code in the process, an uncaught exception is a bug of lostbits.
     const char* const foreign_code = lostbits::intersect::external::running_foreign_code();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
+
+    // A lack of memory or of threads is a fault of the environment.
     auto code = lostbits::Exit::environment;
     try {
         if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -236,6 +258,7 @@ namespace {
     } catch (...) {
         if (!is_foreign) code = lostbits::Exit::internal;
     }
+
     if (foreign_code != nullptr)
         std::fprintf(stderr, "lostbits: %s: threw an exception where nothing can catch it; catch it there\n",
                      foreign_code);
@@ -244,6 +267,8 @@ namespace {
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
             "smaller --size, a mesh of fewer triangles, or -j 1\n",
             stderr);
+
+    // A supervisor prints the message about an exception of foreign code.
     if (foreign_code != nullptr) lostbits::analysis::shell::report_status(static_cast<int>(code));
     else if (!lostbits::analysis::shell::report_uncaught_exception(static_cast<int>(code)) && is_foreign)
         std::fputs("lostbits: an uncaught exception ended the program\n", stderr);

@@ -69,35 +69,35 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
     return forms;
 }
 
-/// The work on one scene.
-struct SceneWork {
+/// A scene with the work on it.
+struct PlannedScene {
     measure::evaluate::MapStudy map;
     std::optional<BitsNeededStudy> bits_needed;
 
     [[nodiscard]] std::uint64_t work_units() const {
-        return map.scene->pixels() * map.tested_forms.size() + (bits_needed ? bits_needed->units() : 0);
+        return map.scene->pixels() * map.rows.size() + (bits_needed ? bits_needed->units() : 0);
     }
 };
 
-SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& tested_forms,
-                     const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
+PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& tested_forms,
+                        const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
     auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.meets(forms); });
-    SceneWork work{study::map_study(scene, std::move(scene_forms), metrics, metric_set, options.scenes.stop), {}};
+    PlannedScene planned{study::map_study(scene, std::move(scene_forms), metrics, metric_set, options.scenes.stop), {}};
     if (options.bits_needed > 0) {
         selection::refuse_generators(tested_forms, "--bits");
-        work.bits_needed.emplace(BitsNeededStudy{.scene = scene,
-                                                 .tested_forms = forms_of_any_width(work.map.tested_forms),
-                                                 .bits = options.bits_needed,
-                                                 .limit = work.map.limit});
+        planned.bits_needed.emplace(BitsNeededStudy{.scene = scene,
+                                                    .rows = forms_of_any_width(planned.map.rows),
+                                                    .bits = options.bits_needed,
+                                                    .limit = planned.map.limit});
     }
-    return work;
+    return planned;
 }
 
 /// Prints which forms `--bits` leaves out.
-void note_forms_without_every_width(const std::vector<SceneWork>& scene_works) {
+void note_forms_without_every_width(const std::vector<PlannedScene>& planned_scenes) {
     std::set<std::string_view> noted_names;
-    for (const SceneWork& work : scene_works) {
-        for (const TestedForm& tested_form : work.map.tested_forms) {
+    for (const PlannedScene& planned : planned_scenes) {
+        for (const TestedForm& tested_form : planned.map.rows) {
             const intersect::Info& info = *tested_form.form->info;
             if (tested_form.form->rounded != nullptr || !noted_names.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
@@ -108,13 +108,14 @@ void note_forms_without_every_width(const std::vector<SceneWork>& scene_works) {
 
 /// The metrics that the EXR stores for every pixel beside the answer and its outcome: lost bits, the drawn metrics and,
 /// for an envelope, excess bits. Metrics that the map of this scene does not measure are left out.
-std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& options,
+std::vector<const Metric*> exr_layers(const PlannedScene& planned, const MapOptions& options,
                                       std::vector<const Metric*> drawn_metrics) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
     if (options.envelope) drawn_metrics.push_back(measure::metric::find_metric("excess_bits"));
     for (const Metric* m : drawn_metrics) selection::add_once(layers, m);
-    std::erase_if(
-        layers, [&work](const Metric* m) { return std::ranges::find(work.map.metrics, m) == work.map.metrics.end(); });
+    std::erase_if(layers, [&planned](const Metric* m) {
+        return std::ranges::find(planned.map.metrics, m) == planned.map.metrics.end();
+    });
     return layers;
 }
 
@@ -125,12 +126,13 @@ struct SceneSummaries {
 };
 
 /// Prints which forms missed hits because they return one crossing and the range of the rays excludes it.
-void note_missed_crossings(const SceneWork& work, const std::vector<measure::evaluate::FormSummary>& summaries) {
-    const Range<double>& range = work.map.scene->range;
+void note_missed_crossings(const PlannedScene& planned, const std::vector<measure::evaluate::FormSummary>& summaries) {
+    const Range<double>& range = planned.map.scene->range;
     if (!range.open.tmin && !(range.tmin > 0)) return;
+
     std::string missing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const TestedForm& tested_form = work.map.tested_forms[r];
+        const TestedForm& tested_form = planned.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
         if (missed == 0 || tested_form.form->is_set() ||
             intersect::yields_next_crossing(*tested_form.form->info, tested_form.form->shape))
@@ -145,29 +147,31 @@ void note_missed_crossings(const SceneWork& work, const std::vector<measure::eva
         "lostbits: scene {}: its rays begin {} t = {:g}. These forms return only one crossing, and miss the next "
         "one if the range excludes the first: {}. Forms with next_crossing = yes in `lostbits list forms` return "
         "both\n",
-        work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, missing_forms);
+        planned.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, missing_forms);
 }
 
-void print_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
+void print_results(const PlannedScene& planned, const SceneSummaries& summaries, const std::filesystem::path& folder,
                    bool verbose) {
-    fmt::print("{}: {}\n", work.map.scene->id, text::count_with_noun(work.map.scene->pixels(), "ray"));
-    print_table(work.map, summaries.map);
-    print_comparisons(work.map.tested_forms, work.map.metrics, summaries.map);
-    if (work.bits_needed) print_table(*work.bits_needed, summaries.bits_needed);
-    if (verbose) print_stages(*work.map.stages);
-    print_figures(folder / "contact.png");
-    if (work.bits_needed) fmt::print("{}\n", (folder / "needed.csv").string());
-    note_missed_crossings(work, summaries.map);
+    const Scene& scene = *planned.map.scene;
+    fmt::print("{}: {}\n", scene.id, text::count_with_noun(scene.pixels(), "ray"));
+    print_table(planned.map, summaries.map);
+    print_comparisons(planned.map.rows, planned.map.metrics, summaries.map);
+    if (planned.bits_needed) print_table(*planned.bits_needed, summaries.bits_needed);
+    if (verbose) print_stages(*planned.map.stages);
+    print_figure_paths(folder / "contact.png");
+    if (planned.bits_needed) fmt::print("{}\n", (folder / "needed.csv").string());
+
+    note_missed_crossings(planned, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();
-    if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())
+    if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == scene.pixels())
         fmt::print(stderr,
                    "lostbits: scene {}: no ray of its camera meets a primitive, so every pixel is a miss; check its "
                    "eye, look_at and width or fov\n",
-                   work.map.scene->id);
+                   scene.id);
 }
 
 /// Options, progress and division of the run, for the work on one scene.
-struct MapContext {
+struct MapRun {
     const CommonOptions& common;
     output::file::Progress& progress;
     RunDivision& run_division;
@@ -175,71 +179,165 @@ struct MapContext {
     std::string sheet_with_explanations;  ///< see `MapFilesOptions`
 };
 
+std::string map_job(const Scene& scene) { return "map " + scene.id; }
+std::string needed_job(const Scene& scene) { return "needed " + scene.id; }
+
+/// Measures the narrowest significands of a scene, if --bits asks for them. Nothing without --bits, and in a shard.
+std::vector<measure::evaluate::BitsNeededSummary> measure_bits_needed(
+    const PlannedScene& planned, std::optional<output::map::NeededFiles>& needed_files, const MapRun& map_run) {
+    if (!planned.bits_needed) return {};
+    const Scene& scene = *planned.map.scene;
+    shard::Division& division = map_run.run_division.division;
+    // --bits tests the rays in many widths, so the time of the map does not predict its time.
+    output::file::Estimate estimate(map_run.progress, scene.id + " --bits",
+                                    planned.bits_needed->units() / division.share().count, map_run.common.quiet);
+    BitsNeededStudy study = *planned.bits_needed;
+    study.progress = advance_callback(map_run.progress, &estimate);
+    auto summaries = shard::run_divided(study, *needed_files, division, needed_job(scene));
+    return summaries ? std::move(*summaries) : std::vector<measure::evaluate::BitsNeededSummary>{};
+}
+
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
 /// them.
-std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::vector<const Metric*>& drawn_metrics,
-                        const MapContext& context) {
-    const CommonOptions& common = context.common;
-    output::file::Progress& progress = context.progress;
-    shard::Division& division = context.run_division.division;
-    const Scene& scene = *work.map.scene;
-    const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
+std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
+                        const std::vector<const Metric*>& drawn_metrics, const MapRun& map_run) {
+    const CommonOptions& common = map_run.common;
+    shard::Division& division = map_run.run_division.division;
+    const Scene& scene = *planned.map.scene;
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const bool writes_pixels = options.pixels == "csv";
+
+    // Opens the files. The EXR holds the results of the map and of --bits.
     std::optional<output::map::MapExr> exr_file;
     if (options.exr)
-        exr_file.emplace(context.run_division.path_to_write(folder / (scene.id + ".exr")),
-                         output::map::MapExrRequest{.map = work.map,
-                                                    .layers = exr_layers(work, options, drawn_metrics),
+        exr_file.emplace(map_run.run_division.path_to_write(folder / (scene.id + ".exr")),
+                         output::map::MapExrRequest{.map = planned.map,
+                                                    .layers = exr_layers(planned, options, drawn_metrics),
                                                     .command = canonical_command(scene, options),
-                                                    .needed = work.bits_needed ? &*work.bits_needed : nullptr});
+                                                    .needed = planned.bits_needed ? &*planned.bits_needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
-    std::optional<output::map::NeededWriter> needed_writer;
-    if (work.bits_needed)
-        needed_writer.emplace(
-            *work.bits_needed,
-            output::map::NeededFilesOptions{folder, writes_pixels, exr, shard::piece_recorder(division, needed_job)});
-    output::map::MapWriter writer(
-        work.map,
+    std::optional<output::map::NeededFiles> needed_files;
+    if (planned.bits_needed)
+        needed_files.emplace(*planned.bits_needed,
+                             output::map::NeededFilesOptions{folder, writes_pixels, exr,
+                                                             shard::piece_recorder(division, needed_job(scene))});
+    output::map::MapFiles files(
+        planned.map,
         {.folder = folder,
          .drawn_metrics = drawn_metrics,
-         .draws_single_pictures = options.pictures == "all",
-         .writes_pixels_csv = writes_pixels,
+         .single_pictures = options.pictures == "all",
+         .pixels_csv = writes_pixels,
          .scene_arguments =
              selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_text(options),
-         .sheet_with_explanations = context.sheet_with_explanations,
+         .sheet_with_explanations = map_run.sheet_with_explanations,
          .draws_envelope = options.envelope,
          .exr = exr,
-         .other_tables = needed_writer ? needed_writer->resources() : std::vector<output::file::DataResource>{},
+         .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
          .range = selection::parse_range(options.range, drawn_metrics),
-         .keep_piece = shard::piece_recorder(division, job)});
+         .keep_piece = shard::piece_recorder(division, map_job(scene))});
 
-    SceneSummaries summaries;
-    auto map_summaries = shard::run_divided(work.map, writer, division, job);
-    if (map_summaries) summaries.map = std::move(*map_summaries);
-    if (work.bits_needed) {
-        // --bits tests the rays in many widths, so the time of the map does not predict its time.
-        output::file::Estimate estimate(progress, scene.id + " --bits",
-                                        work.bits_needed->units() / division.share().count, common.quiet);
-        BitsNeededStudy study = *work.bits_needed;
-        study.progress = advance_callback(progress, &estimate);
-        if (auto needed_summaries = shard::run_divided(study, *needed_writer, division, needed_job))
-            summaries.bits_needed = std::move(*needed_summaries);
-    }
+    // A shard measures and records, but has no summaries.
+    auto map_summaries = shard::run_divided(planned.map, files, division, map_job(scene));
+    const auto needed_summaries = measure_bits_needed(planned, needed_files, map_run);
     if (!map_summaries) return 0;
-    if (work.bits_needed) needed_writer->finish(summaries.bits_needed);
-    writer.finish(summaries.map);
-    context.complete();
-    if (!common.quiet) progress.print_without_bar([&] { print_results(work, summaries, folder, common.verbose); });
+
+    const SceneSummaries summaries{std::move(*map_summaries), needed_summaries};
+    if (planned.bits_needed) needed_files->finish(summaries.bits_needed);
+    files.finish(summaries.map);
+    map_run.complete();
+    if (!common.quiet)
+        map_run.progress.print_without_bar([&] { print_results(planned, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);
 }
 
 /// Returns the metrics that the work on a scene measures, for the metrics of the same names in `drawn_metrics`.
-std::vector<const Metric*> measured_metrics_of(std::vector<const Metric*> drawn_metrics, const SceneWork& work) {
-    std::ranges::transform(drawn_metrics, drawn_metrics.begin(), [&work](const Metric* m) {
-        return work.map.metrics[measure::metric::index_of(work.map.metrics, m->name)];
+std::vector<const Metric*> find_measured_metrics(std::vector<const Metric*> drawn_metrics,
+                                                 const PlannedScene& planned) {
+    std::ranges::transform(drawn_metrics, drawn_metrics.begin(), [&planned](const Metric* m) {
+        return planned.map.metrics[measure::metric::index_of(planned.map.metrics, m->name)];
     });
     return drawn_metrics;
+}
+
+/// The metrics of --metric, and the others that the options need.
+struct MapMetrics {
+    std::vector<const Metric*> drawn, measured;
+};
+
+/// Throws InputError for --envelope without pictures of lost bits.
+MapMetrics select_map_metrics(const MapOptions& options, measure::metric::MetricSet& metric_set) {
+    MapMetrics selected;
+    selected.drawn = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                             : selection::select_metrics(options.metrics, metric_set);
+    if (!options.against.empty()) selection::add_comparison_metrics(selected.drawn);
+    selected.measured = selected.drawn;
+    if (!options.envelope) return selected;
+    if (std::ranges::find(selected.drawn, measure::metric::find_metric("lost_bits")) == selected.drawn.end())
+        throw InputError(
+            "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
+    selected.measured.push_back(measure::metric::find_metric("excess_bits"));
+    return selected;
+}
+
+/// Loads the scenes. Prints which scenes and forms are left out, since nothing fits them.
+std::vector<Scene> load_testable_scenes(const MapOptions& options, std::vector<TestedForm>& tested_forms,
+                                        const CommonOptions& common) {
+    auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
+    const auto handling_forms = selection::drop_unhandled(
+        scenes, {tested_forms, options.forms, common.quiet},
+        [](const Scene& s, Shapes forms) { return s.meets(forms); }, [](const Scene& s) { return s.id; });
+    selection::note_unmeasured(options.forms, handling_forms, common.quiet);
+    return scenes;
+}
+
+RunDivision divide_map(const MapOptions& options, const std::vector<PlannedScene>& planned_scenes,
+                       const CommonOptions& common) {
+    std::vector<std::filesystem::path> files;
+    std::vector<std::string> jobs;
+    for (const PlannedScene& planned : planned_scenes) {
+        files.push_back(planned.map.scene->path);
+        jobs.push_back(map_job(*planned.map.scene));
+        if (planned.bits_needed) jobs.push_back(needed_job(*planned.map.scene));
+    }
+    auto run_division = divide_run(options.shard, options.out, files, common);
+    run_division.division.expect(jobs);
+    return run_division;
+}
+
+/// Prints on stderr what the run cannot measure.
+void print_notes(const std::vector<PlannedScene>& planned_scenes, const MapOptions& options,
+                 const std::vector<const Metric*>& drawn_metrics, bool quiet) {
+    for (const PlannedScene& planned : planned_scenes)
+        selection::note_forms_without_formula(drawn_metrics, planned.map.rows, quiet);
+    if (options.bits_needed > 0 && !quiet) note_forms_without_every_width(planned_scenes);
+    for (const PlannedScene& planned : planned_scenes)
+        selection::note_numbers(*planned.map.scene, options.scenes.set, planned.map.rows, quiet);
+}
+
+/// Maps the scenes one after another. Returns the number of their rays without a proved truth.
+std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const MapOptions& options,
+                         const std::vector<const Metric*>& drawn_metrics, SceneFolders& folders,
+                         RunDivision& run_division, const CommonOptions& common) {
+    const measure::shard::Share share = run_division.division.share();
+    std::uint64_t units = 0;
+    for (const PlannedScene& planned : planned_scenes) units += planned.work_units();
+    output::file::Progress progress(units / share.count, "map", common.progress, common.quiet);
+
+    return folders.for_each(planned_scenes.size(), progress, [&](std::size_t scene_index, const auto& complete) {
+        PlannedScene planned = planned_scenes[scene_index];  // a copy that may point to objects of this iteration
+        const Scene& scene = *planned.map.scene;
+        output::file::Estimate estimate(progress, scene.id, scene.pixels() * planned.map.rows.size() / share.count,
+                                        common.quiet, measure::study::Bands(scene, share).size());
+        measure::truth::StageCounts stages;
+        planned.map.progress = advance_callback(progress, &estimate);
+        planned.map.stages = &stages;
+
+        // Only the sheet of the first scene has explanations; the others refer to it.
+        const std::string sheet = scene_index == 0 ? "" : planned_scenes.front().map.scene->id + "/contact";
+        const auto applicable = selection::applicable_metrics(drawn_metrics, planned.map.rows, scene.id);
+        return map_scene(planned, options, find_measured_metrics(applicable, planned),
+                         {common, progress, run_division, complete, sheet});
+    });
 }
 
 Exit run(MapOptions options, const CommonOptions& common) {
@@ -248,73 +346,28 @@ Exit run(MapOptions options, const CommonOptions& common) {
                                                    selection::select_formats(options.formats));
     if (!options.against.empty()) selection::compare_against(rows, options.against, common.quiet);
     measure::metric::MetricSet metric_set;
-    auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                                 : selection::select_metrics(options.metrics, metric_set);
-    if (!options.against.empty()) selection::add_comparison_metrics(drawn_metrics);
-    auto measured_metrics = drawn_metrics;
-    if (options.envelope) {
-        if (std::ranges::find(drawn_metrics, measure::metric::find_metric("lost_bits")) == drawn_metrics.end())
-            throw InputError(
-                "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
-        measured_metrics.push_back(measure::metric::find_metric("excess_bits"));
-    }
-    auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
-    const auto handling_forms = selection::drop_unhandled(
-        scenes, {rows, options.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
-        [](const Scene& s) { return s.id; });
-    selection::note_unmeasured(options.forms, handling_forms, common.quiet);
+    const MapMetrics metrics = select_map_metrics(options, metric_set);
+    const auto scenes = load_testable_scenes(options, rows, common);
     // Called here and below only for their errors, which end the run before any work.
-    static_cast<void>(selection::parse_range(options.range, drawn_metrics));
+    static_cast<void>(selection::parse_range(options.range, metrics.drawn));
     const selection::ThreadLimit limit(common.threads);
 
-    std::vector<SceneWork> scene_works;
+    std::vector<PlannedScene> planned_scenes;
     for (const auto& scene : scenes)
-        scene_works.push_back(plan_scene(scene, options, rows, measured_metrics, metric_set));
-    for (const SceneWork& work : scene_works)
+        planned_scenes.push_back(plan_scene(scene, options, rows, metrics.measured, metric_set));
+    for (const PlannedScene& planned : planned_scenes)
         static_cast<void>(
-            selection::applicable_metrics(drawn_metrics, work.map.tested_forms, "scene " + work.map.scene->id));
-    std::vector<std::filesystem::path> files;
-    for (const auto& scene : scenes) files.push_back(scene.path);
-    auto run_division = divide_run(options.shard, options.out, files, common);
-    std::vector<std::string> jobs;
-    for (const SceneWork& work : scene_works) {
-        jobs.push_back("map " + work.map.scene->id);
-        if (work.bits_needed) jobs.push_back("needed " + work.map.scene->id);
-    }
-    run_division.division.expect(jobs);
+            selection::applicable_metrics(metrics.drawn, planned.map.rows, "scene " + planned.map.scene->id));
+
+    auto run_division = divide_map(options, planned_scenes, common);
     options.out = run_division.out.string();
     SceneFolders folders(scenes, run_division, common);
-    for (const SceneWork& work : scene_works)
-        selection::note_forms_without_formula(drawn_metrics, work.map.tested_forms, common.quiet);
-    if (options.bits_needed > 0 && !common.quiet) note_forms_without_every_width(scene_works);
-    for (const SceneWork& work : scene_works)
-        selection::note_numbers(*work.map.scene, options.scenes.set, work.map.tested_forms, common.quiet);
-
-    std::uint64_t units = 0;
-    for (const SceneWork& work : scene_works) units += work.work_units();
-    output::file::Progress progress(units / run_division.division.share().count, "map", common.progress, common.quiet);
-    const std::uint64_t unresolved =
-        folders.for_each(scene_works.size(), progress, [&](std::size_t scene_index, const auto& complete) {
-            SceneWork work = scene_works[scene_index];  // a copy that may point to objects of this iteration
-            measure::truth::StageCounts stages;
-            const auto bands = measure::study::Bands(*work.map.scene, run_division.division.share()).size();
-            output::file::Estimate estimate(
-                progress, work.map.scene->id,
-                work.map.scene->pixels() * work.map.tested_forms.size() / run_division.division.share().count,
-                common.quiet, bands);
-            work.map.progress = advance_callback(progress, &estimate);
-            work.map.stages = &stages;
-            return map_scene(
-                work, options,
-                measured_metrics_of(
-                    selection::applicable_metrics(drawn_metrics, work.map.tested_forms, work.map.scene->id), work),
-                {common, progress, run_division, complete,
-                 scene_index == 0 ? "" : scene_works.front().map.scene->id + "/contact"});
-        });
+    print_notes(planned_scenes, options, metrics.drawn, common.quiet);
+    const std::uint64_t unresolved = map_scenes(planned_scenes, options, metrics.drawn, folders, run_division, common);
     if (!finish_run(run_division, common)) return Exit::done;
-    for (const SceneWork& work : scene_works)
-        note_suspicions(work.map.tested_forms, common, [&work](const TestedForm& tested_form) {
-            return measure::contract::suspicion_text(*work.map.scene, tested_form);
+    for (const PlannedScene& planned : planned_scenes)
+        note_suspicions(planned.map.rows, common, [&planned](const TestedForm& tested_form) {
+            return measure::contract::suspicion_text(*planned.map.scene, tested_form);
         });
     return report_unproved(unresolved);
 }
@@ -331,6 +384,8 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     selection::add_scenes(command, *options);
     selection::add_forms(command, options->forms);
     selection::add_formats(command, options->formats, "f32 f64");
+
+    // What to draw.
     command.add_list("--metric", options->metrics,
                      "Metrics to draw, by name or glob (default: lost_bits); see `lostbits list metrics`");
     command.add("--range", options->range,
@@ -338,6 +393,8 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     selection::add_changes(command, options->scenes, "sphere[0].radius=10");
     selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);
+
+    // What to measure and write in addition.
     command.add(
         "--bits", options->bits_needed,
         "Also draw, for every pixel, the narrowest significand with which the form keeps this many correct bits",
@@ -350,6 +407,7 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
         "--envelope", options->envelope,
         "In pictures of lost_bits, draw a pixel paler if inputs that are off by half an ulp could explain the loss; "
         "the problem is then to blame, not the formula");
+
     add_shard(command, options->shard);
     selection::add_out(command, options->out);
     command.set_action([options, &common] { return run(*options, common); });

@@ -16,7 +16,6 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/repair/repair_files.hpp"
-#include "text/shell_word.hpp"
 
 namespace lostbits::analysis {
 
@@ -48,6 +47,8 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
         throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", options.format,
                                      options.form, selection::formats_text(*forms.front())));
     selection::refuse_generators(forms, "mend");
+
+    // For primitives that matrices place, the form gets the usual transform.
     const auto* form = forms.front();
     if (can_test(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
         form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
@@ -60,6 +61,7 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
 /// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
 void add_prices(RepairSummary& result, const MendOptions& options, const std::string& command) {
     const RepairRequest& request = result.request;
+    // Writes each repair as source code.
     std::vector<measure::repair::RepairedSource> sources;
     const auto proposals = list_proposals(result);
     for (const auto& proposal : proposals) {
@@ -68,6 +70,7 @@ void add_prices(RepairSummary& result, const MendOptions& options, const std::st
     }
     try {
         std::vector<intersect::external::Formula> formulas;
+        // A compiler is needed only if something was repaired.
         if (!sources.empty())
             formulas = compile_and_load(request, sources, {options.compiler, selection::form_flags_folder()});
         std::vector<measure::evaluate::TestedForm> tested_forms{request.tested_form};
@@ -101,7 +104,7 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
     output::report::Report report{
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
-    report.mends.push_back(report::mend_part(result));
+    report.mends.push_back(report::make_mend_part(result));
     if (report.mends.front().has_times) report.processor = measure::trade::processor_name();
     output::file::write_file(path, output::report::page(report));
 }
@@ -137,7 +140,7 @@ public:
 
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
-        rays_ = judge(request, measure::repair::list_comparable_forms(request.tested_form));
+        rays_ = judge(request, measure::repair::comparable_forms(request.tested_form));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
@@ -145,7 +148,7 @@ public:
             std::vector<measure::evaluate::TestedForm> tested_forms;
             for (const Tape& tape : tapes) {
                 forms.emplace_back(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
-                tested_forms.push_back({.form = &forms.back().form(), .format = request.tested_form.format});
+                tested_forms.push_back({.form = &forms.back().row(), .format = request.tested_form.format});
             }
             opened_ = open();
             return judge(request, tested_forms).quality;
@@ -158,7 +161,7 @@ private:
     }
     measure::choose::FileRays judge(const RepairRequest& request,
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
-        measure::choose::ChoiceRequest choice_request{.tested_forms = tested_forms, .requirement = request.requirement};
+        measure::choose::ChoiceRequest choice_request{.rows = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }
@@ -177,7 +180,25 @@ scene::file::Scene load_subject_scene(const MendOptions& options, const std::fil
     return scene;
 }
 
-Exit run(const MendOptions& options, const CommonOptions& common) {
+/// The scene or the files of rays on which the form is repaired.
+struct MendSubject {
+    MendSubject(const MendOptions& options, const CommonOptions& common) {
+        if (selection::are_ray_files(options.rays, options.subjects)) rays.emplace(options, common);
+        else scene = load_subject_scene(options, selection::data_folder(common.data));
+    }
+    [[nodiscard]] const std::string& id() const { return scene ? scene->id : rays->id(); }
+    [[nodiscard]] bool meets(Shapes forms) const { return scene ? scene->meets(forms) : forms == rays->shapes(); }
+    /// The name of the scene or of the files, quoted for a shell.
+    [[nodiscard]] std::string quoted_name(const CommonOptions& common) const {
+        return scene ? selection::name_of_scene(*scene, selection::data_folder(common.data)) : rays->quoted_files();
+    }
+
+    std::optional<scene::file::Scene> scene;
+    std::optional<RayFiles> rays;  ///< set if `scene` is not
+};
+
+/// Throws InputError for options that do not fit the subject, and for names of files that cannot be written.
+void check_options(const MendOptions& options) {
     if (!options.emit.empty()) require_code_name(options.emit, options.out);
     if (!options.out.empty()) require_folder(options.out);
     selection::refuse_misplaced_options(options.rays, options.subjects,
@@ -185,54 +206,91 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
                                          {"--variant", !options.changes.variant.empty()},
                                          {"--set", !options.changes.set.empty()}},
                                         "mending");
-    const auto data = selection::data_folder(common.data);
-    std::optional<scene::file::Scene> scene;
-    std::optional<RayFiles> rays;
-    if (selection::are_ray_files(options.rays, options.subjects)) rays.emplace(options, common);
-    else scene = load_subject_scene(options, data);
-    const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
-    RepairRequest request{.scene = scene ? &*scene : nullptr,
-                          .tested_form = select_tested_form(options, scene ? scene->id : rays->id(), can_test),
-                          .two_words = options.wider == "two-words"};
-    if (options.emit.ends_with(".glsl") && request.tested_form.format.engine == Format::Engine::native64)
-        throw InputError("--emit " + options.emit +
+}
+
+/// Throws InputError if --emit asks for a shader that cannot compute the form.
+void require_shader_form(const std::string& emit, const measure::evaluate::TestedForm& tested_form) {
+    if (!emit.ends_with(".glsl")) return;
+    if (tested_form.format.engine == Format::Engine::native64)
+        throw InputError("--emit " + emit +
                          ": shaders compute in f32; write -f f32, or a file name that ends in "
                          ".hpp");
-    if (options.emit.ends_with(".glsl") && request.tested_form.form->is_placed)
-        throw InputError("--emit " + options.emit +
+    if (tested_form.form->is_placed)
+        throw InputError("--emit " + emit +
                          ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
                          "form without its transform, -i " +
-                         std::string(intersect::bounding_box::innermost_form(*request.tested_form.form).info->name));
+                         std::string(intersect::bounding_box::innermost_form(*tested_form.form).info->name));
+}
+
+/// The request without the rays of files, which keep a reference to it.
+RepairRequest make_request(const MendOptions& options, const MendSubject& subject, intersect::process::StopToken stop) {
+    RepairRequest request{
+        .scene = subject.scene ? &*subject.scene : nullptr,
+        .row = select_tested_form(options, subject.id(), [&](Shapes forms) { return subject.meets(forms); }),
+        .two_words = options.wider == "two-words"};
+    require_shader_form(options.emit, request.tested_form);
     request.requirement = {.bits = options.bits, .wrong = options.wrong, .quantile = parse_quantile(options.at)};
-    request.limit.stop = common.stop;
-    const selection::ThreadLimit limit(common.threads);
-    if (rays) rays->set_subject_of(request);
-    const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->quoted_files();
-    std::unique_ptr<output::file::ResultFolder> result_folder;
-    std::optional<output::repair::RepairWriter> writer;
-    if (!options.out.empty()) {
-        const auto folder = std::filesystem::path(options.out) / request.id();
-        result_folder = take_folder(folder, common, subject);
-        writer.emplace(folder);
+    request.limit.stop = stop;
+    return request;
+}
+
+/// The files that the command writes. They are opened before the search, so that it does not run in vain.
+class MendWriter {
+public:
+    MendWriter(const MendOptions& options, const CommonOptions& common, const std::string& subject,
+               const std::string& id)
+        : options_(options) {
+        if (!options.out.empty()) {
+            const auto folder = std::filesystem::path(options.out) / id;
+            result_folder_ = lock_folder(folder, common, subject);
+            files_.emplace(folder);
+        }
+        if (!options.emit.empty()) emitted_file_.emplace(options.emit);
     }
-    std::optional<output::file::AtomicFile> header;
-    if (!options.emit.empty()) header.emplace(options.emit);
+
+    /// `form_command` makes the emitted file again, `page_command` the page.
+    void write(const RepairSummary& result, const std::string& form_command, const std::string& page_command) {
+        if (emitted_file_) {
+            emitted_file_->write(emitted_file_text(result, options_.emit, form_command));
+            emitted_file_->commit();
+        }
+        if (files_) {
+            files_->finish(result);
+            write_page(files_->folder() / "index.html", result, page_command);
+        }
+        complete_folder(result_folder_);
+    }
+
+    void print_paths() const {
+        if (!files_) return;
+        for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files_->folder() / name).string());
+    }
+
+private:
+    const MendOptions& options_;
+    std::unique_ptr<output::file::ResultFolder> result_folder_;
+    std::optional<output::repair::RepairFiles> files_;
+    std::optional<output::file::AtomicFile> emitted_file_;
+};
+
+Exit run(const MendOptions& options, const CommonOptions& common) {
+    check_options(options);
+    MendSubject subject(options, common);
+    RepairRequest request = make_request(options, subject, common.stop);
+    const selection::ThreadLimit limit(common.threads);
+    if (subject.rays) subject.rays->set_subject_of(request);
+
+    const std::string name = subject.quoted_name(common);
+    MendWriter writer(options, common, name, request.id());
     const measure::repair::RepairResult repair = repair_form(request);
     RepairSummary result = output::repair::summarize_repair(request, repair);
-    const std::string command = scene ? mend_command(options) : common.typed_command.for_subject(subject);
+    // Only a command for a scene can be made from its options.
+    const std::string command = subject.scene ? mend_command(options) : common.typed_command.for_subject(name);
     if (options.price) add_prices(result, options, command);
-    if (header) {
-        header->write(emitted_file_text(result, options.emit, command));
-        header->commit();
-    }
-    if (writer) {
-        writer->finish(result);
-        write_page(writer->folder() / "index.html", result, common.typed_command.for_subject(subject) + " -o out");
-    }
-    complete_folder(result_folder);
+
+    writer.write(result, command, common.typed_command.for_subject(name) + " -o out");
     fmt::print("{}", output::repair::repair_text(result));
-    if (writer && !common.quiet)
-        for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (writer->folder() / name).string());
+    if (!common.quiet) writer.print_paths();
     const bool meets_requirement = repair.wider_set || best_proposal(list_proposals(result), result);
     return meets_requirement ? Exit::done : Exit::answer_is_no;
 }
@@ -245,12 +303,16 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
                                        "rays of files");
     const auto options = std::make_shared<MendOptions>();
     options->changes.stop = options->rays.stop = common.stop;
+
+    // What to repair.
     command
         .add("SCENE", options->subjects,
              "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
         .required();
     command.add("-i,--form", options->form, "The form to mend").required();
     command.add("-f,--format", options->format, "f32 (default) or f64");
+
+    // What the repaired form must keep, and what may be changed for it.
     command
         .add("--bits", options->bits,
              "The correct bits of t that the form is to keep, for the share of the hits that --at gives",
@@ -262,8 +324,12 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
                 "Share of the hits that must keep the bits: p50, p99, p99.9, or max for all hits (default)");
     command.add("--wider", options->wider, "Arithmetic of the wider operations (default: double; docs/mend.md)",
                 shell::one_of({"double", "two-words"}));
+
+    // Changes of the scene, and the meaning of files of rays.
     selection::add_changes(command, options->changes, "sphere[0].radius=10");
     selection::add_ray_options(command, options->rays);
+
+    // What to do with the repairs.
     command.add("--price", options->price, "Compile the changed forms and time them beside the form and the catalogue");
     command.add("--compiler", options->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", options->emit,

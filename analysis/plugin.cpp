@@ -30,7 +30,7 @@ using measure::contract::Observation;
 /// Answers requests on standard input with the forms of a library. If it cannot load the library, it sends the reason
 /// in place of the header.
 Exit serve(const std::string& library) {
-    const int output = take_standard_output("plugin serve");
+    const int output = redirect_standard_output("plugin serve");
     intersect::process::keep_own_state();
     std::vector<ForeignForm> forms;
     try {
@@ -100,7 +100,7 @@ Exit try_forms(const std::string& library, const CommonOptions& common) {
 
 }  // namespace
 
-int take_standard_output(const std::string& command) {
+int redirect_standard_output(const std::string& command) {
     const int output = dup(STDOUT_FILENO);
     if (output < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
         throw EnvironmentError(command + ": standard output is closed");

@@ -24,7 +24,7 @@ void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
 }
 
-std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
+std::unique_ptr<output::file::ResultFolder> lock_folder(const std::filesystem::path& folder,
                                                         const CommonOptions& common, const std::string& subject,
                                                         output::file::ResultFolder::Rules rules) {
     rules.allows_unlisted = common.force;
@@ -40,11 +40,11 @@ void complete_folder(const std::unique_ptr<output::file::ResultFolder>& folder) 
     if (folder) folder->complete();
 }
 
-std::unique_ptr<output::file::ResultFolder> take_folder(const RunDivision& run_division,
+std::unique_ptr<output::file::ResultFolder> lock_folder(const RunDivision& run_division,
                                                         const std::filesystem::path& folder,
                                                         const CommonOptions& common, const std::string& subject,
                                                         output::file::ResultFolder::Rules rules) {
-    return run_division.division.is_shard() ? nullptr : take_folder(folder, common, subject, std::move(rules));
+    return run_division.division.is_shard() ? nullptr : lock_folder(folder, common, subject, std::move(rules));
 }
 
 SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& run_division,
@@ -53,7 +53,7 @@ SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const 
     for (const auto& scene : scenes) {
         const auto folder = run_division.out / scene.id;
         folders_.push_back(
-            take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
+            lock_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
         require_writable(folder / "summary.csv");
     }
 }
@@ -102,7 +102,7 @@ void add_shard(const shell::Command& command, std::string& shard_value) {
                  ""});
 }
 
-std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common) {
+std::uint64_t hash_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common) {
     output::shard::InputHash inputs;
     for (const auto& file : files) inputs.add_file(file);
     for (const std::string& plugin : common.external.plugins) {
@@ -114,10 +114,10 @@ std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, co
 }
 
 RunDivision divide_run(const std::string& shard_value, const std::string& out,
-                       const std::vector<std::filesystem::path>& files, const CommonOptions& common, bool resumed) {
+                       const std::vector<std::filesystem::path>& files, const CommonOptions& common, bool is_resumed) {
     if (shard_value.empty() && !common.shards_to_join) return {.division = {}, .out = out};
     const auto share = shard_value.empty() ? measure::shard::Share{} : shard::parse_share(shard_value);
-    const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_of_inputs(files, common),
+    const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_inputs(files, common),
                                         share};
     if (common.shards_to_join) {
         common.shards_to_join->check_inputs(head.inputs);
@@ -128,7 +128,7 @@ RunDivision divide_run(const std::string& shard_value, const std::string& out,
         folder,
         output::file::Provenance{fmt::format("{} --shard {}", common.typed_command.text(), shard_value),
                                  program_and_version},
-        output::file::ResultFolder::Rules{.allows_unlisted = common.force, .continues_run = resumed});
+        output::file::ResultFolder::Rules{.allows_unlisted = common.force, .continues_run = is_resumed});
     return {.division = shard::Division(folder, head), .folder = std::move(result_folder), .out = folder};
 }
 
@@ -174,11 +174,11 @@ Exit report_unproved(std::uint64_t rays, int bits) {
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     if (common.quiet) return;
-    for (const std::string& line : selection::suspicions_of(tested_forms, suspicion))
+    for (const std::string& line : selection::list_suspicions(tested_forms, suspicion))
         fmt::print(stderr, "lostbits: {}\n", line);
 }
 
-void print_figures(const std::filesystem::path& path) {
+void print_figure_paths(const std::filesystem::path& path) {
     for (const auto& file : output::image::figure_paths(path)) fmt::print("{}\n", file.string());
 }
 
@@ -211,7 +211,8 @@ void add_mesh_columns(std::vector<shell::TextColumn>& columns) {
 }
 
 void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary,
-                    bool recognises_cracks) {
+                    measure::contract::AnswerSource source) {
+    const bool recognises_cracks = source == measure::contract::AnswerSource::intersector;
     using measure::answer::Outcome;
     for (const Outcome outcome : {Outcome::crack, Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
         cells.push_back(
@@ -238,12 +239,13 @@ void print_table(const measure::evaluate::MapStudy& request,
     add_wrong_columns(columns);
     columns.insert(columns.end(), {{"hits", 8}, {"bits lost: p50", 15}, {"p99", 6}});
     shell::TextTable table(std::move(columns));
-    bool is_withheld = false;
+
+    bool is_withheld = false;  // a row has hits, but too few for its quantiles
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& summary = summaries[r];
         std::vector<std::string> cells{std::string(request.tested_forms[r].form->info->name),
                                        std::string(request.tested_forms[r].format.name)};
-        if (has_mesh) add_mesh_cells(cells, summary, true);
+        if (has_mesh) add_mesh_cells(cells, summary, measure::contract::AnswerSource::intersector);
         add_wrong_cells(cells, summary);
         cells.insert(cells.end(), {std::to_string(summary.count(measure::answer::Outcome::agree_hit)),
                                    lost_bits_cell(summary, lost_bits, 0.5), lost_bits_cell(summary, lost_bits, 0.99)});

@@ -49,7 +49,7 @@ void warn_about_loops(const ShaderSource& shader, const Arithmetic& arithmetic) 
 /// Compiles the shader, then answers requests on standard input. If it cannot, it sends the reason in place of the
 /// header.
 Exit serve_shader(const std::string& shader_name, const std::string& kind) {
-    const int output = take_standard_output("shader serve");
+    const int output = redirect_standard_output("shader serve");
     // A process with a hung driver would outlive its parent: it would not notice that its input ends.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::vector<intersect::external::ForeignForm> forms;
@@ -74,7 +74,7 @@ Exit serve_shader(const std::string& shader_name, const std::string& kind) {
 
 /// Prints the facts about a device and its rounding, one line `key=value` for each, and an empty line.
 Exit send_device_facts(const std::string& kind) {
-    const int output = take_standard_output("shader probe");
+    const int output = redirect_standard_output("shader probe");
     std::string text;
     try {
         const auto device = open_named_or_any(kind);

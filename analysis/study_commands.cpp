@@ -149,6 +149,7 @@ std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const S
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.run_division.out / study.scene.id;
     const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
+
     ExtraFiles<Adapter> extra_files(study, run);
     output::study::StudyWriter<typename Adapter::Presentation> writer(
         study,
@@ -158,6 +159,7 @@ std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const S
          .draws_single_pictures = options.pictures == "all",
          .other_tables = extra_files.resources()},
         shard::piece_recorder(run.run_division.division, job));
+
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(
         run.progress, study.scene.id,
@@ -170,11 +172,40 @@ std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const S
     complete();
     if (!run.common.quiet) {
         run.progress.print_without_bar([&] {
-            print_figures(folder / "contact.png");
+            print_figure_paths(folder / "contact.png");
             Adapter::print_results(study, *summaries, run.common.verbose);
         });
     }
     return Adapter::unproved(*summaries);
+}
+
+/// The studies of the scenes, and what they need.
+template <class Adapter>
+struct PlannedStudies {
+    std::vector<typename Adapter::Presentation::Study> studies = {};
+    std::vector<std::string> jobs = {};
+    std::vector<std::filesystem::path> input_files = {};
+    std::uint64_t units = 0;
+};
+
+template <class Adapter>
+PlannedStudies<Adapter> plan_studies(const std::vector<Scene>& scenes,
+                                     const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                     const StudyOptions& options, const CommonOptions& common) {
+    PlannedStudies<Adapter> planned;
+    for (const Scene& scene : scenes) {
+        const auto can_test = [&](Shapes forms) { return scene.meets(forms); };
+        planned.studies.push_back(Adapter::make_study(scene, selection::filter_tested_forms(tested_forms, can_test),
+                                                      options.values, common.stop));
+        if constexpr (requires { Adapter::note(scene, options.values); })
+            if (!common.quiet) Adapter::note(scene, options.values);
+        planned.jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));
+        std::ranges::move(ExtraFiles<Adapter>::jobs(planned.studies.back(), options.values),
+                          std::back_inserter(planned.jobs));
+        planned.input_files.push_back(scene.path);
+        planned.units += count_units<Adapter>(planned.studies.back(), options.values);
+    }
+    return planned;
 }
 
 template <class Adapter>
@@ -185,37 +216,22 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
         selection::select_formats(options.formats));
     std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
-    auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
+    const auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
-
-    std::vector<typename Adapter::Presentation::Study> studies;
-    std::vector<std::string> jobs;
-    std::vector<std::filesystem::path> input_files;
-    std::uint64_t units = 0;
-    for (const scene::file::Scene& scene : scenes) {
-        const auto can_test = [&](Shapes forms) { return scene.meets(forms); };
-        studies.push_back(
-            Adapter::make_study(scene, selection::filter_tested_forms(rows, can_test), options.values, common.stop));
-        if constexpr (requires { Adapter::note(scene, options.values); })
-            if (!common.quiet) Adapter::note(scene, options.values);
-        jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));
-        std::ranges::move(ExtraFiles<Adapter>::jobs(studies.back(), options.values), std::back_inserter(jobs));
-        input_files.push_back(scene.path);
-        units += count_units<Adapter>(studies.back(), options.values);
-    }
-    auto run_division = divide_run(options.shard, options.out, input_files, common);
-    run_division.division.expect(jobs);
+    auto planned = plan_studies<Adapter>(scenes, rows, options, common);
+    auto run_division = divide_run(options.shard, options.out, planned.input_files, common);
+    run_division.division.expect(planned.jobs);
     SceneFolders folders(scenes, run_division, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, options.scenes.set, rows, common.quiet);
 
-    output::file::Progress progress(units / run_division.division.share().count, Adapter::name, common.progress,
+    output::file::Progress progress(planned.units / run_division.division.share().count, Adapter::name, common.progress,
                                     common.quiet);
     const StudyRun run{options, common, run_division, progress};
-    const std::uint64_t unproved = folders.for_each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
-        return measure_scene<Adapter>(studies[k], run, complete);
-    });
+    const std::uint64_t unproved = folders.for_each(
+        planned.studies.size(), progress,
+        [&](std::size_t k, const auto& complete) { return measure_scene<Adapter>(planned.studies[k], run, complete); });
     finish_run(run_division, common);
-    return report_unproved(unproved, studies.front().limit.max_bits);
+    return report_unproved(unproved, planned.studies.front().limit.max_bits);
 }
 
 template <class Adapter>
@@ -226,6 +242,7 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
     options->formats = {study::usual_format};
     options->scenes.stop = common.stop;
     options->scenes.refuses_ranges = true;
+
     selection::add_scenes(command, *options, Adapter::kinds);
     command.add_list("-i,--form", options->forms, Adapter::form_help);
     selection::add_formats(command, options->formats, study::usual_format);
@@ -234,6 +251,7 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
         command.add_list("--" + option.name, values, option.help,
                          option.allowed_values.empty() ? shell::ValueRule{} : shell::one_of(option.allowed_values));
     }
+
     selection::add_changes(command, options->scenes, Adapter::example);
     if constexpr (requires { Adapter::Presentation::pixel_title; }) selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);

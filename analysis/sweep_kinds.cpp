@@ -25,7 +25,7 @@ namespace {
 
 constexpr auto save_interval = std::chrono::seconds(5);
 
-/// The share in percent, rounded down, so that a stopped run is never 100 % done.
+/// The fraction in percent, rounded down, so that a stopped run is never 100 % done.
 std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
     return static_cast<std::uint64_t>(static_cast<double>(part) / static_cast<double>(whole) * 100);
 }
@@ -39,9 +39,9 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
       state_file_(folder_,
                   {.program = program_and_version,
                    .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
-                   .inputs = hash_of_inputs(selection::files_of(path, scene::sweep::SweepKind::every_float,
-                                                                chosen.options, chosen.data(), chosen.common.stop),
-                                            chosen.common),
+                   .inputs = hash_inputs(selection::list_input_files(path, scene::sweep::SweepKind::every_float,
+                                                                     chosen.options, chosen.data(), chosen.common.stop),
+                                         chosen.common),
                    .share = chosen.division().share()},
                   "sweep " + sweep_.id),
       chosen_(chosen) {
@@ -61,22 +61,25 @@ void ExhaustiveRun::resume() {
         bits(state_);
         state_.require_match(request_);
     });
-    resumed_ = true;
+    is_resumed_ = true;
 }
 
-ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
+ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
     require_writable(state_file_.path());
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.tested_forms.size();
     const std::uint64_t floats = measure::sweep::count_floats(sweep_, request_.share);
     ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common,
                                   state_.floats_tried * rays_per_float);
     request_.progress = progress.advance_callback();
+
+    // A run that is killed loses at most the work of a few seconds.
     auto last_save = std::chrono::steady_clock::now();
     request_.store_state = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - last_save < save_interval) return;
         state_file_.write(output::shard::bits_of(state));
         last_save = std::chrono::steady_clock::now();
     };
+
     try {
         measure::sweep::run_exhaustive(request_, state_);
     } catch (const Interrupted&) {
@@ -88,13 +91,13 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
-    if (keep_state) state_file_.write(output::shard::bits_of(state_));
+    if (keeps_state) state_file_.write(output::shard::bits_of(state_));
     return std::move(state_);
 }
 
 void ExhaustiveRun::forget_state() const {
     const auto result_folder =
-        was_stopped() ? chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = true}) : nullptr;
+        was_stopped() ? chosen_.lock_sweep_folder(sweep_.id, path_, {.continues_run = true}) : nullptr;
     output::file::remove_result(state_file_.path());
     std::error_code ignored;
     std::filesystem::remove(folder_, ignored);  // only removes an empty folder, as a shard leaves it
@@ -103,29 +106,33 @@ void ExhaustiveRun::forget_state() const {
 std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const CommonOptions& common = chosen_.common;
     // The user may have forgotten --resume. The old state stays until this run writes its own.
-    if (!resumed_ && !common.quiet && state_file_.exists())
+    if (!is_resumed_ && !common.quiet && state_file_.exists())
         fmt::print(stderr,
                    "lostbits: {} is the state of a stopped run; this run starts from the beginning (to continue that "
                    "one, use --resume)\n",
                    state_file_.path().string());
-    const auto result_folder =
-        chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
+
+    const auto result_folder = chosen_.lock_sweep_folder(
+        sweep_.id, path_, {.continues_run = is_resumed_, .can_resume = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveWriter> writer;
     if (result_folder) writer.emplace(request_, folder_);
-    const auto state = chosen_.division().result_of(
+    const auto state = chosen_.division().measure_or_join(
         "sweep " + sweep_.id, [&] { return try_floats(others_follow); },
         [this](const ExhaustiveState& part) { part.require_match(request_); });
     if (!state) return 0;
+
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
     if (const std::uint64_t float_count = measure::sweep::count_floats(sweep_, {}); state->floats_tried != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
             state->floats_tried, float_count, sweep_.id));
+
     const auto findings = measure::sweep::collect_findings(request_, *state);
     writer->finish(*state, findings);
     if (!others_follow) output::file::remove_result(state_file_.path());
     complete_folder(result_folder);
+
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;
@@ -162,13 +169,15 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics({chosen.metric_set.find(search.metric)}, request.tested_forms),
         measure::evaluate::forms_of(request.tested_forms), measure::attribution::Setting{std::span(&example, 1)});
+
     const auto folder = chosen.folder_of(search.id);
-    const auto result_folder = chosen.take_sweep_folder(search.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto worst_rays = chosen.measure_or_join(
         search.id, request.share.unit_range(request.tested_forms.size()).size(), request, measure::sweep::find_worst);
     if (!worst_rays) return;
+
     if (std::ranges::none_of(*worst_rays, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() + ": no form hit anything with a ray of these ranges; " +
                               excluding_keys_text(search));
@@ -207,14 +216,16 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
         if (scene::rays::generator_of(*tested_form.form) != nullptr)
             throw InputError(std::string(tested_form.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
+
     const auto folder = chosen.folder_of(search.id);
-    const auto result_folder = chosen.take_sweep_folder(search.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto units =
         measure::edges::progress_units_per_row * request.share.unit_range(request.tested_forms.size()).size();
     const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!edge_results) return;
+
     const output::sweep::NearestWriter writer{request, *edge_results,
                                               selection::name_of_scene(search.scene, chosen.data())};
     writer.write(folder);

@@ -60,17 +60,17 @@ struct SweepSelection {
     [[nodiscard]] std::filesystem::path folder_of(const std::string& id) const {
         return std::filesystem::path(options.out) / id;
     }
-    /// Takes the folder of a sweep in `out` for this run; null in a shard, which has its own folder.
-    [[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_sweep_folder(
+    /// Locks the folder of a sweep in `out` for this run; null in a shard, which has its own folder.
+    [[nodiscard]] std::unique_ptr<output::file::ResultFolder> lock_sweep_folder(
         const std::string& id, const std::filesystem::path& sweep, output::file::ResultFolder::Rules rules = {}) const {
-        return take_folder(run_division, folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
+        return lock_folder(run_division, folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
     }
     /// The result of a sweep of `units` units of work, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>
     auto measure_or_join(const std::string& id, std::uint64_t units, Request& request, const Measure& measure) const {
         ProgressWithEstimate progress(id, units, common);
         request.progress = progress.advance_callback();
-        auto found = division().result_of("sweep " + id, [&] { return measure(request); });
+        auto found = division().measure_or_join("sweep " + id, [&] { return measure(request); });
         progress.finish();
         return found;
     }
@@ -98,14 +98,14 @@ public:
     void forget_state() const;
 
 private:
-    measure::sweep::ExhaustiveState try_floats(bool keep_state);
+    measure::sweep::ExhaustiveState try_floats(bool keeps_state);
 
     scene::sweep::ExhaustiveFile sweep_;
     measure::sweep::ExhaustiveRequest request_{.sweep = sweep_};
     measure::sweep::ExhaustiveState state_;
     std::filesystem::path path_, folder_;
     output::shard::UnfinishedFile state_file_;
-    bool resumed_ = false;
+    bool is_resumed_ = false;
     const SweepSelection& chosen_;
 };
 

@@ -53,17 +53,20 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
         study::trade_request(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
     const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
     selection::note_unmeasured(options.forms, selection::filter_tested_forms(rows, can_test), common.quiet);
+
     request.plan = timing_plan(options);
     request.limit.stop = request.plan.stop = common.stop;
+
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(options.out) / name;
-    const auto result_folder = take_folder(folder, common, scene ? text::shell_word(options.scene) : "");
+    const auto result_folder = lock_folder(folder, common, scene ? text::shell_word(options.scene) : "");
     output::trade::TradeWriter writer(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);
     output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
+
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
     writer.finish(result);
     complete_folder(result_folder);
@@ -89,6 +92,8 @@ void add_trade(const shell::Command& program, const CommonOptions& common) {
         .needs(scene);
     command.add("--variant", options->variant, "One variant of a scene that has several").needs(scene);
     command.add_set(options->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
+
+    // What to time, and how long.
     selection::add_forms(command, options->forms, "all that fit");
     command.add_list("-f,--format", options->formats, "f32, f64 (default: both)");
     command.add("--repetitions", options->repetitions,

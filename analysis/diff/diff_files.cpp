@@ -171,6 +171,8 @@ void print(const FileResult& result, bool verbose) {
             fmt::print(", in {} of {}", comparison.differing_rows, count_with_noun(comparison.rows, "row"));
         fmt::print("\n");
     }
+
+    // The columns with their largest differences, then single differences.
     for (const auto& column : comparison.columns) {
         if (column.count == 0 && !(verbose && !column.absolute.position.empty())) continue;
         fmt::print("  {}: {} differ", terminal_line(column.name), column.count);

@@ -67,7 +67,7 @@ struct MapSides {
     std::filesystem::path a, b;
     std::string form_a, form_b;        ///< empty: each form is compared with itself
     std::vector<std::string> formats;  ///< formats to draw; empty: all
-    [[nodiscard]] bool are_forms() const { return !form_a.empty(); }
+    [[nodiscard]] bool compares_two_forms() const { return !form_a.empty(); }
 };
 
 struct MapDifference {
@@ -77,10 +77,10 @@ struct MapDifference {
     [[nodiscard]] bool same() const;
 };
 
-/// Compares every file below the folders, PNG pictures only with `pictures`. Throws NothingSelected if there is nothing
-/// to compare.
+/// Compares every file below the folders, pictures only if `compares_pictures`. Throws NothingSelected if there is
+/// nothing to compare.
 [[nodiscard]] MapDifference compare_maps(const MapSides& sides, const output::diff::CompareOptions& options,
-                                         bool pictures);
+                                         bool compares_pictures);
 
 /// Prints the last line of a comparison: in how many rows the second side is better, worse and the same.
 void print_verdict(const output::diff::RowVerdict& verdict, const std::string& second);
@@ -89,9 +89,9 @@ void print_verdict(const output::diff::RowVerdict& verdict, const std::string& s
 /// differences of other files.
 void print(const MapDifference& difference, const MapSides& sides, bool verbose);
 
-/// Draws a picture in `out` for each form and format of each map that has pixels on both sides. Returns the paths.
+/// Draws the difference in `out` for each form and format of each map that has pixels on both sides. Returns the paths.
 /// Throws InputError if there is none.
-std::vector<std::filesystem::path> draw_maps(const MapSides& sides, const std::filesystem::path& out,
-                                             intersect::process::StopToken stop);
+std::vector<std::filesystem::path> draw_map_differences(const MapSides& sides, const std::filesystem::path& out,
+                                                        intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::diff

@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t max_lines = 8;  // lines of each kind, so that all fit on one screen
 
 /// `near-benign `: the folder of a table, as a prefix of the names of its rows.
-std::string subject_of(const fs::path& file) {
+std::string row_name_prefix(const fs::path& file) {
     const std::string folder = file.parent_path().string();
     const bool is_summary = file.filename() == "summary.csv" || folder.empty();
     std::string subject = is_summary ? folder : file.string();
@@ -39,7 +39,7 @@ std::optional<RowChanges> compare_two_forms(const fs::path& file, const MapSides
     const auto& forms = table.find("form")->cells;
     const auto has_form = [&](const std::string& form) { return std::ranges::find(forms, form) != forms.end(); };
     if (!has_form(sides.form_a) || !has_form(sides.form_b)) return {};
-    return compare_rows(table, table, subject_of(file.lexically_relative(sides.a)), options, {sides.form_a},
+    return compare_rows(table, table, row_name_prefix(file.lexically_relative(sides.a)), options, {sides.form_a},
                         {sides.form_b});
 }
 
@@ -66,6 +66,8 @@ MapDifference compare_forms(const MapSides& sides, const CompareOptions& options
         difference.rows.add(std::move(*rows));
     }
     if (difference.tables > 0) return difference;
+
+    // Says which of the two forms is missing.
     const auto forms = forms_below(sides.a);
     for (const std::string& form : {sides.form_a, sides.form_b}) {
         if (std::ranges::find(forms, form) == forms.end())
@@ -84,45 +86,48 @@ void print_lines(const std::string& head, const std::vector<std::string>& lines,
     if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
 }
 
-/// The base names `sphere.press.f32` of the files of each form and format, on both sides.
-std::vector<std::pair<std::string, std::string>> drawn_rows(const MapSides& sides,
-                                                            const output::file::CsvTable& table) {
-    std::vector<std::pair<std::string, std::string>> rows;
+/// The base names of the files of pixels, such as `sphere.press.f32`, of each form and format on both sides.
+std::vector<std::pair<std::string, std::string>> pixel_file_names(const MapSides& sides,
+                                                                  const output::file::CsvTable& table) {
+    std::vector<std::pair<std::string, std::string>> names;
     const auto &forms = table.find("form")->cells, &formats = table.find("format")->cells;
     for (std::size_t r = 0; r < table.rows(); ++r) {
         const std::string form(forms[r]), format(formats[r]);
         if (!sides.formats.empty() && std::ranges::find(sides.formats, format) == sides.formats.end()) continue;
-        if (sides.are_forms() && form != sides.form_a) continue;
-        rows.emplace_back(form + "." + format, (sides.are_forms() ? sides.form_b : form) + "." + format);
+        if (sides.compares_two_forms() && form != sides.form_a) continue;
+        names.emplace_back(form + "." + format, (sides.compares_two_forms() ? sides.form_b : form) + "." + format);
     }
-    return rows;
+    return names;
 }
 
 }  // namespace
 
 bool MapDifference::same() const { return rows.same() && std::ranges::all_of(other_files, &FileResult::same); }
 
-MapDifference compare_maps(const MapSides& sides, const CompareOptions& options, bool pictures) {
-    if (sides.are_forms()) return compare_forms(sides, options);
+MapDifference compare_maps(const MapSides& sides, const CompareOptions& options, bool compares_pictures) {
+    if (sides.compares_two_forms()) return compare_forms(sides, options);
+
     MapDifference difference;
     for (const FilePair& pair : pairs_below(sides.a, sides.b)) {
         options.stop.check();
         const fs::path& file = pair.file;
         const FileKind kind = kind_of(file);
-        if (is_picture(file) && !pictures) {
+        if (is_picture(file) && !compares_pictures) {
             ++difference.pictures;
             continue;
         }
+        // Tables with a row per form are compared row by row, all other files as files.
         if (pair.is_in_a && pair.is_in_b && kind == FileKind::csv) {
             const auto a = output::file::read_csv(sides.a / file), b = output::file::read_csv(sides.b / file);
             if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b)) {
                 ++difference.tables;
-                difference.rows.add(output::diff::compare_rows(a, b, subject_of(file), options));
+                difference.rows.add(output::diff::compare_rows(a, b, row_name_prefix(file), options));
                 continue;
             }
         }
         difference.other_files.push_back(compare_pair(pair, sides.a, sides.b, options));
     }
+
     if (difference.tables == 0 && difference.other_files.empty())
         throw NothingSelected(fmt::format("{} and {} contain nothing but pictures; --compare-pictures compares them",
                                           sides.a.string(), sides.b.string()));
@@ -136,8 +141,9 @@ void print_verdict(const output::diff::RowVerdict& verdict, const std::string& s
 }
 
 void print(const MapDifference& difference, const MapSides& sides, bool verbose) {
-    const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
-                      b = sides.are_forms() ? sides.form_b : sides.b.string();
+    const std::string a = sides.compares_two_forms() ? sides.form_a : sides.a.string(),
+                      b = sides.compares_two_forms() ? sides.form_b : sides.b.string();
+
     // Tables without such rows, such as those of judge without forms, are compared as files.
     if (difference.rows.rows + difference.rows.only_a.size() + difference.rows.only_b.size() > 0)
         fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, count_with_noun(difference.rows.rows, "row"),
@@ -147,6 +153,7 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
                 difference.rows.only_a, verbose);
     print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_b.size(), "row"), b),
                 difference.rows.only_b, verbose);
+
     std::vector<std::string> lines;
     for (const auto& o : difference.rows.outcomes) lines.push_back(o.row + ": " + o.text);
     print_lines(fmt::format("outcomes differ in {}:", count_with_noun(difference.rows.outcomes.size(), "row")), lines,
@@ -161,6 +168,7 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
         fmt::print("the numbers are the same; the rows differ in columns that name a ray or a command: {}\n",
                    fmt::join(difference.rows.reference_columns, ", "));
     print_lines("columns:", difference.rows.columns, verbose);
+
     for (const FileResult& r : difference.other_files) {
         if (verbose || !r.only_folder.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
@@ -172,24 +180,27 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
     print_verdict(difference.rows.verdict, b);
 }
 
-std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, intersect::process::StopToken stop) {
+std::vector<fs::path> draw_map_differences(const MapSides& sides, const fs::path& out,
+                                           intersect::process::StopToken stop) {
     std::vector<fs::path> pictures;
     for (const fs::path& file : files_below(sides.a)) {
         if (file.filename() != "summary.csv") continue;
         const auto table = output::file::read_csv(sides.a / file);
         if (!output::diff::has_row_keys(table)) continue;
         const fs::path map = file.parent_path();
-        for (const auto& [first, second] : drawn_rows(sides, table)) {
+        for (const auto& [first, second] : pixel_file_names(sides, table)) {
             stop.check();
             const auto a = output::diff::read_pixels(sides.a / map, first);
             const auto b = a ? output::diff::read_pixels(sides.b / map, second) : std::nullopt;
             if (!a || !b) continue;
-            const std::string name = first == second ? first : first + "-to-" + second;
-            const fs::path picture = out / map / (name + ".png");
+
+            // One form has the folders as the names of its sides, two forms their own names.
+            const bool is_one_form = first == second;
+            const fs::path picture = out / map / ((is_one_form ? first : first + "-to-" + second) + ".png");
             output::diff::draw_difference(
                 picture, *a, *b,
-                {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
-                 first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
+                {(map.empty() ? "" : map.string() + ": ") + (is_one_form ? first : first + " and " + second),
+                 is_one_form ? sides.a.string() : first, is_one_form ? sides.b.string() : second});
             std::ranges::copy(output::image::figure_paths(picture), std::back_inserter(pictures));
         }
     }

@@ -38,6 +38,8 @@ std::string argument_name_of(std::string_view option) {
 std::string replace_options_by_arguments(std::string text) {
     if (const std::size_t advice_begin = text.find(miss_advice); advice_begin != std::string::npos)
         text.replace(advice_begin, std::string::npos, "; give hit too: hit = t >= 0 if a negative t means a miss");
+
+    // An option begins a word, which may follow a bracket.
     std::string rewritten;
     for (std::size_t position = 0; position < text.size(); ++position) {
         const bool is_word_start = position == 0 || text[position - 1] == ' ' || text[position - 1] == '(';
@@ -48,6 +50,7 @@ std::string replace_options_by_arguments(std::string text) {
         const std::string_view word = std::string_view(text).substr(position, option_end - position);
         const bool is_option =
             word.size() > 2 ? word.starts_with("--") && is_letter(word[2]) : word == "-i" || word == "-f";
+
         if (!is_option) {
             rewritten += text[position];
             continue;

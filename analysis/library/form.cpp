@@ -13,11 +13,11 @@ namespace {
 ForeignForm make_foreign_form(const lb_form& caller_form) {
     ForeignForm foreign{intersect::external::contract_of(caller_form, "form"), "form", {}};
     const auto run = caller_form.run;
-    void* const caller_data = caller_form.own;
-    foreign.answer = [run, caller_data, name = foreign.contract.name](const lb_batch& given_batch) {
+    void* const user_data = caller_form.own;
+    foreign.answer = [run, user_data, name = foreign.contract.name](const lb_batch& given_batch) {
         const intersect::process::FloatingPointGuard guard;
         lb_batch batch = given_batch;
-        batch.own = caller_data;
+        batch.own = user_data;
         if (const char* const reason = run(&batch)) throw EnvironmentError("form " + name + ": " + reason);
     };
     return foreign;
@@ -43,16 +43,18 @@ void update_forms(lostbits_form& form) {
 
 }  // namespace
 
-CallSelection::CallSelection(const lostbits_choice* given, bool may_be_empty)
+CallSelection::CallSelection(const lostbits_choice* given, WithoutForms without_forms)
     : arguments(given ? *given : lostbits_choice{}) {
     forms = to_strings(arguments.forms, "forms");
     std::vector<std::string> formats = to_strings(arguments.formats, "formats");
     if (formats.empty()) formats = {"f32", "f64"};
-    if (forms.empty() && arguments.own_count == 0 && !may_be_empty) forms = {"*"};
+    if (forms.empty() && arguments.own_count == 0 && without_forms == WithoutForms::all_forms) forms = {"*"};
+
+    // The forms of the caller come first.
     std::vector<const intersect::table::Intersector*> selected;
-    for (const lostbits_form* const own_form : to_span(arguments.own, arguments.own_count, "own")) {
-        require(own_form, "a form of `own`");
-        selected.push_back(arguments.written != 0 ? &own_form->written_form : &own_form->form);
+    for (const lostbits_form* const caller_form : to_span(arguments.own, arguments.own_count, "own")) {
+        require(caller_form, "a form of `own`");
+        selected.push_back(arguments.written != 0 ? &caller_form->written_form : &caller_form->form);
     }
     if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(selected));
     if (!selected.empty())
@@ -99,6 +101,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                 "form: the operations of this form come from its source file; call lostbits_form_write only for a "
                 "form that was made without a file");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
+
         WrittenFormula formula{.name = std::string(form->foreign_form->info.name),
                                .shape = form->form.shape,
                                .operations = {},
@@ -111,6 +114,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                  .value = operation.value,
                  .label = operation.label ? operation.label : ""});
         require_valid(formula);
+
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         update_forms(*form);
         return Exit::done;
@@ -128,6 +132,8 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         const auto& function = *created->function;
         created->form = function.intersector;
         created->written_form = function.written->make_intersector(function.answers->info);
+
+        // The result says what the arguments were taken for.
         auto signature_result = std::make_unique<lostbits_result>();
         signature_result->tables
             .emplace_back("function",

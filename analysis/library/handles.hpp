@@ -62,7 +62,7 @@ public:
 
     std::string name;
     std::vector<ResultColumn> columns;
-    [[nodiscard]] std::size_t rows() const;
+    [[nodiscard]] std::size_t row_count() const;
 };
 
 /// Fills a table with one row per ray of one form and format, from the bands of a map or a judgement.
@@ -231,7 +231,7 @@ inline intersect::process::StopToken make_stop_token(const unsigned char* byte) 
 /// The optional settings of a call: threads, stop flag, progress. They apply as long as this object lives.
 class CallSettings {
 public:
-    explicit CallSettings(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
+    explicit CallSettings(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(read_threads(run_)) {}
     [[nodiscard]] intersect::process::StopToken stop() const { return make_stop_token(run_.stop); }
     /// Returns a function that adds a number of finished units of work and reports the sum to the caller. `total` is
     /// the number of all units.
@@ -240,12 +240,13 @@ public:
             stop().check();
             if (run_.progress == nullptr) return;
             const std::lock_guard lock(mutex_);
-            run_.progress(run_.own, done_ += units, total);
+            done_ += units;
+            run_.progress(run_.own, done_, total);
         };
     }
 
 private:
-    static int threads_of(const lostbits_run& run) {
+    static int read_threads(const lostbits_run& run) {
         if (run.threads < 0)
             throw InputError("threads is " + std::to_string(run.threads) +
                              "; give 0 for one per core, or a number above 0");
@@ -267,10 +268,17 @@ struct CallSelection {
     measure::metric::MetricSet metric_set = {};
     std::vector<const measure::metric::Metric*> extra_metrics = {};
 
-    explicit CallSelection(const lostbits_choice* given, bool may_be_empty = false);
+    /// What a call means that names no form.
+    enum class WithoutForms { all_forms, no_form };
+    explicit CallSelection(const lostbits_choice* given, WithoutForms without_forms = WithoutForms::all_forms);
     /// Keeps the tested forms that can test the subject called `name`. Throws NothingSelected if none is left.
     void keep_forms_for(const std::string& name, const selection::ShapePredicate& can_test);
 };
+
+/// Adds a table with a row per ray for each of these forms, if the call asks for rows.
+std::deque<RayTable> add_ray_tables(lostbits_result& result, const CallSelection& chosen,
+                                    const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                    const std::vector<const measure::metric::Metric*>& metrics);
 
 /// A file in memory that holds a text, as long as this object lives.
 class TextFile {

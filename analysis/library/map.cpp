@@ -12,8 +12,8 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
-                                            CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
+                                                 CallSettings& settings) {
     const scene::file::Scene& scene = scene_handle.scene;
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
@@ -25,16 +25,12 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
-    std::deque<RayTable> ray_tables;
-    for (const TestedForm& tested_form : request.tested_forms) {
-        if (chosen.arguments.rows == 0) break;
-        ResultTable& ray_table = result->tables.emplace_back(
-            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
-            RayTable::columns(request.metrics));
-        ray_tables.emplace_back(ray_table, tested_form, request.metrics);
-    }
+
+    // The tables with a row per ray are filled while the map is measured.
+    std::deque<RayTable> ray_tables = add_ray_tables(*result, chosen, request.tested_forms, request.metrics);
     const auto show = ray_tables.empty() ? measure::evaluate::ShowForms() : measure::evaluate::show_to_each(ray_tables);
     const auto summaries = measure::evaluate::run_map(request, show);
+
     auto csv = table.writer();
     const auto name_worst_ray = [&](const measure::evaluate::WorstRay& ray) {
         return scene_handle.explain_arguments.empty()
@@ -44,7 +40,7 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     };
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r)
         summary.add_row(csv, {request.tested_forms[r], &summaries[r], name_worst_ray});
-    result->texts = selection::suspicions_of(request.tested_forms, [&scene](const TestedForm& tested_form) {
+    result->texts = selection::list_suspicions(request.tested_forms, [&scene](const TestedForm& tested_form) {
         return measure::contract::suspicion_text(scene, tested_form);
     });
     return result;
@@ -63,6 +59,6 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
         require(result, "result");
         CallSelection chosen(choice);
         CallSettings settings(run);
-        return hand_over(map_result(*scene, chosen, settings), result);
+        return hand_over(make_map_result(*scene, chosen, settings), result);
     });
 }

@@ -44,16 +44,25 @@ std::unique_ptr<ArrayDump> make_dump(const lostbits_rays& rays, const lostbits_m
     if (rays.origin.data == nullptr || answers.values.data == nullptr || (rays.direction.data == nullptr) != are_points)
         throw InputError(are_points ? "answers: points need origin and values, and have no direction"
                                     : "answers: rays need origin, direction and values; give all three");
+
     std::vector<ArrayColumn> columns;
     const auto append = [&](const lostbits_array& array, std::initializer_list<std::string> names) {
         if (array.data == nullptr) return;
         require_addressable(array, rays.count, names.size(), answers_name);
         append_columns(columns, array, std::vector<std::string>(names));
     };
-    if (are_points) append(rays.origin, {"px", "py", "pz"});
-    else append(rays.origin, {"ox", "oy", "oz"}), append(rays.direction, {"dx", "dy", "dz"});
-    append(rays.tmin, {"tmin"}), append(rays.tmax, {"tmax"}), append(rays.t, {"t"});
-    append(answers.objects, {"object"}), append(answers.values, {answers.column});
+    if (are_points) {
+        append(rays.origin, {"px", "py", "pz"});
+    } else {
+        append(rays.origin, {"ox", "oy", "oz"});
+        append(rays.direction, {"dx", "dy", "dz"});
+    }
+    append(rays.tmin, {"tmin"});
+    append(rays.tmax, {"tmax"});
+    append(rays.t, {"t"});
+    append(answers.objects, {"object"});
+    append(answers.values, {answers.column});
+
     scene::dump::DumpOptions options{.stop = settings.stop()};
     options.primitive = scene::triangle::Mesh::shape;
     if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
@@ -76,12 +85,14 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
                                                             .facing = parse_facing(rays.facing)},
                                                .limit = {.stop = settings.stop()}};
     if (kind == AnswerKind::inside) measure::judge::require_inside(stored->mesh->mesh(), answers_name);
+
     std::vector<measure::judge::JudgedAnswer> rows;
     const auto advance = settings.advance_callback(0);
     const auto judgement = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged_rows) {
         if (answers.rows != 0) rows.insert(rows.end(), judged_rows.begin(), judged_rows.end());
         advance(judged_rows.size());
     });
+
     auto result = std::make_unique<lostbits_result>();
     result->add_table<output::judge::MeshSummaryRow>(
         "summary", output::judge::mesh_summary_table(kind),

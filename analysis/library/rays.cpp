@@ -1,7 +1,6 @@
 // Rays given as arrays: judges answers to them, and returns answers of forms, the truth and all crossings.
 #include "scene/rays/rays.hpp"
-#include "analysis/library/array_dump.hpp"
-#include "analysis/library/handles.hpp"
+#include "analysis/library/given_rays.hpp"
 #include "analysis/selection/ray_file_options.hpp"
 #include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
@@ -11,109 +10,14 @@
 #include "measure/judge/judge.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_tables.hpp"
-#include "scene/rays/stored_mesh.hpp"
-#include "shapes/number_names.hpp"
-#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis::library {
 
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
-using scene::file::Scene;
 using scene::rays::RayGroup;
 
 namespace {
-
-constexpr const char* rays_name = "rays";
-
-/// The rays of the caller: the arrays as a dump, and the primitives that all rays share.
-struct GivenRays {
-    std::unique_ptr<ArrayDump> dump;
-    /// Primitives that all rays share. Without a mesh, an empty list means that each ray has its own primitive.
-    std::vector<Primitive<double>> primitives = {};
-    /// The triangles of the mesh come after `primitives`; null: no mesh.
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
-    std::shared_ptr<const SceneInFormat> stored = {};  ///< the scene with these primitives; null: they are from arrays
-    Shape shape{};                                     ///< of the first primitive
-    [[nodiscard]] std::vector<Primitive<double>> representatives() const {
-        return scene::rays::representatives_of(primitives, mesh.get());
-    }
-};
-
-/// The primitives of an array that all rays share, in its order.
-std::vector<Primitive<double>> read_shared_primitives(const lostbits_rays& rays, Shape shape, const Format& format) {
-    std::vector<ArrayColumn> columns;
-    append_columns(columns, rays.primitives, column_names(shape));
-    std::vector<Primitive<double>> primitives;
-    for (std::size_t i = 0; i < rays.primitive_count; ++i) {
-        Primitive<double> primitive(shape);
-        for (std::size_t k = 0; k < columns.size(); ++k) primitive.numbers[k] = number_at(columns[k], i, format);
-        const auto broken = broken_limit(primitive);
-        for (const double x : primitive.shape_numbers())
-            if (!std::isfinite(x))
-                throw InputError("primitive " + std::to_string(i) + " has a number that is not finite");
-        if (broken)
-            throw InputError("primitive " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
-                             limit_phrase(shape, *broken->key));
-        primitives.push_back(primitive);
-    }
-    return primitives;
-}
-
-GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
-    if (rays.origin.data == nullptr || rays.direction.data == nullptr)
-        throw InputError("rays: origin and direction are arrays of three numbers per ray; give both");
-    for (const auto* const array : {&rays.origin, &rays.direction})
-        require_addressable(*array, rays.count, 3, rays_name);
-    for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
-        require_addressable(*array, rays.count, 1, rays_name);
-    require_addressable(rays.matrix, rays.count, scene::dump::matrix_columns.size(), rays_name);
-    require_addressable(rays.primitives, rays.primitive_count, most_numbers, "primitives");
-    std::vector<ArrayColumn> columns;
-    append_columns(columns, rays.origin, std::array<std::string, 3>{"ox", "oy", "oz"});
-    append_columns(columns, rays.direction, std::array<std::string, 3>{"dx", "dy", "dz"});
-    append_columns(columns, rays.tmin, std::array<std::string, 1>{"tmin"});
-    append_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
-    append_columns(columns, rays.t, std::array<std::string, 1>{"t"});
-    append_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
-    append_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // quoted: cylinders have a column named by
-    append_columns(columns, rays.matrix,
-                   std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
-    scene::dump::DumpOptions options{.stop = settings.stop()};
-    if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
-    if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
-    GivenRays result;
-    if (rays.scene != nullptr) {
-        if (rays.scene->scene.shapes().empty()) throw InputError("the scene has no primitives");
-        result.shape = rays.scene->scene.shapes().front();
-    } else {
-        const auto shape = shape_named(rays.shape ? rays.shape : "");
-        if (!shape || !is_primitive(*shape) || rays.primitives.data == nullptr)
-            throw InputError(
-                "rays: the primitives are missing; give their shape (\"sphere\", \"box\", ...) and their numbers, or "
-                "a scene");
-        result.shape = *shape;
-        if (rays.paired != 0 && rays.primitive_count != rays.count)
-            throw InputError("there are " + text::count_with_noun(rays.count, "ray") + " and " +
-                             text::count_with_noun(rays.primitive_count, "primitive") +
-                             "; pairs need the same number of both");
-        if (rays.paired == 0 && rays.primitive_count == 0)
-            throw InputError("the list of primitives is empty; give at least one");
-        if (rays.paired != 0) append_columns(columns, rays.primitives, column_names(*shape));
-    }
-    if (rays.paired == 0 || rays.scene != nullptr) options.primitive = result.shape;
-    result.dump = std::make_unique<ArrayDump>(rays_name, std::move(columns), rays.count, options);
-    const Format& format = result.dump->format();
-    if (rays.scene != nullptr) {
-        result.stored = rays.scene->stored->get(rays.scene->scene, format.parameters);
-        result.primitives = result.stored->primitives_beside_mesh;
-        result.mesh = result.stored->mesh;
-    } else if (rays.paired == 0) {
-        result.primitives = read_shared_primitives(rays, result.shape, format);
-    }
-    selection::put_under_matrices(*result.dump, result.representatives());
-    return result;
-}
 
 /// The contract that the arguments of the call state, for primitives of a shape.
 intersect::Info read_contract(const lostbits_rays& rays, Shape shape) {
@@ -144,12 +48,63 @@ selection::ShapePredicate shape_filter(const GivenRays& given_rays) {
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, CallSelection& chosen,
-                                                  CallSettings& settings) {
+/// The default metrics and those of the call, made for its forms.
+std::vector<const Metric*> make_metrics(const measure::judge::JudgeRequest& request, const GivenRays& given_rays,
+                                        CallSelection& chosen) {
+    std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
+    std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
+    metrics = selection::with_default_metrics(metrics, request.tested_forms);
+    if (chosen.tested_forms.empty()) return metrics;
+
+    // The operations of a form depend on the shapes of the primitives, and on whether matrices place them.
+    RayGroup group;
+    group.primitives = given_rays.representatives();
+    if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
+    if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::placeholder_matrix();
+    return chosen.metric_set.adapt_to_forms(metrics, measure::evaluate::forms_of(chosen.tested_forms),
+                                            [&group] { return measure::attribution::OwnedSetting(group); });
+}
+
+/// The shapes of the rays' primitives, in the order of `shape_rows`.
+std::vector<Shape> list_shapes(const GivenRays& given_rays) {
+    std::vector<Shape> shapes;
+    const std::vector<Primitive<double>> representatives = given_rays.representatives();
+    for (const ShapeRow& shape_row : shape_rows) {
+        const auto has_shape = [&shape_row](const Primitive<double>& primitive) {
+            return primitive.shape == shape_row.shape;
+        };
+        if (representatives.empty() ? shape_row.shape == given_rays.shape
+                                    : std::ranges::any_of(representatives, has_shape))
+            shapes.push_back(shape_row.shape);
+    }
+    return shapes;
+}
+
+/// What seems to be wrong with the answers of the caller.
+std::vector<std::string> find_suspicions(const measure::judge::JudgeRequest& request,
+                                         const measure::judge::JudgeResult& judgement) {
+    const auto file_form = request.file_form_index();
+    if (!file_form) return {};
+    return selection::list_suspicions({request.tested_forms[*file_form]}, [&](const TestedForm&) {
+        const auto& summary_of_file = judgement.summaries[*file_form];
+        const std::string suspicion_text =
+            measure::contract::suspicion_text(judgement.first_samples, measure::contract::AnswerSource::file,
+                                              judgement.scaled_right_misses(summary_of_file));
+        const bool is_whole = judgement.has_all_samples(summary_of_file);
+        return measure::contract::name_counted_rays(
+            rays_name, is_whole ? judgement.rays : judgement.first_samples.size(), judgement.rays,
+            "of its rays that hit or should hit", suspicion_text);
+    });
+}
+
+std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays, CallSelection& chosen,
+                                                       CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     measure::judge::JudgeRequest request{
         .primitives = given_rays.primitives, .mesh = given_rays.mesh, .limit = {.stop = settings.stop()}};
     if (rays.by.data != nullptr) request.group_column = 0;
+
+    // The rows: the answers of the arrays, and the forms of the call.
     intersect::Info contract = read_contract(rays, given_rays.shape);
     if (given_rays.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given_rays.shape, contract);
@@ -161,67 +116,33 @@ std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Cal
         request.tested_forms.push_back({request.file_answers_form, given_rays.dump->format()});
     }
     request.tested_forms.insert(request.tested_forms.end(), chosen.tested_forms.begin(), chosen.tested_forms.end());
-    std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
-    std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
-    request.metrics = selection::with_default_metrics(metrics, request.tested_forms);
-    if (!chosen.tested_forms.empty()) {
-        RayGroup group;
-        group.primitives = given_rays.representatives();
-        if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
-        if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::placeholder_matrix();
-        request.metrics =
-            chosen.metric_set.adapt_to_forms(request.metrics, measure::evaluate::forms_of(chosen.tested_forms),
-                                             [&group] { return measure::attribution::OwnedSetting(group); });
-    }
+
+    request.metrics = make_metrics(request, given_rays, chosen);
     const auto advance = settings.advance_callback(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };
 
+    // The summary is the first table of the result.
     auto result = std::make_unique<lostbits_result>();
-    std::vector<Shape> shapes;
-    const std::vector<Primitive<double>> representatives = given_rays.representatives();
-    for (const ShapeRow& shape_row : shape_rows) {
-        const auto has_shape = [&shape_row](const Primitive<double>& primitive) {
-            return primitive.shape == shape_row.shape;
-        };
-        if (representatives.empty() ? shape_row.shape == given_rays.shape
-                                    : std::ranges::any_of(representatives, has_shape))
-            shapes.push_back(shape_row.shape);
-    }
-    const auto summary = output::map::summary_table(request.metrics, shapes, given_rays.mesh != nullptr,
-                                                    request.group_column ? "by" : "");
+    const auto summary = output::map::summary_table(request.metrics, list_shapes(given_rays),
+                                                    given_rays.mesh != nullptr, request.group_column ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
-    std::deque<RayTable> rows;
-    for (const TestedForm& tested_form : request.tested_forms) {
-        if (chosen.arguments.rows == 0) break;
-        ResultTable& ray_table = result->tables.emplace_back(
-            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
-            RayTable::columns(request.metrics));
-        rows.emplace_back(ray_table, tested_form, request.metrics);
-    }
-    const auto judgement = measure::judge::run_judge(
-        *given_rays.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
-            if (!rows.empty()) rows[r].add_band(band);
-        });
+    std::deque<RayTable> ray_tables = add_ray_tables(*result, chosen, request.tested_forms, request.metrics);
+    const auto judgement =
+        measure::judge::run_judge(*given_rays.dump, request,
+                                  [&ray_tables](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
+                                      if (!ray_tables.empty()) ray_tables[r].add_band(band);
+                                  });
+
     auto csv = table.writer();
+    const auto name_worst_ray = [](const measure::evaluate::WorstRay& ray) {
+        return output::attribution::explain_ray_arguments(ray.given.get());
+    };
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
-        for (const auto& row :
-             output::map::summary_rows(r, request.tested_forms[r], judgement.summaries[r], judgement.groups,
-                                       [](const measure::evaluate::WorstRay& ray) {
-                                           return output::attribution::explain_ray_arguments(ray.given.get());
-                                       }))
+        for (const auto& row : output::map::summary_rows(r, request.tested_forms[r], judgement.summaries[r],
+                                                         judgement.groups, name_worst_ray))
             summary.add_row(csv, row);
     }
-    if (const auto file_form = request.file_form_index())
-        result->texts = selection::suspicions_of({request.tested_forms[*file_form]}, [&](const TestedForm&) {
-            const auto& summary_of_file = judgement.summaries[*file_form];
-            const std::string suspicion_text =
-                measure::contract::suspicion_text(judgement.first_samples, measure::contract::AnswerSource::file,
-                                                  judgement.scaled_right_misses(summary_of_file));
-            const bool is_whole = judgement.has_all_samples(summary_of_file);
-            return measure::contract::name_counted_rays(
-                rays_name, is_whole ? judgement.rays : judgement.first_samples.size(), judgement.rays,
-                "of its rays that hit or should hit", suspicion_text);
-        });
+    result->texts = find_suspicions(request, judgement);
     return result;
 }
 
@@ -238,6 +159,7 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
     if (given_rays.mesh || given_rays.primitives.size() >= culling_threshold)
         shared_culler = given_rays.stored ? &given_rays.stored->culler()
                                           : &own_culler.emplace(primitive_list(given_rays.primitives, given_rays.mesh));
+
     intersect::process::in_parallel(
         std::size_t{0}, (count + rays_per_piece - 1) / rays_per_piece, [&](std::size_t piece_index) {
             const std::size_t first = piece_index * rays_per_piece, ray_count = std::min(rays_per_piece, count - first);
@@ -249,6 +171,7 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
             group.rays = std::move(chunk.rays);
             group.rays.width = static_cast<int>(ray_count);
             group.rays.y1 = 1;
+
             std::optional<measure::culling::Culler> culler;
             if (shared_culler && !group.paired) culler.emplace(*shared_culler, group.rays);
             act(first, std::move(group), culler ? &*culler : nullptr);
@@ -256,8 +179,8 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
         });
 }
 
-std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, CallSelection& chosen,
-                                                CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_answers_result(const lostbits_rays& rays, CallSelection& chosen,
+                                                     CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     chosen.keep_forms_for(rays_name, shape_filter(given_rays));
     auto result = std::make_unique<lostbits_result>();
@@ -268,16 +191,18 @@ std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, CallS
                                               {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
+
+    // Answers need no truth, so only a mesh is culled.
     for_each_piece(given_rays, settings, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
         for (std::size_t r = 0; r < chosen.tested_forms.size(); ++r) {
             const TestedForm& tested_form = chosen.tested_forms[r];
             const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
             const auto answers = measure::answer::evaluate(*tested_form.form, inputs);
-            ResultTable& table = result->tables[r];
+            ResultColumn &hit = result->tables[r]["hit"], &t = result->tables[r]["t"];
             for (std::size_t i = 0; i < answers.t.size(); ++i) {
-                table.columns[0].numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;
-                table.columns[1].numbers[first + i] = answers.hit[i] != 0 ? answers.t[i] : measure::truth::missing;
+                hit.numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;
+                t.numbers[first + i] = answers.hit[i] != 0 ? answers.t[i] : measure::truth::missing;
             }
         }
     });
@@ -290,7 +215,7 @@ std::pair<double, double> to_two_doubles(const measure::truth::Certified& t) {
     return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
 }
 
-std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     const intersect::Info contract = read_contract(rays, given_rays.shape);
     auto result = std::make_unique<lostbits_result>();
@@ -301,38 +226,52 @@ std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSet
                                           {"t_hi", "number", "t", "t*, rounded to the nearest binary64"},
                                           {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
+
+    ResultColumn &decisions = table["decision"], &primitives = table["primitive"];
+    ResultColumn &t_hi = table["t_hi"], &t_lo = table["t_lo"];
     const bool is_unit = contract.direction == intersect::Direction::unit;
     for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const bool is_paired = group.paired;
                        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
                        for (std::size_t i = 0; i < band.pixels(); ++i) {
-                           const measure::truth::Truth truth = band.truth(i, contract.convention());
-                           table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
-                           if (!truth.is_hit()) continue;
-                           table.columns[1].numbers[first + i] =
-                               static_cast<double>(is_paired ? first + i : truth.primitive);
-                           std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
-                               to_two_doubles(is_unit ? truth.distance : truth.t);
+                           const measure::truth::Truth ray_truth = band.truth(i, contract.convention());
+                           decisions.numbers[first + i] = static_cast<double>(ray_truth.decision);
+                           if (!ray_truth.is_hit()) continue;
+
+                           // Only a hit has a primitive and a t.
+                           primitives.numbers[first + i] =
+                               static_cast<double>(is_paired ? first + i : ray_truth.primitive);
+                           std::tie(t_hi.numbers[first + i], t_lo.numbers[first + i]) =
+                               to_two_doubles(is_unit ? ray_truth.distance : ray_truth.t);
                        }
                    });
     return result;
 }
 
-std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, CallSettings& settings) {
+/// All crossings of each ray, found in parallel.
+std::vector<measure::crossing::MeshCrossings> find_crossings(GivenRays& given_rays, std::size_t count,
+                                                             CallSettings& settings) {
+    std::vector<measure::crossing::MeshCrossings> crossings_by_ray(count);
+    for_each_piece(given_rays, settings, count, measure::culling::least_primitives,
+                   [&](std::size_t first, RayGroup group, auto* culler) {
+                       const auto primitives = scene::rays::primitive_list_of(group);
+                       for (std::size_t i = 0; i < group.rays.size(); ++i)
+                           crossings_by_ray[first + i] = measure::crossing::crossings_of(
+                               group.rays[i], {primitives, culler ? culler->index_for_truth() : nullptr},
+                               group.rays.range(i), {.stop = settings.stop()});
+                   });
+    return crossings_by_ray;
+}
+
+std::unique_ptr<lostbits_result> make_crossings_result(const lostbits_rays& rays, CallSettings& settings) {
     GivenRays given_rays = read_rays(rays, settings);
     const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
     if (rays.paired != 0 || !std::ranges::all_of(given_rays.representatives(), is_triangle))
         throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
-    std::vector<measure::crossing::MeshCrossings> crossings_by_ray(rays.count);
-    for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
-                   [&](std::size_t first, RayGroup group, auto* culler) {
-                       const auto primitives = scene::rays::primitive_list_of(group);
-                       for (std::size_t i = 0; i < group.rays.size(); ++i)
-                           crossings_by_ray[first + i] = measure::crossing::find_crossings(
-                               group.rays[i], {primitives, culler ? culler->index_for_truth() : nullptr},
-                               group.rays.range(i), {.stop = settings.stop()});
-                   });
+    const auto crossings_by_ray = find_crossings(given_rays, rays.count, settings);
+
+    // One table has a row per crossing, the other a row per ray.
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "crossings",
@@ -346,16 +285,21 @@ std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, Cal
             {"at_rim", "boolean", "", "the ray passes through an edge or a vertex"}});
     ResultTable& resolved = result->tables.emplace_back(
         "rays", std::vector<output::file::Column>{{"resolved", "boolean", "", "every decision is proved"}});
+
+    ResultColumn &rays_of_crossings = table["ray"], &places = table["place"], &triangles = table["primitive"];
+    ResultColumn &t_hi = table["t_hi"], &t_lo = table["t_lo"];
+    ResultColumn &hits_front = table["front"], &at_rim = table["at_rim"], &is_resolved = resolved["resolved"];
     for (std::size_t i = 0; i < crossings_by_ray.size(); ++i) {
-        resolved.columns[0].numbers.push_back(crossings_by_ray[i].is_resolved ? 1 : 0);
+        is_resolved.numbers.push_back(crossings_by_ray[i].is_resolved ? 1 : 0);
         for (const measure::crossing::MeshCrossing& crossing : crossings_by_ray[i].in_order) {
-            table.columns[0].numbers.push_back(static_cast<double>(i));
-            table.columns[1].numbers.push_back(crossing.rank);
-            table.columns[2].numbers.push_back(crossing.triangle);
+            rays_of_crossings.numbers.push_back(static_cast<double>(i));
+            places.numbers.push_back(crossing.rank);
+            triangles.numbers.push_back(crossing.triangle);
             const auto [hi, lo] = to_two_doubles(crossing.t);
-            table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);
-            table.columns[5].numbers.push_back(crossing.hits_front ? 1 : 0);
-            table.columns[6].numbers.push_back(crossing.is_at_rim ? 1 : 0);
+            t_hi.numbers.push_back(hi);
+            t_lo.numbers.push_back(lo);
+            hits_front.numbers.push_back(crossing.hits_front ? 1 : 0);
+            at_rim.numbers.push_back(crossing.is_at_rim ? 1 : 0);
         }
     }
     return result;
@@ -377,20 +321,17 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
     csv.add(edges.duplicates).end_row();
 }
 
-std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, const lostbits_array& points,
-                                               std::size_t count, CallSettings& settings) {
-    if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
-    require_addressable(points, count, 3, "points");
-    const auto stored = scene.stored->get(scene.scene, binary64);
-    if (!stored->mesh || !stored->primitives_beside_mesh.empty())
-        throw InputError("inside: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
+/// Counts, for each point, the layers of the surface around it, in parallel.
+std::vector<measure::crossing::PointInMesh> locate_points(const SceneInFormat& stored, const lostbits_array& points,
+                                                          std::size_t count, CallSettings& settings) {
     const Format format = *find_format("f64");
     std::vector<ArrayColumn> columns;
     append_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
     std::vector<measure::crossing::PointInMesh> points_in_mesh(count);
-    const measure::crossing::Triangles triangles{stored->culler().shared_primitives(),
-                                                 stored->culler().index_for_truth()};
+    const measure::crossing::Triangles triangles{stored.culler().shared_primitives(),
+                                                 stored.culler().index_for_truth()};
     const auto advance = settings.advance_callback(count);
+
     constexpr std::size_t points_per_piece = 1024;
     intersect::process::in_parallel(
         std::size_t{0}, (count + points_per_piece - 1) / points_per_piece, [&](std::size_t piece_index) {
@@ -405,6 +346,18 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
             }
             advance(point_count);
         });
+    return points_in_mesh;
+}
+
+std::unique_ptr<lostbits_result> make_points_result(const lostbits_scene& scene, const lostbits_array& points,
+                                                    std::size_t count, CallSettings& settings) {
+    if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
+    require_addressable(points, count, 3, "points");
+    const auto stored = scene.stored->get(scene.scene, binary64);
+    if (!stored->mesh || !stored->primitives_beside_mesh.empty())
+        throw InputError("inside: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
+    const auto points_in_mesh = locate_points(*stored, points, count, settings);
+
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "points", std::vector<output::file::Column>{
@@ -412,11 +365,13 @@ std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, cons
                       {"crossings", "integer", "", "crossings of the ray by which the layers are counted"},
                       {"on_surface", "boolean", "", "the point lies on a triangle"},
                       {"resolved", "boolean", "", "the other columns are proved"}});
+    ResultColumn &windings = table["winding"], &crossings = table["crossings"];
+    ResultColumn &on_surface = table["on_surface"], &resolved = table["resolved"];
     for (const measure::crossing::PointInMesh& point : points_in_mesh) {
-        table.columns[0].numbers.push_back(point.winding);
-        table.columns[1].numbers.push_back(point.crossings);
-        table.columns[2].numbers.push_back(point.is_on_surface ? 1 : 0);
-        table.columns[3].numbers.push_back(point.is_resolved ? 1 : 0);
+        windings.numbers.push_back(point.winding);
+        crossings.numbers.push_back(point.crossings);
+        on_surface.numbers.push_back(point.is_on_surface ? 1 : 0);
+        resolved.numbers.push_back(point.is_resolved ? 1 : 0);
     }
     add_edges(stored->mesh->mesh().edges, *result);
     return result;
@@ -442,9 +397,9 @@ extern "C" {
 int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                    lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        CallSelection chosen(choice, true);
+        CallSelection chosen(choice, CallSelection::WithoutForms::no_form);
         CallSettings settings(run);
-        return judgement_result(*rays, chosen, settings);
+        return make_judgement_result(*rays, chosen, settings);
     });
 }
 
@@ -453,7 +408,7 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
     return run_call(result, error, rays, [&] {
         CallSelection chosen(choice);
         CallSettings settings(run);
-        return answers_result(*rays, chosen, settings);
+        return make_answers_result(*rays, chosen, settings);
     });
 }
 
@@ -461,14 +416,14 @@ int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_
                    lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         CallSettings settings(run);
-        return truth_result(*rays, settings);
+        return make_truth_result(*rays, settings);
     });
 }
 
 int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         CallSettings settings(run);
-        return crossings_result(*rays, settings);
+        return make_crossings_result(*rays, settings);
     });
 }
 
@@ -479,7 +434,7 @@ int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, s
         require(points, "points");
         require(result, "result");
         CallSettings settings(run);
-        return hand_over(points_result(*scene, *points, count, settings), result);
+        return hand_over(make_points_result(*scene, *points, count, settings), result);
     });
 }
 }

@@ -22,7 +22,7 @@ void append_names(ResultColumn& column, const Names& names) {
     for (const auto& name : names) column.names.emplace_back(name);
 }
 
-std::uint8_t code_of(double category) {
+std::uint8_t to_code(double category) {
     return std::isnan(category) || category >= no_category ? no_category : static_cast<std::uint8_t>(category);
 }
 
@@ -47,7 +47,7 @@ ResultColumn& ResultTable::operator[](const std::string& column) {
     return *std::ranges::find_if(columns, [&](const ResultColumn& c) { return c.description.name == column; });
 }
 
-std::size_t ResultTable::rows() const {
+std::size_t ResultTable::row_count() const {
     if (columns.empty()) return 0;
     const ResultColumn& first = columns.front();
     return std::max({first.numbers.size(), first.texts.size(), first.codes.size()});
@@ -76,26 +76,56 @@ RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& test
     for (const Metric* m : metrics) append_names(table[measure::evaluate::column_name(*m)], m->categories);
 }
 
+std::deque<RayTable> add_ray_tables(lostbits_result& result, const CallSelection& chosen,
+                                    const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                    const std::vector<const Metric*>& metrics) {
+    std::deque<RayTable> ray_tables;
+    for (const measure::evaluate::TestedForm& tested_form : tested_forms) {
+        if (chosen.arguments.rows == 0) break;
+        ResultTable& table = result.tables.emplace_back(
+            std::string(tested_form.form->info->name) + "." + std::string(tested_form.format.name),
+            RayTable::columns(metrics));
+        ray_tables.emplace_back(table, tested_form, metrics);
+    }
+    return ray_tables;
+}
+
+namespace {
+
+/// The first columns of the table of a form. The columns of its metrics follow.
+enum FixedColumn : std::size_t {
+    outcome_column,
+    primitive_column,
+    true_primitive_column,
+    t_column,
+    true_t_column,
+    fixed_columns
+};
+
+}  // namespace
+
 void RayTable::add_band(const measure::evaluate::BandResult& result) {
     const std::size_t n = result.outcomes.size();
     auto& columns = table_.columns;
     for (std::size_t i = 0; i < n; ++i) {
         const bool is_hit = result.answers->hit[i] != 0;
-        const measure::truth::Truth truth = result.truth(i);
-        columns[0].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
-        columns[1].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
-        columns[2].numbers.push_back(truth.is_hit() ? truth.primitive : measure::truth::missing);
-        columns[3].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
-        columns[4].numbers.push_back(
-            truth.is_hit()
+        const measure::truth::Truth ray_truth = result.truth(i);
+        columns[outcome_column].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
+        columns[primitive_column].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
+        columns[true_primitive_column].numbers.push_back(ray_truth.is_hit() ? ray_truth.primitive
+                                                                            : measure::truth::missing);
+        columns[t_column].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
+        columns[true_t_column].numbers.push_back(
+            ray_truth.is_hit()
                 ? result.band->rounded_truth(i, binary64, tested_form_.form->info->direction, result.convention)
                 : measure::truth::missing);
     }
+
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
-        ResultColumn& column = columns[5 + m];
+        ResultColumn& column = columns[fixed_columns + m];
         const std::vector<double>& values = result.metrics[m];
         if (column.names.empty()) column.numbers.insert(column.numbers.end(), values.begin(), values.end());
-        else std::ranges::transform(values, std::back_inserter(column.codes), code_of);
+        else std::ranges::transform(values, std::back_inserter(column.codes), to_code);
     }
 }
 
@@ -110,7 +140,7 @@ int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_
     if (into == nullptr) return LOSTBITS_BAD_INPUT;
     if (result == nullptr || table >= result->tables.size()) return LOSTBITS_NOTHING;
     const ResultTable& found_table = result->tables[table];
-    *into = {found_table.name.c_str(), found_table.columns.size(), found_table.rows()};
+    *into = {found_table.name.c_str(), found_table.columns.size(), found_table.row_count()};
     return LOSTBITS_OK;
 }
 

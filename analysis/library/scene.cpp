@@ -33,7 +33,7 @@ Scene load_scene(const std::string& name, const lostbits_where& where, const std
     return selection::load_one_scene(choice, data);
 }
 
-std::string data_folder_of(const lostbits_where& where) {
+std::string find_data_folder(const lostbits_where& where) {
     return selection::data_folder(where.data ? where.data : "").string();
 }
 
@@ -66,6 +66,8 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
             throw InputError(subject + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");
     }
+
+    // With shared inputs, the numbers rounded to binary32 must keep the limits too.
     const bool is_shared = scene.inputs == scene::file::Inputs::shared;
     for (const Primitive<double>& candidate :
          {primitive, is_shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
@@ -73,6 +75,30 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
             throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
     }
     return transformed(primitive, [](double x) { return Real(x); });
+}
+
+/// A mesh from three numbers per vertex and three indices per face. Throws InputError for a number that the format
+/// cannot store, and for an index without a vertex.
+scene::triangle::Mesh make_mesh(std::span<const double> vertices, std::span<const uint32_t> faces,
+                                const FloatFormat& stored) {
+    scene::triangle::Mesh mesh;
+    const std::size_t vertex_count = vertices.size() / 3;
+    for (std::size_t i = 0; i < vertex_count; ++i) {
+        const double* const v = &vertices[3 * i];
+        for (int k = 0; k < 3; ++k)
+            if (const auto fault = scene::triangle::coordinate_error(v[k], stored); !fault.empty())
+                throw InputError("vertex " + std::to_string(i) + " has a number that " + std::string(fault));
+        mesh.vertices.emplace_back(v[0], v[1], v[2]);
+    }
+    for (std::size_t i = 0; i < faces.size() / 3; ++i) {
+        const uint32_t* const f = &faces[3 * i];
+        for (int k = 0; k < 3; ++k)
+            if (f[k] >= vertex_count)
+                throw InputError("face " + std::to_string(i) + " names vertex " + std::to_string(f[k]) +
+                                 "; there are " + std::to_string(vertex_count) + ", counted from 0");
+        mesh.faces.push_back({f[0], f[1], f[2]});
+    }
+    return mesh;
 }
 
 void add_rays(const Scene& scene, lostbits_result& result) {
@@ -87,11 +113,12 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
     auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
                                                             : scene::rays::input_rays(scene, 0, scene.height, binary64);
+    ResultColumn &x = table["x"], &y = table["y"];
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
-        table.columns[0].numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
-        table.columns[1].numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
+        x.numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
+        y.numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
     }
-    std::size_t k = 2;
+    std::size_t k = 2;  // behind x and y
     for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz})
         table.columns[k++].numbers = std::move(*column);
 }
@@ -107,6 +134,7 @@ void add_matrix(const std::optional<Placement<double>>& placed, std::span<Result
 void add_primitives(const Scene& scene, lostbits_result& result) {
     const std::vector<Primitive<double>> primitives = scene::rays::stored_primitives(scene, binary64);
     for (const Shape shape : scene.shapes()) {
+        // Only shapes that matrices place have the columns of a matrix.
         std::vector<output::file::Column> columns;
         const bool has_matrices = std::ranges::any_of(primitives, [shape](const Primitive<double>& primitive) {
             return primitive.shape == shape && primitive.placed;
@@ -120,6 +148,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
         if (has_matrices)
             columns.push_back({"inverse", "boolean", "", "1 if the matrix maps world space to object space"});
         columns.push_back({"number", "integer", "", "index of the primitive in the scene, from 0"});
+
         ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
         for (std::size_t i = 0; i < primitives.size(); ++i) {
             const Primitive<double>& primitive = primitives[i];
@@ -148,7 +177,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         require(name, "name");
         require(scene, "scene");
         const lostbits_where given = where ? *where : lostbits_where{};
-        const std::string data = data_folder_of(given);
+        const std::string data = find_data_folder(given);
         auto created = std::make_unique<lostbits_scene>(
             lostbits_scene{.scene = load_scene(name, given, data), .explain_arguments = {}});
         created->explain_arguments = selection::name_of_scene(created->scene, data);
@@ -206,22 +235,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         const std::span<const double> all_vertices = to_span(vertices, vertex_count, "vertices", 3);
         const std::span<const uint32_t> all_faces = to_span(faces, face_count, "faces", 3);
         const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::shared ? binary32 : binary64;
-        scene::triangle::Mesh mesh;
-        for (std::size_t i = 0; i < vertex_count; ++i) {
-            const double* const v = &all_vertices[3 * i];
-            for (int k = 0; k < 3; ++k)
-                if (const auto fault = scene::triangle::coordinate_error(v[k], stored); !fault.empty())
-                    throw InputError("vertex " + std::to_string(i) + " has a number that " + std::string(fault));
-            mesh.vertices.emplace_back(v[0], v[1], v[2]);
-        }
-        for (std::size_t i = 0; i < face_count; ++i) {
-            const uint32_t* const f = &all_faces[3 * i];
-            for (int k = 0; k < 3; ++k)
-                if (f[k] >= vertex_count)
-                    throw InputError("face " + std::to_string(i) + " names vertex " + std::to_string(f[k]) +
-                                     "; there are " + std::to_string(vertex_count) + ", counted from 0");
-            mesh.faces.push_back({f[0], f[1], f[2]});
-        }
+        scene::triangle::Mesh mesh = make_mesh(all_vertices, all_faces, stored);
         scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
         // Without the removed faces every later triangle would have another index than its row.
         if (mesh.removed_face_count > 0)
@@ -229,6 +243,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
                              " have no area (the first is " + mesh.first_removed_face +
                              "); remove these rows, since a triangle is numbered by its row");
         if (mesh.faces.empty()) throw InputError("the mesh has no face; give at least one");
+
         remove_primitives(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
         return Exit::done;
@@ -242,6 +257,8 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         Scene& target = scene->scene;
         scene->stored->forget();
         if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
+
+        // The matrix has the numbers that a file of the scene would store.
         const bool is_shared = target.inputs == scene::file::Inputs::shared;
         std::array<double, Affine<double>::numbers> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
@@ -253,6 +270,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         }
         const Placement<double> placement = placement_of(numbers, inverse != 0);
         if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
+
         for (Primitive<Real>& primitive : target.listed)
             primitive.placed = transformed(placement, [](double x) { return Real(x); });
         if (target.mesh) target.mesh_placed = placement;

@@ -9,7 +9,8 @@ using scene::file::Scene;
 scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>> primitives,
                                                   std::shared_ptr<const scene::rays::MeshColumns> mesh) {
     scene::rays::RayGroup group;
-    group.primitives = std::move(primitives), group.mesh = std::move(mesh);
+    group.primitives = std::move(primitives);
+    group.mesh = std::move(mesh);
     return scene::rays::primitive_list_of(group);
 }
 

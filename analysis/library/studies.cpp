@@ -24,8 +24,8 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-std::unique_ptr<lostbits_result> sweep_result(const std::filesystem::path& path, const std::string& data,
-                                              CallSelection& chosen, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& path, const std::string& data,
+                                                   CallSelection& chosen, CallSettings& settings) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
@@ -59,8 +59,8 @@ const TestedForm& only_tested_form(const CallSelection& chosen, const std::strin
     return tested_form;
 }
 
-std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& scene, int x, int y,
-                                                    CallSelection& chosen) {
+std::unique_ptr<lostbits_result> make_explanation_result(const scene::file::Scene& scene, int x, int y,
+                                                         CallSelection& chosen) {
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& tested_form = only_tested_form(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*tested_form.form);
@@ -77,14 +77,18 @@ std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& sc
 
 /// Measures a study of a scene; the result has its summary.
 template <class Adapter>
-std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, const std::vector<std::string>& options,
-                                              const lostbits_choice* choice, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_study_result(const scene::file::Scene& scene,
+                                                   const std::vector<std::string>& options,
+                                                   const lostbits_choice* choice, CallSettings& settings) {
+    // A call that names no forms or formats gets the usual ones of the study.
     lostbits_choice given = choice ? *choice : lostbits_choice{};
     const std::vector<std::string> default_forms = Adapter::usual_forms();
     std::vector<const char*> forms(default_forms.size());
     std::ranges::transform(default_forms, forms.begin(), &std::string::c_str);
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
+
+    // Keeps the forms that the study and the scene take.
     CallSelection chosen(&given);
     std::erase_if(chosen.tested_forms,
                   [](const TestedForm& tested_form) { return !Adapter::can_measure(*tested_form.form); });
@@ -93,6 +97,7 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     Adapter::require(scene);
     chosen.keep_forms_for("scene " + scene.id,
                           [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
+
     auto study = Adapter::make_study(scene, chosen.tested_forms, study::study_values(Adapter::options(), options),
                                      settings.stop());
     study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
@@ -103,8 +108,8 @@ std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, c
     return result;
 }
 
-std::unique_ptr<lostbits_result> trade_result(const scene::file::Scene* scene, const std::string& shape, bool quick,
-                                              CallSelection& chosen, CallSettings& settings) {
+std::unique_ptr<lostbits_result> make_trade_result(const scene::file::Scene* scene, const std::string& shape,
+                                                   bool quick, CallSelection& chosen, CallSettings& settings) {
     auto request = study::trade_request(scene, shape, {chosen.tested_forms, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = settings.stop();
@@ -144,12 +149,14 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({tested_form.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
+
     measure::repair::RepairRequest request{
         .scene = &scene, .tested_form = tested_form, .requirement = requirement, .two_words = two_words};
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
     const output::repair::RepairSummary repair_summary = output::repair::summarize_repair(request, repair);
+
     result.add_table("mend", output::repair::form_table(), output::repair::form_rows(repair_summary));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));
     result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(repair_summary));
@@ -175,6 +182,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
     request.progress = settings.advance_callback(scene.pixels() * request.tested_forms.size());
+
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto choice = output::choose::choose_among(request, candidates, timed_rays);
@@ -225,10 +233,12 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
         CallSettings settings(run);
         const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
-            return hand_over(sweep_result(scene::sweep::find_sweep(sweep, folder), folder, chosen, settings), result);
+            return hand_over(make_sweep_result(scene::sweep::find_sweep(sweep, folder), folder, chosen, settings),
+                             result);
         const TextFile file(sweep);
         return hand_over(
-            file.run_with_text_positions([&] { return sweep_result(file.path(), folder, chosen, settings); }), result);
+            file.run_with_text_positions([&] { return make_sweep_result(file.path(), folder, chosen, settings); }),
+            result);
     });
 }
 
@@ -238,7 +248,7 @@ int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_c
         require(scene, "scene");
         require(result, "result");
         CallSelection chosen(choice);
-        return hand_over(explanation_result(scene->scene, x, y, chosen), result);
+        return hand_over(make_explanation_result(scene->scene, x, y, chosen), result);
     });
 }
 
@@ -252,7 +262,7 @@ int lostbits_study(const char* study, const lostbits_scene* scene, const lostbit
         const auto option_texts = options ? to_strings(*options, "options") : std::vector<std::string>{};
         CallSettings settings(run);
         auto study_tables = study::with_study(study, [&](auto adapter) {
-            return study_result<decltype(adapter)>(scene->scene, option_texts, choice, settings);
+            return make_study_result<decltype(adapter)>(scene->scene, option_texts, choice, settings);
         });
         return hand_over(std::move(study_tables), result);
     });
@@ -268,7 +278,8 @@ int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick, co
         CallSelection chosen(choice);
         CallSettings settings(run);
         return hand_over(
-            trade_result(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, settings), result);
+            make_trade_result(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, settings),
+            result);
     });
 }
 

@@ -29,7 +29,7 @@
 namespace lostbits::analysis::report {
 
 using measure::evaluate::TestedForm;
-using output::report::SweepSection;
+using output::report::SweepPart;
 
 namespace {
 
@@ -39,30 +39,33 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
-SweepSection case_part(const SweepWork& work, StopToken stop) {
-    const scene::sweep::CaseFile file(work.path);
+SweepPart measure_case_part(const PlannedSweep& planned, StopToken stop) {
+    const scene::sweep::CaseFile file(planned.path);
     measure::sweep::CaseRequest request{
         .file = file,
-        .tested_forms = {},
+        .rows = {},
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
-            work.tested_forms),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.rows),
         .limit = {.stop = stop}};
-    for (TestedForm tested_form : work.tested_forms) {
+    // Each form is judged by every convention of the file.
+    for (TestedForm tested_form : planned.rows) {
         for (const auto& touching : file.conventions) {
             tested_form.touching = touching;
             request.tested_forms.push_back(tested_form);
         }
     }
     const auto cases = measure::sweep::run_cases(request);
-    SweepSection part{.kind = SweepSection::Kind::cases,
-                      .id = file.id,
-                      .title = file.title,
-                      .note = file.note,
-                      .source = file.source,
-                      .row_names = row_keys(work.tested_forms)};
+
+    SweepPart part{.kind = SweepPart::Kind::cases,
+                   .id = file.id,
+                   .title = file.title,
+                   .note = file.note,
+                   .source = file.source,
+                   .row_names = row_keys(planned.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = output::report::case_json(request, cases);
+
+    // One chart for each convention.
     for (const auto& touching : file.conventions) {
         const std::string alt =
             touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
@@ -77,7 +80,7 @@ SweepSection case_part(const SweepWork& work, StopToken stop) {
 std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{900, 480};
     std::vector<output::report::Chart> charts;
-    for (const Format& format : output::sweep::list_formats(sweep)) {
+    for (const Format& format : output::sweep::formats_of(sweep)) {
         const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
@@ -86,8 +89,8 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
-                {output::sweep::outcome_title(outcome) + ": " + subject,
-                 svg_text(outcome_plot(sweep, format, outcome, size)),
+                {output::sweep::wrong_title(outcome) + ": " + subject,
+                 svg_text(wrong_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
@@ -105,68 +108,84 @@ std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Forma
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
 
-SweepSection axes_part(const SweepWork& work, StopToken stop) {
-    const scene::sweep::SweepFile sweep(work.path, work.data, {}, stop);
-    measure::sweep::SweepRequest request{
-        .sweep = sweep,
-        .tested_forms = work.tested_forms,
-        .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
-            work.tested_forms),
-        .limit = {.stop = stop}};
-    for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
-    const auto steps = measure::sweep::run_sweep(request);
-    SweepSection part{.kind = SweepSection::Kind::line,
-                      .id = sweep.id,
-                      .title = sweep.title,
-                      .note = sweep.note,
-                      .source = sweep.source,
-                      .row_names = row_keys(work.tested_forms)};
-    if (sweep.axes.size() == 2) {
-        const output::sweep::SweepGrid plane(request, steps);
-        part.kind = SweepSection::Kind::plane;
-        part.axes = {plane.x, plane.y};
-        part.json = output::report::plane_json(request, steps);
-        for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
-            const std::string alt = fmt::format("{}: {} in {}", sweep.title, request.tested_forms[r].form->info->name,
-                                                request.tested_forms[r].format.name);
-            part.charts.push_back(
-                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
-        }
-        return part;
+/// Makes the part of a sweep over a plane: one chart for each form and format.
+void add_plane(SweepPart& part, const measure::sweep::SweepRequest& request,
+               const std::vector<measure::sweep::SweepStep>& steps) {
+    const output::sweep::SweepGrid plane(request, steps);
+    part.kind = SweepPart::Kind::plane;
+    part.axes = {plane.x, plane.y};
+    part.json = output::report::plane_json(request, steps);
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const std::string alt =
+            fmt::format("{}: {} in {}", request.sweep.title, request.tested_forms[r].form->info->name,
+                        request.tested_forms[r].format.name);
+        part.charts.push_back(
+            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
     }
-    request.further_draws = work.further_draws;
+}
+
+/// Makes the part of a sweep along one axis: its onsets, and charts for each format.
+void add_line(SweepPart& part, const measure::sweep::SweepRequest& request,
+              const std::vector<measure::sweep::SweepStep>& steps) {
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    part.axes = {sweep.axes.front().values};
+    part.axes = {request.sweep.axes.front().values};
     part.json = output::report::sweep_json(request, steps, onsets);
     part.table = output::report::onset_table(request, onsets);
+
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     part.charts = line_charts(measured);
-    for (const Format& format : output::sweep::list_formats(measured)) {
+    for (const Format& format : output::sweep::formats_of(measured)) {
         const std::string absent = absent_charts(measured, format);
         part.json["absent"][format.name] = absent;
         if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);
+    }
+}
+
+SweepPart measure_axes_part(const PlannedSweep& planned, StopToken stop) {
+    const scene::sweep::SweepFile sweep(planned.path, planned.data, {}, stop);
+    measure::sweep::SweepRequest request{
+        .sweep = sweep,
+        .rows = planned.rows,
+        .metrics = selection::with_default_metrics(
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.rows),
+        .limit = {.stop = stop}};
+    for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
+    const auto steps = measure::sweep::run_sweep(request);
+
+    SweepPart part{.kind = SweepPart::Kind::line,
+                   .id = sweep.id,
+                   .title = sweep.title,
+                   .note = sweep.note,
+                   .source = sweep.source,
+                   .row_names = row_keys(planned.rows)};
+    if (sweep.axes.size() == 2) {
+        add_plane(part, request, steps);
+    } else {
+        request.further_draws = planned.further_draws;
+        add_line(part, request, steps);
     }
     return part;
 }
 
 }  // namespace
 
-output::report::MapSection map_part(MapWork& work, measure::metric::MetricSet& metric_set,
-                                    const std::function<void(std::uint64_t)>& advance, StopToken stop) {
-    const scene::file::Scene& scene = work.scene;
+output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
+                                         const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+    const scene::file::Scene& scene = planned.scene;
     measure::evaluate::MapStudy request{
-        .scene = &scene, .tested_forms = work.tested_forms, .metrics = work.metrics, .limit = {.stop = stop}};
+        .scene = &scene, .rows = planned.rows, .metrics = planned.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
+
+    // Measures the map. The sheet and the data of the page get the same bands.
     output::report::MapData data(request);
     std::vector<measure::evaluate::FormSummary> summaries;
     output::report::Picture contact_sheet = output::report::picture(
         fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
-            output::map::MapWriter sheet(request, {.folder = {},
-                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
-                                                   .scene_arguments = work.scene_arguments,
-                                                   .sheet_only_file = file});
+            output::map::MapFiles sheet(request, {.folder = {},
+                                                  .drawn_metrics = {measure::metric::find_metric("lost_bits")},
+                                                  .scene_arguments = planned.scene_arguments,
+                                                  .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
                                                                 std::size_t form_index, const auto& band) {
                 draw(form_index, band);
@@ -174,37 +193,39 @@ output::report::MapSection map_part(MapWork& work, measure::metric::MetricSet& m
             });
             sheet.finish(summaries);
         });
-    work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    auto index = data.index(summaries, work.own_size, work.scene_arguments);
-    index["claimed"] = work.name_in_claims;
+    planned.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
+
+    auto index = data.index(summaries, planned.has_own_size, planned.scene_arguments);
+    index["claimed"] = planned.name_in_claims;
     std::vector<std::string> names;
-    for (const measure::metric::Metric* m : work.metrics) names.emplace_back(m->name);
+    for (const measure::metric::Metric* m : planned.metrics) names.emplace_back(m->name);
     return {.id = scene.id,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .row_names = row_keys(work.tested_forms),
+            .row_names = row_keys(planned.rows),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
-            .has_scene_size = work.own_size,
+            .has_scene_size = planned.has_own_size,
             .metrics = std::move(names),
             .finding = output::map::finding_text(request, summaries),
             .wrong_row_count = static_cast<std::size_t>(
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
-SweepSection sweep_part(const SweepWork& work, StopToken stop) {
-    SweepSection part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
-                                                                                              : axes_part(work, stop);
-    part.json["named"] = selection::name_of_sweep(work.path, work.data);
-    part.json["claimed"] = selection::sweep_name_in_claims(work.path, work.data);
+SweepPart measure_sweep_part(const PlannedSweep& planned, StopToken stop) {
+    SweepPart part = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
+                         ? measure_case_part(planned, stop)
+                         : measure_axes_part(planned, stop);
+    part.json["named"] = selection::name_of_sweep(planned.path, planned.data);
+    part.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
     return part;
 }
 
-std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
-                                              const std::filesystem::path& data, StopToken stop) {
+std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string>& names, const std::string& size,
+                                                   const std::filesystem::path& data, StopToken stop) {
     auto scenes = selection::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
         measure::offset::require_few_primitives(scene);
@@ -212,10 +233,10 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     return scenes;
 }
 
-std::optional<output::report::OffsetSection> offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<output::report::OffsetPart> measure_offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
-        .scene = scene, .tested_forms = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
+        .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
     auto all =
@@ -227,32 +248,34 @@ std::optional<output::report::OffsetSection> offset_part(const scene::file::Scen
     if (rows.empty()) return std::nullopt;
     study.tested_forms = {{rows.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
+
+    // Measures the study while its sheet is drawn.
     std::vector<offset::OffsetSummary> summaries;
-    output::report::OffsetSection part{
-        .id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
+    output::report::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = output::report::picture(scene.title +
                                              ": outcomes of the next rays with every offset "
                                              "strategy",
                                          [&](const auto& file) {
-                                             output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
+                                             output::study::StudyFiles<output::offset::OffsetView> sheet(
                                                  study, {.folder = {}, .sheet_only_file = file});
                                              summaries = measure::study::run_study(study, sheet.show());
                                              sheet.finish(summaries);
                                          });
+
     const offset::OffsetSummary& summary = summaries.front();
     part.sentences = output::offset::summary_lines(study, 0, summary);
     part.table = output::report::offset_table(study, summary);
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
-            part.wrong_fractions[static_cast<std::size_t>(side)].push_back(
+            part.wrong_shares[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;
 }
 
-StudyWork parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                      StopToken stop) {
+PlannedStudy parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                         StopToken stop) {
     const std::size_t colon = text.find(':');
     const std::string names = fmt::format("{}", fmt::join(study::study_names(), ", "));
     if (colon == std::string::npos)
@@ -266,28 +289,28 @@ StudyWork parse_study(const std::string& text, const std::string& size, const st
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-output::report::StudySection study_part(const StudyWork& work, const std::vector<std::string>& forms,
-                                        const std::vector<std::string>& formats, StopToken stop) {
-    auto part = study::study_part(work.study, work.scene, forms, formats, stop);
+output::report::StudyPart measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
+                                             const std::vector<std::string>& formats, StopToken stop) {
+    auto part = study::measure_study_part(planned.study, planned.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
             fmt::format("--study {0}:{1}: none of the forms fits; `lostbits {0} --help` says which "
                         "forms and scenes the study takes",
-                        work.study, work.scene.id));
+                        planned.study, planned.scene.id));
     return std::move(*part);
 }
 
-output::report::TradeSection trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
+output::report::TradePart measure_trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
     std::vector<TestedForm> timed = tested_forms;
     measure::trade::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
-    output::report::TradeSection part{std::string(shape_names[static_cast<std::size_t>(shape)]),
-                                      output::report::trade_json(request, result),
-                                      output::trade::trade_text(request, result),
-                                      {}};
+    output::report::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                                   output::report::trade_json(request, result),
+                                   output::trade::trade_text(request, result),
+                                   {}};
     const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
         part.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),

@@ -29,15 +29,17 @@ public:
           parts_(std::move(parts)),
           example_(std::move(example)),
           text_(text) {
-        std::string bits = take_last();
+        // The last part may be the fraction of the hits, such as p99.
+        std::string bits = remove_last_part();
         if (bits.starts_with('p') || bits == "max") {
             try {
                 requirement.quantile = measure::choose::quantile_named(bits);
             } catch (const InputError& error) {
                 refuse(error.what());
             }
-            bits = take_last();
+            bits = remove_last_part();
         }
+
         if (rest.empty())
             refuse(text.find(':') == std::string::npos ? "the bits are missing" : "the scene or the bits are missing");
         const auto [end, error] = std::from_chars(bits.data(), bits.data() + bits.size(), requirement.bits);
@@ -46,7 +48,7 @@ public:
             refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
     }
     /// Removes the part after the last colon and returns it.
-    std::string take_last() {
+    std::string remove_last_part() {
         const auto colon = rest.rfind(':');
         std::string part = colon == std::string::npos ? "" : rest.substr(colon + 1);
         rest.resize(colon == std::string::npos ? 0 : colon);
@@ -68,18 +70,18 @@ private:
 
 }  // namespace
 
-ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
-                        const std::filesystem::path& data, StopToken stop) {
+PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
+                           const std::filesystem::path& data, StopToken stop) {
     const RequirementText parsed("--choose", "a scene", "near-benign", text, {});
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
     auto timed_forms = selection::select_timed_forms(scene, rows);
     return {std::move(scene), parsed.requirement, std::move(timed_forms)};
 }
 
-MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                    StopToken stop) {
+PlannedMend parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                       StopToken stop) {
     RequirementText parsed("--mend", "a scene, a form", "near-benign:sphere.half_b", text, {.quantile = 1});
-    const std::string form = parsed.take_last();
+    const std::string form = parsed.remove_last_part();
     if (parsed.rest.empty()) parsed.refuse("the scene or the form is missing");
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
     auto candidates =
@@ -90,39 +92,40 @@ MendWork parse_mend(const std::string& text, const std::string& size, const std:
     if (rows.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");
     selection::refuse_generators({rows.front().form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
-    MendWork work{std::move(scene), parsed.requirement, rows.front()};
+    PlannedMend planned{std::move(scene), parsed.requirement, rows.front()};
     // Refuses a form that filters here, before anything is measured.
-    static_cast<void>(measure::repair::record_tape({.scene = &work.scene, .tested_form = work.tested_form}));
-    return work;
+    static_cast<void>(measure::repair::record_tape({.scene = &planned.scene, .row = planned.row}));
+    return planned;
 }
 
-output::report::ChoiceSection choice_part(const ChoiceWork& work, StopToken stop) {
+output::report::ChoicePart measure_choice_part(const PlannedChoice& planned, StopToken stop) {
     measure::choose::ChoiceRequest request{
-        .scene = &work.scene, .tested_forms = work.tested_forms, .requirement = work.requirement};
+        .scene = &planned.scene, .rows = planned.rows, .requirement = planned.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto chosen = output::choose::choose_among(request, candidates, timed_rays);
-    return {.scene = work.scene.id,
-            .requirement = output::choose::requirement_text(work.requirement),
-            .text = output::choose::choice_text(chosen),
-            .table = output::report::choice_table(chosen),
-            .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
+    return {
+        .scene = planned.scene.id,
+        .requirement = output::choose::requirement_text(planned.requirement),
+        .text = output::choose::choice_text(chosen),
+        .table = output::report::choice_table(chosen),
+        .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-output::report::MendSection mend_part(const MendWork& work, StopToken stop) {
+output::report::MendPart measure_mend_part(const PlannedMend& planned, StopToken stop) {
     measure::repair::RepairRequest request{
-        .scene = &work.scene, .tested_form = work.tested_form, .requirement = work.requirement};
+        .scene = &planned.scene, .row = planned.row, .requirement = planned.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
-    return mend_part(output::repair::summarize_repair(request, repair));
+    return make_mend_part(output::repair::summarize_repair(request, repair));
 }
 
-output::report::MendSection mend_part(const output::repair::RepairSummary& result) {
+output::report::MendPart make_mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.tested_form;
-    output::report::MendSection part{
+    output::report::MendPart part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),
         .requirement = output::choose::requirement_text(result.request.requirement),

@@ -28,7 +28,6 @@
 #include "output/file/atomic_file.hpp"
 #include "scene/toml/files_of_run.hpp"
 #include "text/count_with_noun.hpp"
-#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -109,6 +108,36 @@ std::string_view primitives_text(Shape shape) {
     return is_primitive(shape) ? row_of(shape).plural : "fields of distances";
 }
 
+/// Throws InputError if another library has a formula of this name. `library_by_formula` has the libraries so far, by
+/// name of the formula.
+void require_new_formula(const std::string& name, const std::string& library,
+                         std::map<std::string, std::string>& library_by_formula) {
+    if (const auto [known, is_new] = library_by_formula.try_emplace(name, library); !is_new)
+        throw InputError(
+            fmt::format("{0}: {1} and {2} both have a form of this name; give one library a name: --plugin new={2} "
+                        "calls its form new.{0}",
+                        name, known->second, library));
+}
+
+/// Adds the forms and formulas of a library, with the prefix that `plugin` gives them.
+void add_library(const std::string& plugin, const ExternalOptions& options, const PipeTerms& terms,
+                 std::map<std::string, std::string>& library_by_formula, ExternalForms& external_forms) {
+    const auto library = intersect::external::find_plugin(plugin);
+    scene::toml::note_read(library);
+    const bool is_in_own_process = is_isolated(library, options);
+    auto forms = is_in_own_process ? load_isolated_forms(library, terms) : intersect::external::load_plugin(library);
+    auto formulas =
+        is_in_own_process ? std::vector<intersect::external::Formula>() : intersect::external::load_formulas(library);
+    if (const std::string prefix = intersect::external::prefix_of_plugin(plugin); !prefix.empty()) {
+        for (auto& form : forms) intersect::external::add_prefix(form, prefix);
+        for (auto& formula : formulas) intersect::external::add_prefix(formula, prefix);
+    }
+    for (const auto& formula : formulas)
+        require_new_formula(std::string(formula.intersector.info->name), library.string(), library_by_formula);
+    std::ranges::move(forms, std::back_inserter(external_forms.forms));
+    std::ranges::move(formulas, std::back_inserter(external_forms.formulas));
+}
+
 }  // namespace
 
 std::string this_program(const std::string& arguments) {
@@ -172,47 +201,29 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
         throw InputError("--device is for shaders; name one by --shader");
     if (options.plugins.empty() && options.pipes.empty() && options.shaders.empty() && options.functions.empty())
         return {};
+
     intersect::external::guard_foreign_code(
         {options.seconds, options.stop, output::file::remove_partial_files, options.on_fatal_fault});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const PipeTerms terms{
         .seconds = options.seconds, .processes = static_cast<unsigned>(processes), .stop = options.stop};
+
+    // The options are recorded too, so that later commands can name the same intersectors.
     ExternalForms external_forms;
-    const auto add = [](auto items, auto& list) { std::ranges::move(items, std::back_inserter(list)); };
     std::string plugin_options;
-    std::map<std::string, std::string> library_by_formula;  // by name of the formula
+    std::map<std::string, std::string> library_by_formula;
     for (const std::string& plugin : options.plugins) {
-        const auto library = intersect::external::find_plugin(plugin);
-        scene::toml::note_read(library);
-        const bool is_in_own_process = is_isolated(library, options);
-        auto forms =
-            is_in_own_process ? load_isolated_forms(library, terms) : intersect::external::load_plugin(library);
-        auto formulas = is_in_own_process ? std::vector<intersect::external::Formula>()
-                                          : intersect::external::load_formulas(library);
-        if (const std::string prefix = intersect::external::prefix_of_plugin(plugin); !prefix.empty()) {
-            for (auto& form : forms) intersect::external::add_prefix(form, prefix);
-            for (auto& formula : formulas) intersect::external::add_prefix(formula, prefix);
-        }
-        for (const auto& formula : formulas) {
-            const std::string form(formula.intersector.info->name);
-            if (const auto [known, is_new] = library_by_formula.try_emplace(form, library.string()); !is_new)
-                throw InputError(fmt::format(
-                    "{0}: {1} and {2} both have a form of this name; give one library a name: --plugin new={2} calls "
-                    "its form new.{0}",
-                    form, known->second, library.string()));
-        }
-        add(std::move(forms), external_forms.forms);
-        add(std::move(formulas), external_forms.formulas);
+        add_library(plugin, options, terms, library_by_formula, external_forms);
         plugin_options += " --plugin " + shell_word(plugin);
     }
     for (const std::string& command : options.pipes) {
-        add(open_pipe(command, terms), external_forms.forms);
+        std::ranges::move(open_pipe(command, terms), std::back_inserter(external_forms.forms));
         plugin_options += " --pipe " + shell_word(command);
     }
     for (const std::string& shader : options.shaders) {
         for (std::size_t end = shader.size(); end != std::string::npos && end > 0; end = shader.rfind(':', end - 1))
             scene::toml::note_read(shader.substr(0, end));  // FILE:FUNCTION
-        add(load_forms_on_devices(shader, options, terms), external_forms.forms);
+        std::ranges::move(load_forms_on_devices(shader, options, terms), std::back_inserter(external_forms.forms));
         plugin_options += " --shader " + shell_word(shader);
     }
     for (const std::string& function : options.functions) plugin_options += " --function " + shell_word(function);
@@ -236,43 +247,45 @@ std::string difference_text(const measure::tape::DriverDifference& found) {
     return fmt::format("{}", fmt::join(parts, ", and "));
 }
 
+/// Prints how the answers of a driver differ from those of the followed function, and which operation explains it.
+void print_difference(const std::string& message_prefix, const measure::tape::DriverDifference& found,
+                      const intersect::table::Intersector& program) {
+    if (found.differing_rays == 0) {
+        fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n", message_prefix,
+                   found.rays);
+        return;
+    }
+    const std::string difference =
+        fmt::format("{}: the driver gives other bits than the followed function on {} of {} random rays",
+                    message_prefix, found.differing_rays, found.rays);
+    if (!found.is_explained()) {
+        fmt::print(stderr,
+                   "{}; no tried change explains all of these rays (another order of sums, fused "
+                   "products, reciprocals, common factors, subnormal numbers as 0, an inexact quotient or "
+                   "root), so lostbits cannot name the operation\n",
+                   difference);
+        return;
+    }
+    const std::string line =
+        intersect::function::quoted_line(*program.info, *find_format("f32"), found.first_changed());
+    fmt::print(stderr, "{}: it {}\n{}", difference, difference_text(found), line.empty() ? "" : "first here: " + line);
+}
+
 /// If a function is also given to `--shader`, compares it with the answers of the drivers.
 void note_driver_differences(const intersect::function::UserFunction& function) {
     const auto& program = function.intersector;
     const std::string source_prefix =
         fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
-    // If the file does not say which root its t is, --shader takes t for the near root, and --function for the first
-    // one.
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
-    for (const auto& shader_form : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(shader_form)) {
+    for (const auto& form : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(form)) {
+            // If the file does not say which root its t is, --shader takes t for the near root, and --function for the
+            // first one. These count as the same.
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
-                shader_form.shape != program.shape ||
-                returns_both(form->contract.roots) != returns_both(program.info->roots))
+                form.shape != program.shape || returns_both(form->contract.roots) != returns_both(program.info->roots))
                 continue;
-            const auto found = measure::tape::driver_difference(shader_form, program);
-            const std::string message_prefix =
-                fmt::format("lostbits: {} ({})", shader_form.info->name, form->contract.source);
-            if (found.differing_rays == 0) {
-                fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n",
-                           message_prefix, found.rays);
-                continue;
-            }
-            const std::string difference =
-                fmt::format("{}: the driver gives other bits than the followed function on {} of {} random rays",
-                            message_prefix, found.differing_rays, found.rays);
-            if (!found.is_explained()) {
-                fmt::print(stderr,
-                           "{}; no tried change explains all of these rays (another order of sums, fused "
-                           "products, reciprocals, common factors, subnormal numbers as 0, an inexact quotient or "
-                           "root), so lostbits cannot name the operation\n",
-                           difference);
-                continue;
-            }
-            const std::string line =
-                intersect::function::quoted_line(*program.info, *find_format("f32"), found.first_changed());
-            fmt::print(stderr, "{}: it {}\n{}", difference, difference_text(found),
-                       line.empty() ? "" : "first here: " + line);
+            const std::string message_prefix = fmt::format("lostbits: {} ({})", form.info->name, form->contract.source);
+            print_difference(message_prefix, measure::tape::driver_difference(form, program), program);
         }
     }
 }
@@ -284,7 +297,7 @@ void open_external(const ExternalOptions& options, int threads) {
     // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
     std::erase_if(external_forms.forms, [&external_forms](const ForeignForm& form) {
         return std::ranges::any_of(external_forms.formulas,
-                                   [&form](const auto& f) { return f.intersector.info->name == form.contract.name; });
+                                   [&form](const auto& f) { return f.row.info->name == form.contract.name; });
     });
     intersect::external::register_formulas(external_forms.formulas);
     intersect::external::register_forms(std::move(external_forms.forms));
@@ -306,8 +319,8 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
-    for (const auto& intersector : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(intersector))
+    for (const auto& form : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(form))
             if (!form->contract.state.empty()) states.try_emplace(form->provider, form->contract.state);
     }
     for (const auto& [library, state] : states)
@@ -332,6 +345,7 @@ void note_unmeasured(const std::vector<std::string>& patterns,
         return std::ranges::find(external_form_names, name) != external_form_names.end() &&
                (patterns.empty() || matches_any(patterns, name));
     };
+
     std::map<std::string, std::vector<std::string_view>> left_out;  // by the shapes and formats that they take
     for (const auto& form : intersect::table::intersectors()) {
         if (!is_wanted(std::string(form.info->name))) continue;
@@ -354,6 +368,7 @@ void note_unselected(const shell::Command& command) {
     const shell::Option beside = command.option("--beside");  // a command without it uses isolated forms too
     const std::vector<std::string> names = external_names(static_cast<bool>(beside));
     if (names.empty() || !forms || forms.given_values().empty()) return;
+
     std::vector<std::string> patterns;
     for (const shell::Option& option : {forms, beside, command.option("--against")}) {
         for (const std::string& value : option ? option.given_values() : std::vector<std::string>())

@@ -151,6 +151,8 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
         throw InputError(fmt::format(
             "--range {} is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",
             text));
+
+    // All drawn metrics must have the same kind of bar.
     const Metric* first = nullptr;
     for (const Metric* m : drawn_metrics) {
         if (m->ramp == Ramp::categories) continue;
@@ -161,6 +163,7 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
                             text, first->name, m->name));
         first = m;
     }
+
     if (!first)
         throw InputError(fmt::format(
             "--range {}: the drawn metrics have a colour for each name and no colour bar; leave out --range", text));

@@ -43,9 +43,12 @@ std::vector<std::string> to_strings(std::span<const std::string_view> names) { r
 const std::vector<RayFileOption>& ray_file_options() {
     using Options = RayFileOptions;
     static const std::vector<RayFileOption> options{
+        // The rays.
         {"--scene", &Options::scene, "Test the rays with the primitives of this scene"},
         {"--miss", &Options::miss,
          "The t that means a miss: a number, `negative` or `never`; for a file without a column hit (docs/judge.md)"},
+
+        // The contract of the answers.
         {"--direction",
          &Options::direction,
          "unit: t is a distance; any: t is the parameter along the direction (default)",
@@ -65,6 +68,8 @@ const std::vector<RayFileOption>& ray_file_options() {
         {"--facing", &Options::facing,
          "The side from which triangles, discs and planes are hit (default: both; docs/judge.md)",
          to_strings(intersect::facing_names), true},
+
+        // The ends of the range of each ray.
         {"--open-ends",
          &Options::open_ends,
          "Exclude these ends of the range: a hit exactly at an excluded end does not count (default: none)",
@@ -119,13 +124,14 @@ std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
 }
 
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
-                                             std::optional<Shape> primitive, bool keep_own_columns) {
+                                             std::optional<Shape> primitive, bool keeps_own_columns) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions dump_options{.container = containers.at(options.container),
                              .columns = options.columns,
                              .skip = options.skip,
                              .stop = options.stop};
+
     if (containers.contains(options.answer_format))
         throw InputError(
             "--answer-format " + options.answer_format +
@@ -138,9 +144,10 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
                              ": all answers have the same format; name one");
         dump_options.format = formats.front();
     }
+
     dump_options.miss = parse_miss_rule(options.miss);
     dump_options.primitive = primitive;
-    dump_options.keep = keep_own_columns;
+    dump_options.keep = keeps_own_columns;
     dump_options.open = open_ends_named(options.open_ends);
     return scene::dump::open_dump(file, dump_options);
 }
@@ -168,6 +175,7 @@ intersect::Info answer_contract(const RayFileOptions& options, const scene::dump
                 fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
                             option.name, options.*option.value, dump.name(), option.name));
+
     intersect::Info info{};
     info.direction = options.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
     info.touching = options.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;

@@ -70,9 +70,9 @@ std::optional<Shape> shared_shape(const RayFileOptions& options, const std::opti
 std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
                                                  const std::optional<scene::file::Scene>& scene, const Format& format);
 
-/// Opens the file as the options say. `keep_own_columns`: also keep the user's own columns.
+/// Opens the file as the options say. `keeps_own_columns`: also keep the user's own columns.
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
-                                             std::optional<Shape> primitive, bool keep_own_columns = false);
+                                             std::optional<Shape> primitive, bool keeps_own_columns = false);
 
 /// The shapes of the primitives of the rays, from columns or given for all rays.
 Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& shared);

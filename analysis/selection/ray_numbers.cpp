@@ -71,6 +71,7 @@ std::vector<Real> parse_numbers(const std::string& text, const NumberOption& wan
             numbers.emplace_back(part == "nan" ? std::nan("") : part == "inf" ? HUGE_VAL : -HUGE_VAL);
             continue;
         }
+
         const auto exact = parse_exact_number(part, option);
         const double rounded = exact ? scene::toml::round_to_format(*exact, parameters) : HUGE_VAL;
         if (!std::isfinite(rounded)) {
@@ -129,17 +130,17 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
 }
 
 std::pair<int, int> parse_size(const std::string& text) {
-    int size[2] = {0, 0};
+    int width = 0, height = 0;
     const auto separator = text.find('x');
     const auto parse_int = [&text](std::size_t begin, std::size_t end, int& value) {
         const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
         return error == std::errc{} && stop == text.data() + end;
     };
-    if (separator == std::string::npos || !parse_int(0, separator, size[0]) ||
-        !parse_int(separator + 1, text.size(), size[1])) {
+    if (separator == std::string::npos || !parse_int(0, separator, width) ||
+        !parse_int(separator + 1, text.size(), height)) {
         throw InputError(fmt::format("--size {} is not a size; write width and height in pixels, like 512x384", text));
     }
-    return {size[0], size[1]};
+    return {width, height};
 }
 
 std::pair<int, int> parse_pixel(const std::string& text) {
@@ -175,6 +176,7 @@ double tolerance_in_units(const std::string& text, const std::string& unit) {
     const Unit* const scene_unit = find_unit(unit);
     if (!unit.empty() && scene_unit == nullptr)
         throw InputError(fmt::format("--unit {} is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
+
     double length = 0;
     const char* const end = text.data() + text.size();
     const char* const unit_text = std::from_chars(text.data(), end, length).ptr;
@@ -185,6 +187,8 @@ double tolerance_in_units(const std::string& text, const std::string& unit) {
             "--tolerance {} is not a length; write a number of at least 0 in the scene's unit of length, such as "
             "0.001, or with --unit a length such as 1mm",
             text));
+
+    // A length with a unit is converted to the unit of the scene.
     if (text_unit.empty()) return length;
     if (scene_unit == nullptr)
         throw InputError(fmt::format(

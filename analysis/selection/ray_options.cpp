@@ -67,6 +67,7 @@ TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::
                                       const ShapePredicate& can_test) {
     const Shape shape = tested_form.form->shape;
     if (can_test(tested_form.form->shapes())) return tested_form;
+
     if (is_primitive(shape) && !tested_form.form->is_set() && !scene::rays::generator_of(*tested_form.form) &&
         can_test(tested_form.form->shapes().placed())) {
         TestedForm placed = tested_form;
@@ -74,6 +75,8 @@ TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::
                                                               *tested_form.form);
         return placed;
     }
+
+    // Says why the form does not take the primitives.
     if (tested_form.form->shapes().are_placed() && can_test(tested_form.form->shapes().placed(false)))
         throw InputError(fmt::format(
             "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
@@ -119,11 +122,14 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
             "-i {}: the part after the @ is a camera's ray generator, but no camera makes the ray of --ray; "
             "give --pixel instead of --ray, or leave out the @ and the ray generator",
             given_form.form->info->name));
+
     Scene loaded = load_single_scene(options, data);
     const auto scene = std::make_shared<const Scene>(generator ? with_ray_generator(std::move(loaded), *generator)
                                                                : std::move(loaded));
     const TestedForm tested_form =
         tested_form_for_primitives(given_form, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+
+    // Exactly one option names the ray.
     std::vector<std::string> given_options;
     if (options.worst) given_options.emplace_back("--worst");
     if (!options.pixel.empty()) given_options.emplace_back("--pixel");
@@ -135,6 +141,7 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
         throw InputError(
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
             "NAME for a file of cases");
+
     if (options.worst) return find_worst_in_scene(scene, tested_form, options.stop);
     return {scene,
             options.ray.empty() ? select_pixel(options, *scene)
@@ -185,6 +192,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
           {&options.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
         if (!given->empty()) throw InputError(fmt::format("{} {} {}; leave out {}", option, *given, why, option));
     }
+
     const SweepChangeOptions changes{options.size, options.steps, options.set};
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
@@ -194,6 +202,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
         tested_form.touching = judging_convention(options, file);
         return find_worst_in_cases(file, tested_form, options.stop);
     }
+
     if (kind != SweepKind::axes)
         throw InputError("--worst: " + options.subject +
                          " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
@@ -218,13 +227,15 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
                                              [&](Shapes forms) { return file.meets(forms); });
     const auto [case_index, ray_index] = parse_named_ray(file, options.named_case);
     tested_form.touching = judging_convention(options, file);
+
+    // Without an index, the worst ray of the case.
     const int rays = file.rays_of(case_index);
     auto groups = file.rays(case_index, tested_form.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
                                      text::count_with_noun(count, "ray")));
-    const int k = ray_index ? *ray_index : worst_ray_index(groups, rays, tested_form, options.stop);
+    const int k = ray_index ? *ray_index : find_worst_ray_index(groups, rays, tested_form, options.stop);
     SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), tested_form.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
@@ -267,22 +278,27 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
     std::vector<Primitive<double>> primitives;
     for (const auto& [shape, text] : options.primitives.in_given_order())
         primitives.push_back(parse_primitive(shape, text, rounding_format(options.format)));
-    const bool placed =
+
+    // The form gets the usual transform if matrices place the primitives.
+    const bool are_placed =
         std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
     const auto form_takes = [&given_form](const Primitive<double>& primitive) {
         return given_form.form->shapes().has(primitive.shape);
     };
     const TestedForm tested_form =
-        std::ranges::all_of(primitives, form_takes) && placed == given_form.form->shapes().are_placed()
+        std::ranges::all_of(primitives, form_takes) && are_placed == given_form.form->shapes().are_placed()
             ? given_form
             : tested_form_for_primitives(given_form, "the ray",
-                                         [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
+                                         [shapes = shapes_of(primitives).placed(are_placed)](Shapes forms) {
                                              return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
                                          });
+
     if (options.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = parse_ray(options);
     RayGroup group = scene::rays::group_of(to_double_ray(ray));
     group.primitives = std::move(primitives);
+
+    // The ends of its range.
     const auto add_end = [&](const std::string& text, const char* option, const char* expected,
                              std::vector<double>& ends) {
         if (!text.empty())
@@ -308,6 +324,8 @@ void require_compatible(const RayOptions& options) {
         throw InputError(
             "explain: the primitives are missing; name a scene, a file of cases with --case, or primitives (--sphere "
             "CX,CY,CZ,R; other shapes: `lostbits explain --help`)");
+
+    // What each option needs.
     const char* const needs_own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Rule {
         const char* option;
@@ -330,6 +348,7 @@ void require_compatible(const RayOptions& options) {
          "a scene, or primitives given as options (a case has its own rays)"},
         {"--steps", !options.steps.empty(), is_scene, "a sweep and --worst"},
         {"--set", !options.set.empty(), has_own_primitives || is_scene, "a scene, or primitives given as options"}};
+
     for (const Rule& rule : rules) {
         if (!rule.is_given || rule.is_allowed) continue;
         const bool needs_other_subject = has_own_primitives && std::string_view(rule.needs).starts_with("a scene");
@@ -363,9 +382,12 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& tested_form, c
                             "form of sdf.*",
                             assignment, tested_form.form->info->name));
     }
+
+    // A case and the worst ray of a sweep have their own conventions.
     if (!options.named_case.empty()) return find_ray_in_case(options, tested_form, data);
     if (const auto sweep = options.worst ? find_sweep_file(options.subject, data) : std::nullopt)
         return find_worst_of_sweep_or_cases(options, tested_form, *sweep, data);
+
     TestedForm judged_row = tested_form;
     judged_row.touching = scene::sweep::convention_named(options.convention);
     if (!options.steps.empty())
@@ -385,7 +407,7 @@ void PrimitiveOptions::add_to(const shell::Command& command, const std::string& 
                 .add(fmt::format("--{}", shape_row.name), values_of(shape_row.shape),
                      fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
                 .under_heading(heading));
-    order_ = command.value_order(options);
+    order_ = command.make_value_order(options);
 }
 
 }  // namespace lostbits::analysis::selection

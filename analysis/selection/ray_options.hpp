@@ -53,8 +53,8 @@ std::optional<std::filesystem::path> find_sweep_file(const std::string& subject,
 /// Ray `k` of a case. Each of its groups has `rays_per_group` rays; `k` counts the rays of all groups.
 scene::rays::RayGroup pick_ray(std::vector<scene::rays::RayGroup> groups, int rays_per_group, int k);
 /// The index of the worst of these rays, which is the ray that cases.csv names.
-int worst_ray_index(std::vector<scene::rays::RayGroup> groups, int rays_per_group,
-                    const measure::evaluate::TestedForm& tested_form, intersect::process::StopToken stop);
+int find_worst_ray_index(std::vector<scene::rays::RayGroup> groups, int rays_per_group,
+                         const measure::evaluate::TestedForm& tested_form, intersect::process::StopToken stop);
 
 /// The worst ray of all pixels of a scene, of all steps of a sweep, or of all cases of a file, with a note that names
 /// it. Throws InputError if every decision is right and no hit has an error of t, as in a scene that no ray hits.

@@ -33,6 +33,7 @@ std::vector<Scene> load_scenes(const SceneOptions& options, const std::filesyste
             throw InputError(fmt::format("--variant {}: {} names another variant; leave out --variant", options.variant,
                                          given_name));
         load_options.variant = options.variant.empty() ? name.variant : std::optional(options.variant);
+
         for (auto& scene : scene::file::load_scene(name.path, load_options)) {
             if (options.refuses_ranges && !scene.range.is_whole())
                 throw InputError(
@@ -146,6 +147,7 @@ void refuse_misplaced_options(const RayFileOptions& options, const std::vector<s
     for (const ShapeRow& shape_row : shape_rows)
         file_options.emplace_back(fmt::format("--{}", shape_row.name),
                                   !options.primitives.values_of(shape_row.shape).empty());
+
     const auto refuse = [](const auto& misplaced_options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, is_given] : misplaced_options) {
             if (is_given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
@@ -180,6 +182,8 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
             "{} are allowed; use judge, which takes meshes of any size, or give each ray the primitive that it meets "
             "in columns of the file",
             options.scene, target_scene->primitive_count(), max_primitives));
+
+    // Opens the files, and joins them to one.
     OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> dumps;
     for (const std::string& file : files) {
@@ -193,6 +197,8 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
         result.quoted_files += (result.quoted_files.empty() ? "" : " ") + text::shell_word(file);
     }
     result.dump = scene::dump::join_dumps(std::move(dumps));
+
+    // What the command line says of them.
     result.terms = {.id = result.id,
                     .primitives = shared_primitives(options, target_scene, result.dump->format()),
                     .contract = answer_contract(options, *result.dump)};

@@ -72,6 +72,8 @@ std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, 
                 chosen[i] = is_matched = true;
         }
         if (is_matched) continue;
+
+        // The message names the list of `lostbits list` with all names.
         const std::string last_word = noun.substr(noun.rfind(' ') + 1);
         const std::string list_name = last_word == "strategy" ? "strategies"
                                       : last_word == "box"    ? "boxes"
@@ -82,6 +84,7 @@ std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, 
         throw InputError(fmt::format("{} {}: unknown {}; {} (`lostbits list {}` lists all)", option, pattern, noun,
                                      name_advice(pattern, names), list_name));
     }
+
     std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < names.size(); ++i)
         if (chosen[i]) indices.push_back(i);
@@ -105,40 +108,52 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& pat
     return forms;
 }
 
+namespace {
+
+/// Adds the metrics of a pattern such as `step:*`, which is about the steps of a transform.
+void add_steps(const std::string& pattern, measure::metric::MetricSet& metric_set, std::vector<const Metric*>& chosen) {
+    bool is_matched = false;
+    for (const std::string_view step : intersect::transform::step_names) {
+        const std::string name = "step:" + std::string(step);
+        if (!matches_any({pattern}, name)) continue;
+        is_matched = true;
+        add_once(chosen, metric_set.find(name));
+    }
+    if (!is_matched)
+        throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", pattern,
+                                          fmt::join(intersect::transform::step_names, ", ")));
+}
+
+/// Throws InputError for a metric whose step or operation is missing.
+void require_complete_metric(const std::string& pattern) {
+    if (pattern == "step:")
+        throw InputError(
+            fmt::format("--metric step:: the step is missing; write step:NAME, such as step:origin; the steps are {}",
+                        fmt::join(intersect::transform::step_names, ", ")));
+    if (pattern == "contribution" || pattern.ends_with(':')) {
+        const std::string kind = pattern.substr(0, pattern.find(':'));
+        throw InputError(
+            fmt::format("--metric {}: the operation is missing; write {}:LABEL, such as {}:c; `lostbits list labels` "
+                        "shows the labels of every form",
+                        pattern, kind, kind));
+    }
+}
+
+}  // namespace
+
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& patterns,
                                           measure::metric::MetricSet& metric_set) {
     std::vector<const Metric*> chosen;
     for (const std::string& pattern : patterns) {
         if (pattern.starts_with("step:") && is_pattern(pattern)) {
-            bool is_matched = false;
-            for (const std::string_view step : intersect::transform::step_names) {
-                const std::string name = "step:" + std::string(step);
-                if (!matches_any({pattern}, name)) continue;
-                is_matched = true;
-                add_once(chosen, metric_set.find(name));
-            }
-            if (!is_matched)
-                throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}",
-                                                  pattern, fmt::join(intersect::transform::step_names, ", ")));
-            continue;
-        }
-        if (const Metric* const metric = metric_set.find(pattern)) {
+            add_steps(pattern, metric_set, chosen);
+        } else if (const Metric* const metric = metric_set.find(pattern)) {
             add_once(chosen, metric);
-            continue;
+        } else {
+            require_complete_metric(pattern);
+            for (const Metric* m : select_items(measure::metric::metrics(), {pattern}, "metric", "--metric"))
+                add_once(chosen, m);
         }
-        if (pattern == "step:")
-            throw InputError(fmt::format(
-                "--metric step:: the step is missing; write step:NAME, such as step:origin; the steps are {}",
-                fmt::join(intersect::transform::step_names, ", ")));
-        if (pattern == "contribution" || pattern.ends_with(':')) {
-            const std::string kind = pattern.substr(0, pattern.find(':'));
-            throw InputError(fmt::format(
-                "--metric {}: the operation is missing; write {}:LABEL, such as {}:c; `lostbits list labels` "
-                "shows the labels of every form",
-                pattern, kind, kind));
-        }
-        for (const Metric* m : select_items(measure::metric::metrics(), {pattern}, "metric", "--metric"))
-            add_once(chosen, m);
     }
     return chosen;
 }
@@ -165,6 +180,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
             throw InputError("--metric against, apart: need --against FORM, the form to compare the others with");
     }
     if (metrics.empty()) return metrics;
+
     const std::string message_prefix = fmt::format("--metric {}: ", metrics.front()->name);
     // Drops the metrics for which `is_about` is true if no tested form `has` what they need. It is an error if none is
     // left.
@@ -173,6 +189,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
         std::erase_if(metrics, is_about);
         if (metrics.empty()) throw InputError(message_prefix + lack);
     };
+
     using namespace measure::metric;
     drop_unless(
         [](const TestedForm& tested_form) { return tested_form.form->filter_arithmetic != nullptr; },
@@ -192,10 +209,25 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
     return metrics;
 }
 
+namespace {
+
+/// Says why the t of a form cannot be compared with that of another one, which the user calls `other_name`.
+std::string incomparable_text(const intersect::Info& form, const intersect::Info& other, std::string_view other_name) {
+    const bool has_no_t = form.roots == intersect::Roots::none, other_has_no_t = other.roots == intersect::Roots::none;
+    if (has_no_t || other_has_no_t) return fmt::format("{} returns no t", has_no_t ? form.name : other_name);
+    const bool takes_unit = form.direction == intersect::Direction::unit;
+    return fmt::format("{} takes unit directions and {} any, so their t have different units",
+                       takes_unit ? form.name : other_name, takes_unit ? other_name : form.name);
+}
+
+}  // namespace
+
 void compare_against(std::vector<TestedForm>& tested_forms, const std::string& name, bool quiet) {
     const auto matching_forms = select_forms({name}, "--against");
     if (matching_forms.size() != 1)
         throw InputError(fmt::format("--against {}: this pattern names several forms; name one form", name));
+
+    // Drops the forms for other shapes and formats.
     const Intersector& against_form = *matching_forms.front();
     const auto is_comparable = [&against_form](const TestedForm& tested_form) {
         // Keep single forms that may become parts of a set.
@@ -213,20 +245,14 @@ void compare_against(std::vector<TestedForm>& tested_forms, const std::string& n
                         "select forms for the same shapes and formats with -i and -f",
                         name, against_form.is_set() ? "a scene of several shapes" : with_article(against_form.shape),
                         formats == "all" ? "all formats" : formats));
+
     for (TestedForm& tested_form : tested_forms) {
         tested_form.against = &against_form;
         if (quiet || measure::answer::are_comparable(*tested_form.form->info, *against_form.info)) continue;
-        const bool without_t = tested_form.form->info->roots == intersect::Roots::none,
-                   other_without_t = against_form.info->roots == intersect::Roots::none;
-        const bool has_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
-        const std::string reason =
-            without_t || other_without_t
-                ? fmt::format("{} returns no t", without_t ? tested_form.form->info->name : std::string_view(name))
-                : fmt::format("{} takes unit directions and {} any, so their t have different units",
-                              has_unit_directions ? tested_form.form->info->name : std::string_view(name),
-                              has_unit_directions ? std::string_view(name) : tested_form.form->info->name);
+
         fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n",
-                   tested_form.form->info->name, name, reason);
+                   tested_form.form->info->name, name,
+                   incomparable_text(*tested_form.form->info, *against_form.info, name));
     }
 }
 
@@ -244,6 +270,7 @@ void note_forms_without_formula(const std::vector<const Metric*>& metrics, const
             forms += (forms.empty() ? "" : ", ") + name;
     }
     if (forms.empty()) return;
+
     const bool all_lack_operations = std::ranges::none_of(
         tested_forms, [](const TestedForm& tested_form) { return tested_form.form->is_template(); });
     for (const Metric* m : metrics) {
@@ -318,7 +345,7 @@ std::vector<TestedForm> pair_forms_with_formats(const std::vector<const Intersec
     return tested_forms;
 }
 
-std::vector<std::string> suspicions_of(
+std::vector<std::string> list_suspicions(
     const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     // A t that is off by 2^-8 counts as wrong. In a narrower format rounding alone explains it: 2^-8 is one ulp of

@@ -186,7 +186,7 @@ void note_numbers(const scene::file::Scene& scene, const std::vector<std::string
 
 /// A line `FORM FORMAT: text` for each tested form that is not in the catalogue and for which `suspicion` returns a
 /// text. `suspicion` returns an empty text if nothing seems wrong (`measure::contract::suspicion_text`).
-std::vector<std::string> suspicions_of(
+std::vector<std::string> list_suspicions(
     const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 

@@ -55,6 +55,8 @@ Forms combinations(const std::vector<Forms>& forms_by_shape, const std::string& 
                                      prefix, set_counts_text(forms_by_shape, count), max_sets,
                                      name_of(forms_by_shape.front().front()->shape),
                                      forms_by_shape.back().front()->info->name));
+
+    // Counts through the combinations, with the form of the last shape changing first.
     Forms sets;
     std::string refusal;
     for (std::size_t i = 0; i < count; ++i) {
@@ -153,6 +155,7 @@ std::string missing_shapes_text(const std::vector<TestedForm>& tested_forms, Sha
 
 /// Adds the sets that `tested_forms_handling` adds for these shapes.
 void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shapes, const ShapePredicate& can_test) {
+    // A chosen set must have a form for each shape.
     for (const Intersector* const set :
          forms_in(chosen.tested_forms, [](const Intersector& form) { return form.is_set(); })) {
         std::vector<TestedForm> parts;
@@ -162,6 +165,8 @@ void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shape
                 throw InputError(
                     fmt::format("-i {}: {}: {}", set->info->name, name, missing_shapes_text(parts, shapes)));
     }
+
+    // Single forms are combined, unless some shape has none.
     std::vector<Forms> forms_by_shape;
     for (const Shape shape : list_shapes(shapes))
         forms_by_shape.push_back(forms_for(chosen.tested_forms, Shapes(shape).placed(shapes.are_placed())));
@@ -169,6 +174,8 @@ void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shape
     const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
     if (!chose_all)
         return add_set_forms(chosen.tested_forms, combinations(forms_by_shape, fmt::format("-i: on {}", name)));
+
+    // Of all forms, only the plain set is added, and only if no form can test the subject.
     if (std::ranges::any_of(chosen.tested_forms, [&can_test](const TestedForm& tested_form) {
             return can_test(tested_form.form->shapes());
         }))
@@ -229,13 +236,15 @@ const Intersector& plain_set(Shapes shapes) {
     return intersect::table::set_of(parts);
 }
 
-Forms select_composed(const std::string& pattern, const char* option) {
+namespace {
+
+/// Throws InputError if one side of the sign in a composed name is empty.
+void require_both_parts(const scene::rays::ComposedName& name, const std::string& pattern, const char* option) {
     using Kind = scene::rays::ComposedName::Kind;
-    const auto name = scene::rays::split_composed_name(pattern).value();
-    const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
-    if (is_contracted && name.form.empty())
+    if (name.kind == Kind::contracted && name.form.empty())
         throw InputError(fmt::format(
             "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, pattern));
+    const bool is_box = name.kind == Kind::box;
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
             "{} {}: the form or the {} beside the {} is missing; write {}", option, pattern,
@@ -243,6 +252,16 @@ Forms select_composed(const std::string& pattern, const char* option) {
             is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"
                    : "FORM@TRANSFORM, such as sphere.unified@pbrt; `lostbits list transforms` lists them"));
+}
+
+}  // namespace
+
+Forms select_composed(const std::string& pattern, const char* option) {
+    using Kind = scene::rays::ComposedName::Kind;
+    const auto name = scene::rays::split_composed_name(pattern).value();
+    const bool is_contracted = name.kind == Kind::contracted;
+    require_both_parts(name, pattern, option);
+
     const Forms composed = rows_of(
         name,
         {.forms =
@@ -269,6 +288,7 @@ Forms select_composed(const std::string& pattern, const char* option) {
                  return select_items(intersect::bounding_box::box_methods(), {part_pattern}, "bounding box", option);
              },
          .contracted = measure::tape::contracted_form});
+
     if (composed.empty() && is_contracted)
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "

@@ -73,7 +73,7 @@ const ArgumentKinds argument_rows[] = {
 };
 
 /// The kind of a sweep file. A file that cannot be read counts as a sweep: the command that reads it reports the error.
-Kind kind_of_sweep(const fs::path& path) {
+Kind read_sweep_kind(const fs::path& path) {
     using scene::sweep::SweepKind;
     try {
         const SweepKind kind = scene::sweep::sweep_kind(path);
@@ -87,7 +87,7 @@ Kind kind_of_sweep(const fs::path& path) {
 
 /// The kind of a TOML file, by the schema in its first lines or, without a schema, by the first table that only one
 /// kind of file has.
-std::optional<Kind> kind_of_toml(const std::string& begin, const fs::path& path) {
+std::optional<Kind> find_toml_kind(const std::string& begin, const fs::path& path) {
     static const std::regex schema(R"re((?:^|\n)[ \t]*"?schema"?[ \t]*=[ \t]*["']lostbits-([a-z]+)/)re");
     static const std::regex table(R"re((?:^|\n)[ \t]*\[\[?(camera|claim|axis|case|search|edge_search)[\].])re");
     static constexpr std::pair<std::string_view, Kind> kinds[] = {{"scene", Kind::scene},
@@ -101,11 +101,11 @@ std::optional<Kind> kind_of_toml(const std::string& begin, const fs::path& path)
     if (const auto* const found = std::ranges::find(kinds, word, &std::pair<std::string_view, Kind>::first);
         found != std::end(kinds))
         return found->second;
-    if (word == "sweep" || match.str().find('[') != std::string::npos) return kind_of_sweep(path);
+    if (word == "sweep" || match.str().find('[') != std::string::npos) return read_sweep_kind(path);
     return std::nullopt;
 }
 
-std::string beginning_of(const fs::path& path) {
+std::string read_beginning(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::string text(std::size_t{1} << 16, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -115,13 +115,13 @@ std::string beginning_of(const fs::path& path) {
 
 /// Kind of the file that a name stands for, among the files of kind `wanted` in the data folder; nothing if there is no
 /// such file.
-std::optional<Kind> kind_of_name(const std::string& word, Kind wanted, const fs::path& data) {
+std::optional<Kind> find_named_kind(const std::string& word, Kind wanted, const fs::path& data) {
     std::error_code ignored;
     const auto is_there = [&](const fs::path& path) { return fs::is_regular_file(path, ignored); };
     try {
         if (wanted == Kind::scene && is_there(scene::file::find_scene(word, data).path)) return Kind::scene;
         if (wanted == Kind::sweep)
-            if (const auto path = scene::sweep::find_sweep(word, data); is_there(path)) return kind_of_sweep(path);
+            if (const auto path = scene::sweep::find_sweep(word, data); is_there(path)) return read_sweep_kind(path);
     } catch (const Error&) {
         return std::nullopt;
     }
@@ -131,15 +131,15 @@ std::optional<Kind> kind_of_name(const std::string& word, Kind wanted, const fs:
 
 /// The kind of a subject. A name that files of several kinds have stands for the first of these kinds: those of
 /// `preferred`, then the others.
-std::optional<Kind> kind_of(const std::string& word, std::initializer_list<Kind> preferred, const fs::path& data) {
+std::optional<Kind> find_kind(const std::string& word, std::initializer_list<Kind> preferred, const fs::path& data) {
     std::error_code ignored;
     if (fs::exists(word, ignored) && (fs::path(word).has_extension() || fs::is_regular_file(word, ignored)))
-        return kind_of_file(word);
+        return find_file_kind(word);
     std::vector<Kind> order{preferred};
     order.insert(order.end(), {Kind::scene, Kind::sweep, Kind::claims});
     for (const Kind wanted : order)
-        if (const auto kind = kind_of_name(word, wanted, data)) return kind;
-    return kind_of_file(word);
+        if (const auto kind = find_named_kind(word, wanted, data)) return kind;
+    return find_file_kind(word);
 }
 
 /// "a scene, a sweep or a file of cases"
@@ -169,7 +169,7 @@ std::vector<std::string> options_taking(const ArgumentKinds& refused, Kind kind)
 
 void refuse_other_kind(const std::string& word, const ArgumentKinds& row, const std::string& command,
                        const fs::path& data) {
-    const auto kind = kind_of(word, row.kinds, data);
+    const auto kind = find_kind(word, row.kinds, data);
     if (!kind || std::ranges::find(row.kinds, *kind) != row.kinds.end()) return;
     // A folder of claims may hold results too.
     if (*kind == Kind::results && std::ranges::find(row.kinds, Kind::claims) != row.kinds.end()) return;
@@ -185,12 +185,14 @@ void refuse_other_kind(const std::string& word, const ArgumentKinds& row, const 
 
 }  // namespace
 
-std::optional<SubjectKind> kind_of_file(const fs::path& path) {
+std::optional<SubjectKind> find_file_kind(const fs::path& path) {
     std::error_code ignored;
     if (fs::is_directory(path, ignored))
         return fs::is_regular_file(path / "manifest.json", ignored) ? std::optional(Kind::results) : std::nullopt;
     if (!fs::is_regular_file(path, ignored)) return std::nullopt;
-    const std::string begin = beginning_of(path), ending = path.extension().string();
+
+    // The first bytes decide, and then the ending of the name.
+    const std::string begin = read_beginning(path), ending = path.extension().string();
     static constexpr std::pair<std::string_view, Kind> magic[] = {{"\x7f"
                                                                    "ELF",
                                                                    Kind::library},
@@ -199,17 +201,20 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
                                                                   {"\x76\x2f\x31\x01", Kind::picture}};
     for (const auto& [bytes, kind] : magic)
         if (begin.starts_with(bytes)) return kind;
+
     static constexpr std::pair<std::string_view, Kind> endings[] = {
         {".csv", Kind::rays}, {".npy", Kind::rays}, {".glsl", Kind::shader}, {".hlsl", Kind::shader}};
     for (const auto& [text, kind] : endings)
         if (ending == text) return kind;
-    return ending == ".toml" ? kind_of_toml(begin, path) : std::nullopt;
+    return ending == ".toml" ? find_toml_kind(begin, path) : std::nullopt;
 }
 
 void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
     const std::vector<shell::Command> given_commands = command.given_commands();
     const shell::Command& last_command = given_commands.back();
-    std::vector<std::string> decided_arguments;  // arguments whose row was found
+
+    // The first row of an argument whose option is given decides.
+    std::vector<std::string> decided_arguments;
     for (const ArgumentKinds& row : argument_rows) {
         if (given_commands.size() < 2 || given_commands[1].name() != row.command ||
             std::ranges::find(decided_arguments, row.argument) != decided_arguments.end())
@@ -221,6 +226,7 @@ void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
         for (const std::string& word : argument.given_values())
             refuse_other_kind(word, row, command.command_path(), data);
     }
+
     if (std::ranges::find(decided_arguments, default_row.argument) != decided_arguments.end()) return;
     if (const shell::Option argument = last_command.option(default_row.argument))
         for (const std::string& word : argument.given_values())

@@ -13,7 +13,7 @@ namespace lostbits::analysis::selection {
 enum class SubjectKind { scene, sweep, cases, search, claims, choices, rays, library, shader, results, picture };
 
 /// Kind of a regular file, by its first bytes, or of a folder; nothing if it is unknown.
-[[nodiscard]] std::optional<SubjectKind> kind_of_file(const std::filesystem::path& path);
+[[nodiscard]] std::optional<SubjectKind> find_file_kind(const std::filesystem::path& path);
 
 /// Throws InputError for a subject that the given command does not take; the message names the command that does. A
 /// subject that is neither a file of a known kind nor a name in the data folder is left to the command.

@@ -62,22 +62,32 @@ scene::sweep::SweepChanges read_changes(const SweepChangeOptions& options) {
     return changes;
 }
 
-void check_changes(const SweepChangeOptions& options, SweepKind kind, const std::string& name) {
-    if (kind == SweepKind::axes) return;
+namespace {
+
+/// An option, its value (empty: it is not given), and for each kind of sweep the message that refuses the option; null
+/// if the kind takes it.
+struct RefusalRow {
+    const char* option;
+    std::string value;
+    const char *cases, *search, *edges, *every_float;
+
+    [[nodiscard]] const char* reason(SweepKind kind) const {
+        return kind == SweepKind::cases         ? cases
+               : kind == SweepKind::search      ? search
+               : kind == SweepKind::edge_search ? edges
+                                                : every_float;
+    }
+};
+
+/// The options that some kind of sweep refuses.
+std::vector<RefusalRow> list_refusals(const SweepChangeOptions& options, SweepKind kind) {
     const auto first_or_empty = [](const std::vector<std::string>& given) {
         return given.empty() ? "" : given.front();
     };
     const auto other_format =
         std::ranges::find_if(options.formats, [](const std::string& format) { return format != "f32"; });
     const bool seeds_have_no_effect = kind == SweepKind::cases && options.seeds == 0;  // cases never draw rays
-    /// An option, its value (empty: it is not given), and for each kind of sweep the message that refuses the option;
-    /// null if the kind takes it.
-    struct Row {
-        const char* option;
-        std::string value;
-        const char *cases, *search, *edges, *every_float;
-    };
-    const Row rows[] = {
+    return {
         {"--size", options.size, "has no picture, since its rays are the cases; leave out --size",
          "has no picture, since it searches for rays; leave out --size, and try --set starts=N for more of them",
          "has no picture, since it searches for rays; leave out --size, and try --set rays=N for more of them",
@@ -106,11 +116,14 @@ void check_changes(const SweepChangeOptions& options, SweepKind kind, const std:
         {"--pictures", options.pictures == "all" ? "all" : "", "has one picture for all forms; leave out --pictures",
          "has no contact sheet; leave out --pictures", "has no contact sheet; leave out --pictures",
          "has no contact sheet; leave out --pictures"}};
-    for (const Row& row : rows) {
-        const char* const reason = kind == SweepKind::cases         ? row.cases
-                                   : kind == SweepKind::search      ? row.search
-                                   : kind == SweepKind::edge_search ? row.edges
-                                                                    : row.every_float;
+}
+
+}  // namespace
+
+void check_changes(const SweepChangeOptions& options, SweepKind kind, const std::string& name) {
+    if (kind == SweepKind::axes) return;
+    for (const RefusalRow& row : list_refusals(options, kind)) {
+        const char* const reason = row.reason(kind);
         if (row.value.empty() || reason == nullptr) continue;
         const std::string text = fmt::format(fmt::runtime(reason), row.value);
         throw InputError(fmt::format("{} {}: {} {}", row.option, row.value, name, text));
@@ -125,9 +138,10 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
         unit_name(kind), name);
 }
 
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind,
-                                            const SweepChangeOptions& options, const std::filesystem::path& data,
-                                            intersect::process::StopToken stop) {
+std::vector<std::filesystem::path> list_input_files(const std::filesystem::path& path, SweepKind kind,
+                                                    const SweepChangeOptions& options,
+                                                    const std::filesystem::path& data,
+                                                    intersect::process::StopToken stop) {
     std::vector<std::filesystem::path> files{path};
     if (kind == SweepKind::edge_search)
         files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(options).set, stop).scene.path);

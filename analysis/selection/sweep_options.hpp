@@ -28,11 +28,11 @@ struct SweepChangeOptions {
 scene::sweep::SweepChanges read_changes(const SweepChangeOptions& options);
 
 /// The files that a sweep is read from: its own and that of its scene, which is looked up in `data`.
-[[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path,
-                                                          scene::sweep::SweepKind kind,
-                                                          const SweepChangeOptions& options,
-                                                          const std::filesystem::path& data,
-                                                          intersect::process::StopToken stop);
+[[nodiscard]] std::vector<std::filesystem::path> list_input_files(const std::filesystem::path& path,
+                                                                  scene::sweep::SweepKind kind,
+                                                                  const SweepChangeOptions& options,
+                                                                  const std::filesystem::path& data,
+                                                                  intersect::process::StopToken stop);
 
 /// Throws InputError if a sweep of that kind does not take one of the options; says why and what to do instead.
 void check_changes(const SweepChangeOptions& options, scene::sweep::SweepKind kind, const std::string& name);

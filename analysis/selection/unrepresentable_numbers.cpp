@@ -48,11 +48,11 @@ bool marches_in(const Format& format, const std::vector<TestedForm>& tested_form
     });
 }
 
-void add_unrepresentable_numbers(const RayGroup& group, bool with_march, const LostLengths::DescribePosition& where,
+void add_unrepresentable_numbers(const RayGroup& group, bool includes_march, const LostLengths::DescribePosition& where,
                                  LostLengths& lost) {
     lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
     for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
-    if (!with_march || !group.march) return;
+    if (!includes_march || !group.march) return;
     std::size_t i = 0;
     // `transformed` calls the function for each number; its result is not needed.
     transformed(*group.march, [&](double x) {
@@ -76,11 +76,13 @@ void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const st
                                   intersect::process::StopToken stop) {
     const std::vector<Format> formats = distinct_formats(tested_forms);
     std::vector<LostLengths> lost;
-    std::vector<bool> with_march;
+    std::vector<bool> includes_march;
     for (const Format& format : formats) {
         lost.emplace_back(format.parameters);
-        with_march.push_back(marches_in(format, tested_forms));
+        includes_march.push_back(marches_in(format, tested_forms));
     }
+
+    // Visits every step, on one axis or two.
     const std::vector<double> no_second_axis{0};
     const bool has_two_axes = sweep.axes.size() > 1;
     for (const double first : sweep.axes.front().values) {
@@ -90,10 +92,11 @@ void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const st
             const auto where = [&] { return position_text(sweep, values); };
             for (const RayGroup& group : sweep.rays(values)) {
                 for (std::size_t i = 0; i < lost.size(); ++i)
-                    add_unrepresentable_numbers(group, with_march[i], where, lost[i]);
+                    add_unrepresentable_numbers(group, includes_march[i], where, lost[i]);
             }
         }
     }
+
     for (std::size_t i = 0; i < formats.size(); ++i) print_unrepresentable(sweep.id, formats[i], lost[i].lines());
 }
 

@@ -44,6 +44,7 @@ struct OverallWorst {
         if (wrong)
             reason =
                 fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));
+
         for (std::size_t i = 0; i < summaries.size(); ++i) {
             const WorstRay* const candidate = wrong                      ? summaries[i].first_of(*wrong)
                                               : summaries[i].worst.x < 0 ? nullptr
@@ -82,7 +83,8 @@ RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_inde
     return single_ray;
 }
 
-int worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& tested_form, StopToken stop) {
+int find_worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& tested_form,
+                         StopToken stop) {
     const auto summaries =
         measure::evaluate::measure_groups(std::move(groups), {tested_form}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();
@@ -108,12 +110,15 @@ SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene,
 SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const TestedForm& tested_form, StopToken stop) {
     const measure::sweep::SweepRequest request{
         .sweep = sweep, .tested_forms = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
+
+    // The summary of each step, and its position on the axes.
     std::vector<FormSummary> summaries;
     std::vector<std::vector<double>> values;
     for (auto& step : measure::sweep::run_sweep(request)) {
         summaries.push_back(std::move(step.summaries.front()));
         values.push_back(std::move(step.values));
     }
+
     const OverallWorst worst(summaries);
     const WorstRay* const ray = worst.ray;
     if (ray == nullptr) refuse_without_worst(tested_form, "sweep " + sweep.id, worst);
@@ -122,6 +127,8 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
             fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
                         "primitives, or each format computes a ray of its own; explain a pixel of its scene with --set",
                         sweep.id));
+
+    // The note names the ray by its step and its index there.
     std::string step;
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)
         step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,

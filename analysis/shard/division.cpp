@@ -134,6 +134,8 @@ void Shards::check_complete() const {
                                          files_[i - 1].path().string()));
     }
     if (files_.size() == count) return;
+
+    // Names the first missing shards. The files are sorted by number.
     std::vector<std::uint64_t> missing;
     std::size_t index = 0;
     for (std::uint64_t number = 1; number <= count && missing.size() < 1000; ++number) {
@@ -161,10 +163,10 @@ void Shards::check_jobs(const std::vector<std::string>& jobs) const {
     }
 }
 
-void Shards::for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& take) {
+void Shards::for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& visit) {
     for (StateFileReader& file : files_) {
         bool has_records = false;
-        while (file.next(name, take)) has_records = true;
+        while (file.next(name, visit)) has_records = true;
         file.pause();
         if (!has_records) file.refuse_damaged();
     }

@@ -1,6 +1,6 @@
 // Divides the work of a run. There are three kinds of run: a whole run, one shard of several, and the run of `lostbits
-// merge`, which joins finished shards. The last runs the command of the shards once more, with their measurements
-// instead of its own.
+// merge`, which joins finished shards: it runs their command once more, but reads their measurements instead of
+// measuring.
 #pragma once
 
 #include <filesystem>
@@ -39,8 +39,8 @@ public:
     void check_inputs(std::uint64_t inputs) const;
     /// Throws InputError if a shard has other jobs than these. Call it before any result is written.
     void check_jobs(const std::vector<std::string>& jobs) const;
-    /// Calls `take` for every record of this name, one shard after another.
-    void for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& take);
+    /// Calls `visit` for every record of this name, one shard after another.
+    void for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& visit);
     /// Throws InputError if a shard has records that were not read.
     void check_end() const;
 
@@ -66,7 +66,7 @@ public:
     [[nodiscard]] bool is_shard() const { return file_ != nullptr; }
     [[nodiscard]] bool joins() const { return shards_to_join_ != nullptr; }
 
-    /// The units of a shard, of as many as `count` returns; nothing in other runs, where it is not called.
+    /// In a shard, its units out of the `count()` units of the run. Nothing in other runs, which do not call `count`.
     template <class Count>
     [[nodiscard]] std::optional<measure::shard::UnitRange> units_of_shard(const Count& count) const {
         return is_shard() ? std::optional(share_.unit_range(count())) : std::nullopt;
@@ -77,9 +77,9 @@ public:
     void put(const std::string& job, const T&... results) {
         file_->put(job, output::shard::bits_of(results...));
     }
-    /// Calls `take` for the records of the job, in the order of the shards. Call it only in a run that joins shards.
-    void for_each_record(const std::string& job, const std::function<void(output::shard::BitReader&)>& take) {
-        shards_to_join_->for_each_record(job, take);
+    /// Calls `visit` for the records of the job, in the order of the shards. Call it only in a run that joins shards.
+    void for_each_record(const std::string& job, const std::function<void(output::shard::BitReader&)>& visit) {
+        shards_to_join_->for_each_record(job, visit);
     }
 
     /// The result of a job: measured here, or joined from the records of the shards. A shard calls `measure`, records
@@ -87,8 +87,8 @@ public:
     /// of work that belong to `share()`. `require_part` throws std::out_of_range if a record cannot be a part of the
     /// job.
     template <class Measure>
-    auto result_of(const std::string& job, const Measure& measure,
-                   const std::function<void(const std::invoke_result_t<Measure>&)>& require_part = {})
+    auto measure_or_join(const std::string& job, const Measure& measure,
+                         const std::function<void(const std::invoke_result_t<Measure>&)>& require_part = {})
         -> std::optional<std::invoke_result_t<Measure>> {
         using Result = std::invoke_result_t<Measure>;
         if (joins()) {
@@ -132,9 +132,9 @@ private:
 };
 
 /// Runs the command that the arguments name, with the measurements of the shards in place of its own.
-using RunOfShards = std::function<Exit(std::vector<std::string> arguments, std::shared_ptr<Shards> shards)>;
+using RunCommandAgain = std::function<Exit(std::vector<std::string> arguments, std::shared_ptr<Shards> shards)>;
 
 /// Registers the subcommand; `version` is the program's.
-void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again);
+void add_merge(const shell::Command& program, const std::string& version, const RunCommandAgain& run_again);
 
 }  // namespace lostbits::analysis::shard

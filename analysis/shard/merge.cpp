@@ -15,7 +15,7 @@ struct MergeOptions {
 };
 
 /// The arguments of the command whose shards are joined, with the folder of this run.
-std::vector<std::string> arguments_of_run(const std::string& command, const MergeOptions& options) {
+std::vector<std::string> make_run_arguments(const std::string& command, const MergeOptions& options) {
     std::vector<std::string> arguments = selection::split_shell_words(command);
     const bool is_check = arguments.size() > 1 && arguments[1] == "check";
     arguments.insert(arguments.end(), {is_check ? "--report" : "-o", options.out});
@@ -32,7 +32,7 @@ std::vector<std::string> arguments_of_run(const std::string& command, const Merg
 
 }  // namespace
 
-void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again) {
+void add_merge(const shell::Command& program, const std::string& version, const RunCommandAgain& run_again) {
     auto command =
         program.add_command("merge", "Join the shards of a run into the files that an unsharded run would write");
     const auto options = std::make_shared<MergeOptions>();
@@ -43,7 +43,7 @@ void add_merge(const shell::Command& program, const std::string& version, const 
     command.add("--export-json", options->json, "Write JSON, one object per claim");
     command.set_action([options, version, run_again] {
         const auto shards = std::make_shared<Shards>(options->folders, version);
-        return run_again(arguments_of_run(shards->command(), *options), shards);
+        return run_again(make_run_arguments(shards->command(), *options), shards);
     });
 }
 

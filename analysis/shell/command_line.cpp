@@ -116,7 +116,8 @@ std::vector<std::string> split_assignments(const std::string& value) {
     for (std::size_t i = 0; i < value.size(); ++i) {
         depth += (value[i] == '[' || value[i] == '(') - (value[i] == ']' || value[i] == ')');
         if (value[i] != ',' || depth > 0) continue;
-        // In `box[0].lo=9,9,9` a comma starts another assignment only if what follows it has a = of its own.
+        // A comma separates assignments only if another `=` follows before the next comma. So `box[0].lo=9,9,9` is
+        // refused below.
         const std::size_t next = value.find(',', i + 1), equals = value.find('=', i + 1);
         if (begin < i && value.find('=', begin) < i && equals > next)
             throw InputError(
@@ -201,7 +202,7 @@ Option Command::add_set(std::vector<std::string>& target, const std::string& hel
 }
 
 Option Command::add_named(const std::string& option, const std::vector<std::string>& names,
-                          const std::function<void(int)>& take, const std::string& help) const {
+                          const std::function<void(int)>& set_index, const std::string& help) const {
     std::map<std::string, int> indices;
     for (const std::string& name : names) indices.emplace(name, indices.size());
     const CLI::CheckedTransformer to_index(indices);
@@ -210,7 +211,7 @@ Option Command::add_named(const std::string& option, const std::vector<std::stri
             throw CommandLineError(CommandLineError::finished_text, not_one_of_text(option, value, names));
         return std::string();
     };
-    return Option(app_->add_option_function<int>(option, take, help)
+    return Option(app_->add_option_function<int>(option, set_index, help)
                       ->type_name("ENUM")
                       ->default_str(names.front())
                       ->transform(CLI::Validator(validate, to_index.get_description())));
@@ -229,7 +230,7 @@ Command Command::add_group(const std::string& name, const std::string& help) con
     return {group, action_};
 }
 
-std::function<std::vector<std::size_t>()> Command::value_order(const std::vector<Option>& options) const {
+std::function<std::vector<std::size_t>()> Command::make_value_order(const std::vector<Option>& options) const {
     return [app = app_, options] {
         std::vector<std::size_t> indices;
         for (CLI::Option* const given : app->parse_order()) {
@@ -272,17 +273,24 @@ std::vector<Option> Command::options() const {
 
 Option Command::option(const std::string& name) const { return Option(app_->get_option_no_throw(name)); }
 
-std::vector<Command> Command::nested_commands(bool named) const {
+std::vector<Command> Command::to_commands(const std::vector<CLI::App*>& apps) const {
     std::vector<Command> all;
-    for (CLI::App* app :
-         app_->get_subcommands([named](CLI::App* inner_app) { return inner_app->get_name().empty() != named; }))
-        all.push_back({app, action_});
+    for (CLI::App* const app : apps) all.push_back({app, action_});
     return all;
+}
+
+std::vector<Command> Command::subcommands() const {
+    return to_commands(app_->get_subcommands([](CLI::App* app) { return !app->get_name().empty(); }));
+}
+
+// For the parser, a group is a subcommand without a name.
+std::vector<Command> Command::option_groups() const {
+    return to_commands(app_->get_subcommands([](CLI::App* app) { return app->get_name().empty(); }));
 }
 
 std::vector<std::string> Command::command_names() const {
     std::vector<std::string> names;
-    for (const Command& command : nested_commands(true))
+    for (const Command& command : subcommands())
         if (!command.is_hidden()) names.push_back(command.name());
     return names;
 }

@@ -88,17 +88,17 @@ public:
                     const ValueRule& check = {}) const;
     /// Adds `--set`, which takes assignments, repeated or between commas.
     Option add_set(std::vector<std::string>& target, const std::string& help) const;
-    /// Adds an option whose value is one of these names, by default the first. `take` gets the index of the name.
+    /// Adds an option whose value is one of these names, by default the first. `set_index` gets the index of the name.
     Option add_named(const std::string& option, const std::vector<std::string>& names,
-                     const std::function<void(int)>& take, const std::string& help) const;
+                     const std::function<void(int)>& set_index, const std::string& help) const;
 
     /// Adds a subcommand. A command that has subcommands needs one of them.
     Command add_command(const std::string& name, const std::string& help) const;
     /// Adds a group of options of which at most one can be given.
     Command add_group(const std::string& name, const std::string& help) const;
-    /// A function to call after parsing. It returns, for each value of these options in the order in which they were
-    /// given, the index of its option in the list.
-    [[nodiscard]] std::function<std::vector<std::size_t>()> value_order(const std::vector<Option>& options) const;
+    /// Makes a function to call after parsing. The function returns, for each value of these options in the order in
+    /// which they were given, the index of its option in the list.
+    [[nodiscard]] std::function<std::vector<std::size_t>()> make_value_order(const std::vector<Option>& options) const;
 
     /// Adds the examples that the help shows.
     void set_examples(const std::vector<Example>& examples) const;
@@ -114,8 +114,8 @@ public:
     [[nodiscard]] bool is_hidden() const;
     [[nodiscard]] std::vector<Option> options() const;           ///< without those of groups
     [[nodiscard]] Option option(const std::string& name) const;  ///< empty if the command has no such option
-    [[nodiscard]] std::vector<Command> commands() const { return nested_commands(true); }  ///< its subcommands
-    [[nodiscard]] std::vector<Command> groups() const { return nested_commands(false); }
+    [[nodiscard]] std::vector<Command> subcommands() const;
+    [[nodiscard]] std::vector<Command> option_groups() const;
     [[nodiscard]] std::vector<std::string> command_names() const;  ///< without hidden ones
     [[nodiscard]] std::vector<Command> given_commands() const;     ///< itself, its subcommand that was given, and so on
     [[nodiscard]] std::string command_path() const;                ///< their names: `lostbits plugin check`
@@ -126,7 +126,7 @@ protected:
     std::function<Exit()>* action_;  ///< runs the command that was given
 
 private:
-    [[nodiscard]] std::vector<Command> nested_commands(bool named) const;
+    [[nodiscard]] std::vector<Command> to_commands(const std::vector<CLI::App*>& apps) const;
 };
 
 /// An error in the words of a command line, with the text of the parser.

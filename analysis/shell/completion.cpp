@@ -9,7 +9,7 @@
 namespace lostbits::analysis::shell {
 
 using text::shell_word;
-using Kind = Values::Kind;
+using Kind = AllowedValues::Kind;
 
 namespace {
 
@@ -38,7 +38,7 @@ constexpr const char* awk_plain_names_filter = "awk 'NR > 1 && $1 ~ /^[A-Za-z0-9
 // bash -----------------------------------------------------------------------------------------------------------
 
 /// Bash code that sets the words or files to offer.
-std::string bash_values(const Values& values) {
+std::string bash_values(const AllowedValues& values) {
     switch (values.kind) {
         case Kind::words: return fmt::format("words=\"{}\"", fmt::join(values.words, " "));
         case Kind::names: return fmt::format("words=$(_lostbits_names {})", fmt::join(values.words, " "));
@@ -57,6 +57,72 @@ std::string bash_cases(const std::vector<OptionRow>& options, const std::string&
                 fmt::format("{}{}) {}; return ;;\n", indent, fmt::join(option.names, "|"), bash_values(option.values));
     }
     return text;
+}
+
+/// The function that asks the program for names.
+std::string bash_names_function() {
+    return "_lostbits_names() {\n"
+           "    local what\n"
+           "    for what; do \"${COMP_WORDS[0]/#\\~/$HOME}\" list \"$what\" 2>/dev/null | " +
+           std::string(awk_plain_names_filter) +
+           "; done\n"
+           "}\n\n";
+}
+
+/// The function that sets the words or the kind of files to offer, with a case for each command.
+std::string bash_offers_function(const Command& program, const std::vector<std::string>& command_names) {
+    std::string text =
+        "# Sets the words, or the kind of files, that can be typed at the cursor.\n"
+        "_lostbits_here() {\n"
+        "    local command=$1 previous=$2\n"
+        "    case $command in\n";
+    for (const CommandRow& command : command_table(program)) {
+        // The value of the option before the cursor; else the options, subcommands and arguments of the command.
+        text += fmt::format("        {})\n            case $previous in\n{}            esac\n", command.name,
+                            bash_cases(command.options, "                "));
+        std::string set_offers = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
+        if (!command.commands.empty())
+            set_offers += fmt::format("; words=\"{}\"", fmt::join(command.command_names(), " "));
+        else if (!command.arguments.empty()) set_offers += "; " + bash_values(command.arguments.front().values);
+        // A subject can be given by its name or as a file.
+        if (!command.arguments.empty()) set_offers += "; files=-f";
+        text += fmt::format("            {} ;;\n", set_offers);
+    }
+
+    // The options of every command come last: their values replace what the command offers.
+    const auto common = common_options(program);
+    return text + fmt::format(
+                      "        *) words=\"{}\" ;;\n    esac\n    case $previous in\n{}    esac\n    options+=\" "
+                      "{}\"\n}}\n\n",
+                      fmt::join(command_names, " "),
+                      replace_all(bash_cases(common, "        "), ") ", ") options=; words=; files=; "),
+                      fmt::join(names_of(common), " "));
+}
+
+/// The function that bash calls at the cursor.
+std::string bash_main_function(const std::vector<std::string>& command_names) {
+    return fmt::format(
+        "_lostbits() {{\n"
+        "    local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}\n"
+        "    local command= options= words= files= i\n"
+        "    for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+        "        case ${{COMP_WORDS[i]}} in {}) command=${{COMP_WORDS[i]}}; break ;; esac\n"
+        "    done\n"
+        "    _lostbits_here \"$command\" \"$previous\"\n"
+        "    if [[ $current == -* ]]; then\n"
+        "        COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
+        "        return\n"
+        "    fi\n"
+        "    # Completes the last of several values between commas.\n"
+        "    local last=${{current##*,}}\n"
+        "    COMPREPLY=($(compgen -P \"${{current%\"$last\"}}\" -W \"$words\" -- \"$last\"))\n"
+        "    if [[ -n $files ]]; then\n"
+        "        compopt -o filenames 2>/dev/null\n"
+        "        COMPREPLY+=($(compgen $files -- \"$current\"))\n"
+        "    fi\n"
+        "}}\n"
+        "complete -F _lostbits lostbits\n",
+        fmt::join(command_names, "|"));
 }
 
 // zsh ------------------------------------------------------------------------------------------------------------
@@ -91,9 +157,35 @@ std::string zsh_specs(const std::vector<OptionRow>& options) {
     return text;
 }
 
+/// The function that asks the program for names.
+std::string zsh_names_function() {
+    return "_lostbits_names() {\n"
+           "    local -a names\n"
+           "    local what\n"
+           "    while [[ $1 == -* ]]; do shift; done\n"
+           "    for what; do names+=(${(f)\"$($words[1] list $what 2>/dev/null | " +
+           std::string(awk_plain_names_filter) +
+           ")\"}); done\n"
+           "    compadd -a names\n"
+           "    [[ $what == (scenes|sweeps) ]] && _files -g '*.toml'\n"
+           "}\n\n";
+}
+
+/// The case of a command: its options, the common ones, its subcommands and its arguments.
+std::string zsh_case(const CommandRow& command, const std::string& common_specs) {
+    std::string text = fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:({})'", command.name,
+                                   zsh_specs(command.options), common_specs, command.name);
+    if (!command.commands.empty())
+        text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.command_names(), " "));
+    for (const OptionRow& argument : command.arguments)
+        text += fmt::format(" \\\n            '{}:{}:{}'", argument.takes_several ? "*" : "", argument.names.front(),
+                            zsh_action(argument));
+    return text + " ;;\n";
+}
+
 // fish -----------------------------------------------------------------------------------------------------------
 
-std::string fish_values(const Values& values) {
+std::string fish_values(const AllowedValues& values) {
     switch (values.kind) {
         case Kind::words: return fmt::format(" -x -a '{}'", fmt::join(values.words, " "));
         case Kind::names: return fmt::format(" -x -a '(__lostbits_names {})'", fmt::join(values.words, " "));
@@ -112,99 +204,51 @@ std::string fish_option(const std::string& condition, const OptionRow& option) {
            (option.takes_value ? fish_values(option.values) : "") + "\n";
 }
 
+/// The lines of a command: its name, its options, its subcommands and the values of its arguments.
+std::string fish_command(const CommandRow& command) {
+    std::string text = fmt::format("complete -c lostbits -f -n __fish_use_subcommand -a {} -d {}\n", command.name,
+                                   replace_all(shell_word(short_help(command.help)), "'\\''", "\\'"));
+    const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
+    for (const OptionRow& option : command.options) text += fish_option(condition, option);
+    if (!command.commands.empty())
+        text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, fmt::join(command.command_names(), " "));
+    for (const OptionRow& argument : command.arguments) {
+        const std::string values = fmt::format("{}", fmt::join(argument.values.words, " "));
+        if (argument.values.kind == Kind::names)
+            text += fmt::format("complete -c lostbits{} -a '(__lostbits_names {})'\n", condition, values);
+        if (argument.values.kind == Kind::words)
+            text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, values);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string bash_completion(const Command& program) {
-    const auto commands = command_table(program);
-    const auto common = common_options(program);
     std::vector<std::string> names;
-    for (const CommandRow& command : commands) names.push_back(command.name);
-    std::string text =
-        "# Completion for bash, made by `lostbits completion bash`.\n"
-        "_lostbits_names() {\n"
-        "    local what\n"
-        "    for what; do \"${COMP_WORDS[0]/#\\~/$HOME}\" list \"$what\" 2>/dev/null | " +
-        std::string(awk_plain_names_filter) +
-        "; done\n"
-        "}\n\n"
-        "# Sets the words, or the kind of files, that can be typed at the cursor.\n"
-        "_lostbits_here() {\n"
-        "    local command=$1 previous=$2\n"
-        "    case $command in\n";
-    for (const CommandRow& command : commands) {
-        text += fmt::format("        {})\n            case $previous in\n{}            esac\n", command.name,
-                            bash_cases(command.options, "                "));
-        std::string set_offers = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
-        if (!command.commands.empty())
-            set_offers += fmt::format("; words=\"{}\"", fmt::join(command.command_names(), " "));
-        else if (!command.arguments.empty()) set_offers += "; " + bash_values(command.arguments.front().values);
-        // A subject can be given by its name or as a file.
-        if (!command.arguments.empty()) set_offers += "; files=-f";
-        text += fmt::format("            {} ;;\n", set_offers);
-    }
-    text += fmt::format(
-        "        *) words=\"{}\" ;;\n    esac\n    case $previous in\n{}    esac\n    options+=\" {}\"\n}}\n\n",
-        fmt::join(names, " "), replace_all(bash_cases(common, "        "), ") ", ") options=; words=; files=; "),
-        fmt::join(names_of(common), " "));
-    text += fmt::format(
-        "_lostbits() {{\n"
-        "    local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}\n"
-        "    local command= options= words= files= i\n"
-        "    for ((i = 1; i < COMP_CWORD; ++i)); do\n"
-        "        case ${{COMP_WORDS[i]}} in {}) command=${{COMP_WORDS[i]}}; break ;; esac\n"
-        "    done\n"
-        "    _lostbits_here \"$command\" \"$previous\"\n"
-        "    if [[ $current == -* ]]; then\n"
-        "        COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
-        "        return\n"
-        "    fi\n"
-        "    # Completes the last of several values between commas.\n"
-        "    local last=${{current##*,}}\n"
-        "    COMPREPLY=($(compgen -P \"${{current%\"$last\"}}\" -W \"$words\" -- \"$last\"))\n"
-        "    if [[ -n $files ]]; then\n"
-        "        compopt -o filenames 2>/dev/null\n"
-        "        COMPREPLY+=($(compgen $files -- \"$current\"))\n"
-        "    fi\n"
-        "}}\n"
-        "complete -F _lostbits lostbits\n",
-        fmt::join(names, "|"));
-    return text;
+    for (const CommandRow& command : command_table(program)) names.push_back(command.name);
+    return "# Completion for bash, made by `lostbits completion bash`.\n" + bash_names_function() +
+           bash_offers_function(program, names) + bash_main_function(names);
 }
 
 std::string zsh_completion(const Command& program) {
     const auto commands = command_table(program);
     std::string text =
         "#compdef lostbits\n"
-        "# Completion for zsh, made by `lostbits completion zsh`.\n"
-        "_lostbits_names() {\n"
-        "    local -a names\n"
-        "    local what\n"
-        "    while [[ $1 == -* ]]; do shift; done\n"
-        "    for what; do names+=(${(f)\"$($words[1] list $what 2>/dev/null | " +
-        std::string(awk_plain_names_filter) +
-        ")\"}); done\n"
-        "    compadd -a names\n"
-        "    [[ $what == (scenes|sweeps) ]] && _files -g '*.toml'\n"
-        "}\n\n"
+        "# Completion for zsh, made by `lostbits completion zsh`.\n" +
+        zsh_names_function() +
         "_lostbits() {\n"
         "    local command\n"
         "    local -a commands=(\n";
     for (const CommandRow& command : commands)
         text += "        " + shell_word(command.name + ":" + replace_all(short_help(command.help), ":", "\\:")) + "\n";
+
+    // The command is the first word that names one.
     text += "    )\n    command=${words[(r)(";
     for (const CommandRow& command : commands) text += (&command == &commands.front() ? "" : "|") + command.name;
     text += ")]}\n    case $command in\n";
     const std::string common = zsh_specs(common_options(program));
-    for (const CommandRow& command : commands) {
-        text += fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:({})'", command.name,
-                            zsh_specs(command.options), common, command.name);
-        if (!command.commands.empty())
-            text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.command_names(), " "));
-        for (const OptionRow& argument : command.arguments)
-            text += fmt::format(" \\\n            '{}:{}:{}'", argument.takes_several ? "*" : "",
-                                argument.names.front(), zsh_action(argument));
-        text += " ;;\n";
-    }
+    for (const CommandRow& command : commands) text += zsh_case(command, common);
     return text + "        *) _describe command commands ;;\n    esac\n}\n_lostbits \"$@\"\n";
 }
 
@@ -220,23 +264,7 @@ std::string fish_completion(const Command& program) {
         "    end\n"
         "end\n";
     for (const OptionRow& option : common_options(program)) text += fish_option("", option);
-    for (const CommandRow& command : command_table(program)) {
-        text += fmt::format("complete -c lostbits -f -n __fish_use_subcommand -a {} -d {}\n", command.name,
-                            replace_all(shell_word(short_help(command.help)), "'\\''", "\\'"));
-        const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
-        for (const OptionRow& option : command.options) text += fish_option(condition, option);
-        if (!command.commands.empty())
-            text +=
-                fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, fmt::join(command.command_names(), " "));
-        for (const OptionRow& argument : command.arguments) {
-            if (argument.values.kind == Kind::names)
-                text += fmt::format("complete -c lostbits{} -a '(__lostbits_names {})'\n", condition,
-                                    fmt::join(argument.values.words, " "));
-            if (argument.values.kind == Kind::words)
-                text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition,
-                                    fmt::join(argument.values.words, " "));
-        }
-    }
+    for (const CommandRow& command : command_table(program)) text += fish_command(command);
     return text;
 }
 

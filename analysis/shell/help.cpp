@@ -100,11 +100,13 @@ std::string help_page(const Command& program, const std::string& footer) {
     if (program.given_commands().size() == 1)
         return program.help() + "\nUsage: lostbits COMMAND [OPTIONS]\n" + command_list(command_table(program)) +
                option_sections(common) + "\n" + footer;
+
     const CommandRow row = given_command_row(program);
     std::string text = wrap(row.help, 0, 0) + "\nUsage: " + program.command_path();
     if (!row.commands.empty()) text += " COMMAND";
     else
         for (const OptionRow& argument : row.arguments) text += " " + argument_text(argument);
+
     // The examples of `plugin check` are stored with `plugin`.
     const std::vector<Command> given = program.given_commands();
     text += " [OPTIONS]\n" + example_lines(given[1].examples()) + command_list(row.commands);

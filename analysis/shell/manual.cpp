@@ -66,6 +66,29 @@ std::vector<std::string> synopsis(const CommandRow& command) {
     return lines;
 }
 
+/// The footer in sections; their headings end with a colon.
+std::string footer_sections(const std::string& footer) {
+    std::string text;
+    std::istringstream lines(footer);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty()) continue;
+        if (line.back() == ':' && line.front() != ' ') {
+            std::string section = line.substr(0, line.size() - 1);
+            for (char& c : section) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+            text += ".SH " + section + "\n";
+            continue;
+        }
+
+        // Two blanks separate a term from its explanation.
+        const auto begin = line.find_first_not_of(' '), end = line.find("  ", begin);
+        if (end == std::string::npos) text += escape_roff(line.substr(begin)) + "\n";
+        else
+            text += ".TP\n\\fB" + escape_roff(line.substr(begin, end - begin)) + "\\fR\n" +
+                    escape_roff(line.substr(line.find_first_not_of(' ', end))) + "\n";
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string manual_page(const Command& program, const std::string& version, const std::string& footer) {
@@ -74,6 +97,7 @@ std::string manual_page(const Command& program, const std::string& version, cons
     text += ".SH NAME\nlostbits \\- a precision laboratory for ray intersectors\n.SH SYNOPSIS\n";
     for (const CommandRow& command : commands)
         text += fmt::format("{}\n.br\n", fmt::join(synopsis(command), "\n.br\n"));
+
     text += ".SH DESCRIPTION\n" + escape_roff(program.help()) + "\n.SH COMMANDS\n";
     for (const CommandRow& command : commands) {
         text += fmt::format(".SS {}\n{}.\n", fmt::join(synopsis(command), "\n.SS "), escape_roff(command.help));
@@ -84,25 +108,7 @@ std::string manual_page(const Command& program, const std::string& version, cons
         for (const Example& example : command.examples)
             text += ".TP\n\\fB" + escape_roff(example.line) + "\\fR\n" + escape_roff(example.description) + "\n";
     }
-    text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
-    // Adds the sections of the footer; their headings end with a colon.
-    std::string section;
-    std::istringstream lines(footer);
-    for (std::string line; std::getline(lines, line);) {
-        if (line.empty()) continue;
-        if (line.back() == ':' && line.front() != ' ') {
-            section = line.substr(0, line.size() - 1);
-            for (char& c : section) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-            text += ".SH " + section + "\n";
-            continue;
-        }
-        const auto begin = line.find_first_not_of(' '), end = line.find("  ", begin);
-        if (end == std::string::npos) text += escape_roff(line.substr(begin)) + "\n";
-        else
-            text += ".TP\n\\fB" + escape_roff(line.substr(begin, end - begin)) + "\\fR\n" +
-                    escape_roff(line.substr(line.find_first_not_of(' ', end))) + "\n";
-    }
-    return text;
+    return text + ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program)) + footer_sections(footer);
 }
 
 }  // namespace lostbits::analysis::shell

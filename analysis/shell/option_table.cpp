@@ -5,22 +5,23 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
 #include <regex>
 #include <string_view>
+#include <utility>
 
 namespace lostbits::analysis::shell {
 
 namespace {
 
 /// The values of an option or argument that names files or rows of `lostbits list`.
-Values known_values(const std::string& name) {
-    using Kind = Values::Kind;
-    struct Known {
-        Values values;
+AllowedValues known_values(const std::string& name) {
+    using Kind = AllowedValues::Kind;
+    struct KnownValues {
+        AllowedValues values;
         std::vector<std::string_view> options;
     };
-    static const Known known[] = {
+    static const KnownValues known[] = {
+        // Rows of `lostbits list`.
         {{Kind::names, {"forms"}}, {"form", "against"}},
         {{Kind::names, {"formats"}}, {"format", "answer-format", "f", "as"}},
         {{Kind::names, {"metrics"}}, {"metric"}},
@@ -30,12 +31,14 @@ Values known_values(const std::string& name) {
         {{Kind::names, {"scenes"}}, {"scene", "SCENE"}},
         {{Kind::names, {"sweeps"}}, {"SWEEP"}},
         {{Kind::names, {"scenes", "sweeps"}}, {"SUBJECT"}},
+
+        // Paths.
         {{Kind::folders, {}}, {"out", "data", "report"}},
         {{Kind::files, {}},
          {"plugin", "shader", "junit", "export-csv", "export-json", "FILE", "CLAIMS", "LIBRARY", "A", "B"}}};
     const auto found = std::ranges::find_if(
-        known, [&name](const Known& k) { return std::ranges::find(k.options, name) != k.options.end(); });
-    return found == std::end(known) ? Values{} : found->values;
+        known, [&name](const KnownValues& k) { return std::ranges::find(k.options, name) != k.options.end(); });
+    return found == std::end(known) ? AllowedValues{} : found->values;
 }
 
 /// The values that an option allows. The type of the option shows them as `TEXT:{none,csv}` or, if they are mapped to
@@ -53,42 +56,49 @@ std::string join_words(const std::vector<std::string>& words, const char* betwee
     return fmt::format("{}", fmt::join(words, between));
 }
 
+/// The values of options whose kind says too little.
+constexpr std::pair<std::string_view, const char*> placeholders[] = {
+    {"--size", "WxH"},
+    {"--pipe", "COMMAND"},
+    {"--set", "KEY=VALUE"},
+    {"--shard", "K/N"},
+    {"--pixel", "X,Y"},
+    {"--range", "LO:HI"},
+    {"--by", "COLUMN"},
+    {"--unit", "UNIT"},
+    {"--function", "FILE:NAME"},
+    {"--case", "NAME[:K]"},
+    {"--variant", "NAME"},
+    {"--tolerance", "LENGTH"},
+    {"--steps", "N[,N]"},
+    {"--compiler", "COMMAND"},
+    {"--tmin", "T"},
+    {"--tmax", "T"},
+    {"--columns", "NAMES"},
+    {"--at-step", "STEP"},
+    {"--input-range", "NAME=LOW..HIGH"},
+    {"--allow", "COLUMN=ABS[,REL]"},
+    {"--emit", "FILE"},
+    {"--draw", "FOLDER"},
+    {"--study", "STUDY:SCENE"},
+    {"--choose", "SCENE:BITS"},
+    {"--mend", "SCENE:FORM:BITS"},
+};
+
 /// How the help writes the value of an option. The type of the option may have the limits of the value: `INT:INT in [1
 /// - 1024]`.
 std::string value_text(const OptionRow& option_row, const std::string& type) {
-    using Kind = Values::Kind;
-    static const std::map<std::string_view, const char*> placeholders{{"--size", "WxH"},
-                                                                      {"--pipe", "COMMAND"},
-                                                                      {"--set", "KEY=VALUE"},
-                                                                      {"--shard", "K/N"},
-                                                                      {"--pixel", "X,Y"},
-                                                                      {"--range", "LO:HI"},
-                                                                      {"--by", "COLUMN"},
-                                                                      {"--unit", "UNIT"},
-                                                                      {"--function", "FILE:NAME"},
-                                                                      {"--case", "NAME[:K]"},
-                                                                      {"--variant", "NAME"},
-                                                                      {"--tolerance", "LENGTH"},
-                                                                      {"--steps", "N[,N]"},
-                                                                      {"--compiler", "COMMAND"},
-                                                                      {"--tmin", "T"},
-                                                                      {"--tmax", "T"},
-                                                                      {"--columns", "NAMES"},
-                                                                      {"--at-step", "STEP"},
-                                                                      {"--input-range", "NAME=LOW..HIGH"},
-                                                                      {"--allow", "COLUMN=ABS[,REL]"},
-                                                                      {"--emit", "FILE"},
-                                                                      {"--draw", "FOLDER"},
-                                                                      {"--study", "STUDY:SCENE"},
-                                                                      {"--choose", "SCENE:BITS"},
-                                                                      {"--mend", "SCENE:FORM:BITS"}};
+    using Kind = AllowedValues::Kind;
     const char* const suffix = option_row.takes_several ? ",..." : "";
     if (option_row.values.kind == Kind::words) return join_words(option_row.values.words, "|") + suffix;
-    if (const auto placeholder = placeholders.find(option_row.names.back()); placeholder != placeholders.end())
-        return placeholder->second;
+    const auto* const placeholder =
+        std::ranges::find(placeholders, option_row.names.back(), [](const auto& row) { return row.first; });
+    if (placeholder != std::end(placeholders)) return placeholder->second;
+
     static const std::regex limits(R"(.* in \[(.*) - (.*)\])");
     std::smatch part;
     if (std::regex_match(type, part, limits)) return part[1].str() + ".." + part[2].str();
+
     const std::string noun = option_row.values.kind == Kind::names     ? "NAME"
                              : option_row.values.kind == Kind::files   ? "FILE"
                              : option_row.values.kind == Kind::folders ? "FOLDER"
@@ -104,27 +114,33 @@ OptionRow make_option_row(const Option& option) {
     option_row.heading = option.heading();
     option_row.takes_several = option.takes_several();
     option_row.is_required = option.is_required();
+
     std::vector<std::string> bare_names;
-    if (option.is_argument()) option_row.names = bare_names = {option.name()};
-    for (const std::string& name : option.short_names())
-        option_row.names.push_back("-" + name), bare_names.push_back(name);
-    for (const std::string& name : option.long_names())
-        option_row.names.push_back("--" + name), bare_names.push_back(name);
+    const auto add_name = [&](const char* hyphens, const std::string& name) {
+        option_row.names.push_back(hyphens + name);
+        bare_names.push_back(name);
+    };
+    if (option.is_argument()) add_name("", option.name());
+    for (const std::string& name : option.short_names()) add_name("-", name);
+    for (const std::string& name : option.long_names()) add_name("--", name);
     if (!option_row.takes_value) return option_row;
+
+    // The values that the option checks; without a check, those that its name implies.
     option_row.values.words = allowed_values(option);
-    if (!option_row.values.words.empty()) option_row.values.kind = Values::Kind::words;
+    if (!option_row.values.words.empty()) option_row.values.kind = AllowedValues::Kind::words;
     for (const std::string& name : bare_names) {
-        if (option_row.values.kind == Values::Kind::anything) option_row.values = known_values(name);
+        if (option_row.values.kind == AllowedValues::Kind::anything) option_row.values = known_values(name);
     }
     if (!option.is_argument()) option_row.value = value_text(option_row, option.type());
-    else if (option_row.values.kind == Values::Kind::words) option_row.value = join_words(option_row.values.words, "|");
+    else if (option_row.values.kind == AllowedValues::Kind::words)
+        option_row.value = join_words(option_row.values.words, "|");
     return option_row;
 }
 
 void add_options(const Command& command, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
     for (const Option& option : command.options())
         (option.is_argument() ? arguments : options).push_back(make_option_row(option));
-    for (const Command& group : command.groups()) {
+    for (const Command& group : command.option_groups()) {
         const std::size_t first = options.size();
         add_options(group, options, arguments);
         options.erase(std::remove_if(options.begin() + static_cast<std::ptrdiff_t>(first), options.end(),
@@ -158,7 +174,7 @@ std::vector<OptionRow> common_options(const Command& program) {
 
 std::vector<CommandRow> command_table(const Command& program, bool includes_hidden) {
     std::vector<CommandRow> rows;
-    for (const Command& command : program.commands()) {
+    for (const Command& command : program.subcommands()) {
         if (command.is_hidden() && !includes_hidden) continue;
         CommandRow row{command.name(), command.help(), command.examples(), {}, {}, command_table(command)};
         add_options(command, row.options, row.arguments);

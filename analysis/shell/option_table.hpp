@@ -10,7 +10,7 @@
 namespace lostbits::analysis::shell {
 
 /// The values that an option or argument takes.
-struct Values {
+struct AllowedValues {
     enum class Kind { anything, words, names, files, folders };
     Kind kind = Kind::anything;
     std::vector<std::string> words;  ///< the values; for `names`, the lists of `lostbits list`: `forms`
@@ -24,7 +24,7 @@ struct OptionRow {
     bool takes_value = false;
     bool takes_several = false;  ///< it takes several values, between commas or one argument after another
     bool is_required = false;
-    Values values;
+    AllowedValues values;
 };
 
 struct CommandRow {

@@ -28,8 +28,8 @@ void ask_to_stop(int, siginfo_t* info, void*) {
     _exit(static_cast<int>(Exit::interrupted));
 }
 
-/// Removes partial files and raises the signal again. The process dies of it, as its parent expects, when this returns
-/// and the signal is unblocked.
+/// Removes partial files and raises the signal again. The signal is blocked in this handler. It ends the process as
+/// soon as the handler returns, so the parent sees the usual cause of death.
 void clean_up_and_end(int signal, siginfo_t*, void*) {
     output::file::remove_partial_files();
     ::signal(signal, SIG_DFL);
@@ -48,10 +48,10 @@ void install_handler(int signal, void (*handler)(int, siginfo_t*, void*)) {
 }  // namespace
 
 void open_standard_streams() {
-    constexpr std::array<int, 3> unusable_modes{O_WRONLY, O_RDONLY, O_RDONLY};
+    constexpr std::array<int, 3> placeholder_modes{O_WRONLY, O_RDONLY, O_RDONLY};
     for (int fd = 0; fd < 3; ++fd) {
         if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
-        const int opened = ::open("/dev/null", unusable_modes[static_cast<unsigned>(fd)]);
+        const int opened = ::open("/dev/null", placeholder_modes[static_cast<unsigned>(fd)]);
         // open takes the lowest free number, which is fd. If /dev/null does not exist, a folder does as well.
         if (opened < 0) static_cast<void>(::open("/", O_RDONLY | O_DIRECTORY));
     }

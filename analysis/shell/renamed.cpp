@@ -38,6 +38,17 @@ std::size_t index_of_command(const Command& program, const std::vector<std::stri
     return index;
 }
 
+bool is_value(const RenamedOption& option) { return option.old_name[0] != '-'; }
+/// True if the value of the option is now an argument of the command.
+bool has_become_argument(const RenamedOption& option) { return !is_value(option) && option.new_name[0] != '-'; }
+
+std::string advice_text(const std::string& command, const RenamedOption& option) {
+    const char* const change = is_value(option)              ? "the list has been renamed to {}"
+                               : has_become_argument(option) ? "the option is not needed any more; write {} without it"
+                                                             : "the option has been renamed to {}";
+    return fmt::format("{} {}: {}", command, option.old_name, fmt::format(fmt::runtime(change), option.new_name));
+}
+
 }  // namespace
 
 std::span<const RenamedOption> renamed_options() { return renamed; }
@@ -54,19 +65,18 @@ UpdatedArguments update_names(const Command& program, const std::vector<std::str
             return is_of_command && argument.substr(0, name_end) == option.old_name;
         });
         if (row == std::end(renamed)) continue;
-        const bool is_value = row->old_name[0] != '-', is_argument = !is_value && row->new_name[0] != '-';
-        std::string sentence = is_value ? fmt::format("{} {}: the list has been renamed to {}", arguments[command],
-                                                      row->old_name, row->new_name)
-                               : is_argument
-                                   ? fmt::format("{} {}: the option is not needed any more; write {} without it",
-                                                 arguments[command], row->old_name, row->new_name)
-                                   : fmt::format("{} {}: the option has been renamed to {}", arguments[command],
-                                                 row->old_name, row->new_name);
+
+        std::string sentence = advice_text(arguments[command], *row);
         if (std::ranges::find(result.advice, sentence) == result.advice.end())
             result.advice.push_back(std::move(sentence));
-        if (!is_argument) argument.replace(0, name_end, row->new_name);
-        else if (name_end < argument.size()) argument.erase(0, name_end + 1);
-        else result.arguments.erase(result.arguments.begin() + static_cast<std::ptrdiff_t>(i)), --i;
+        if (!has_become_argument(*row)) {
+            argument.replace(0, name_end, row->new_name);
+        } else if (name_end < argument.size()) {
+            argument.erase(0, name_end + 1);
+        } else {
+            result.arguments.erase(result.arguments.begin() + static_cast<std::ptrdiff_t>(i));
+            --i;
+        }
     }
     return result;
 }

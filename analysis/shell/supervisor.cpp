@@ -57,7 +57,10 @@ void send_message(Message::Kind kind, std::uint32_t value, const char* path = nu
     const Message message{worker_link.token, kind, value};
     std::memcpy(bytes.data(), &message, sizeof message);
     std::size_t size = sizeof message;
-    if (path != nullptr) std::memcpy(bytes.data() + size, path, value), size += value;
+    if (path != nullptr) {
+        std::memcpy(bytes.data() + size, path, value);
+        size += value;
+    }
     while (write(worker_link.pipe, bytes.data(), size) < 0 && errno == EINTR) {}
     errno = saved_errno;
 }
@@ -114,7 +117,10 @@ private:
     bool has_ended() {
         int wait_status = 0;
         while (waitpid(worker_, &wait_status, WNOHANG | WUNTRACED | WCONTINUED) == worker_) {
-            if (!WIFSTOPPED(wait_status) && !WIFCONTINUED(wait_status)) return wait_status_ = wait_status, true;
+            if (!WIFSTOPPED(wait_status) && !WIFCONTINUED(wait_status)) {
+                wait_status_ = wait_status;
+                return true;
+            }
             is_stopped_ = WIFSTOPPED(wait_status);
             stopped_for_ = {};
         }
@@ -147,16 +153,21 @@ private:
         std::array<char, 65536> buffer;
         for (ssize_t byte_count; (byte_count = read(pipe_, buffer.data(), buffer.size())) > 0;)
             unread_.append(buffer.data(), static_cast<std::size_t>(byte_count));
+
+        // Leaves an incomplete message for the next call.
         std::size_t offset = 0;
         for (Message message; unread_.size() - offset >= sizeof message;) {
             std::memcpy(&message, unread_.data() + offset, sizeof message);
             const std::size_t path = message.kind == Message::partial_file ? message.value : 0;
             if (message.token != token_ || path > longest_path) return unread_.clear();
             if (unread_.size() - offset < sizeof message + path) break;
-            if (path > 0) partial_files_.emplace_back(unread_, offset + sizeof message, path);
-            else if (!status_ || message.kind == Message::broken)
-                status_ = static_cast<int>(message.value), status_time_ = Clock::now(),
+            if (path > 0) {
+                partial_files_.emplace_back(unread_, offset + sizeof message, path);
+            } else if (!status_ || message.kind == Message::broken) {
+                status_ = static_cast<int>(message.value);
+                status_time_ = Clock::now();
                 is_broken_ = message.kind == Message::broken;
+            }
             offset += sizeof message + path;
         }
         unread_.erase(0, offset);
@@ -186,6 +197,7 @@ private:
             raise(signal);
             sigprocmask(SIG_UNBLOCK, &signal_set, nullptr);
         }
+
         const std::string text =
             fmt::format("lostbits: {}: {}; try --isolate, which runs each library in its own process\n", libraries_,
                         crash_text(signal));
@@ -250,6 +262,8 @@ void supervise(const std::string& libraries, double seconds) {
     std::array<int, 2> pipe_ends{};
     if (std::fflush(stdout) != 0 || pipe2(pipe_ends.data(), O_CLOEXEC) != 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno));
+
+    // The supervisor waits for signals and for the end of the worker, so it must not miss any.
     const WorkerLink link{.pipe = pipe_ends[1], .supervisor = getpid(), .token = random_token()};
     signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid could not tell how the worker ended
     const sigset_t signals = forwarded_signals();
@@ -264,6 +278,8 @@ void supervise(const std::string& libraries, double seconds) {
         close(pipe_ends[1]);
         Supervisor(pipe_ends[0], link.token, worker, libraries, seconds).run();
     }
+
+    // What follows runs in the worker.
     close(pipe_ends[0]);
     worker_link = link;
     worker_link.worker = getpid();

@@ -41,11 +41,13 @@ TableOnStdout::TableOnStdout(const Command& program) {
         is_folder_ = std::string_view(name) == "--out";
     }
     if (!table_option) return;
+
     if (is_folder_ && command_ == "report")
         throw InputError("-o -: a page is not a table; name a folder for index.html");
     if (const Option shard = command.option("--shard"); shard && !shard.given_values().empty())
         throw InputError(
             "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
+
     redirect(is_folder_);
     temporary_folder_ = intersect::device::make_temporary_folder("lostbits");
     table_option.replace({(is_folder_ ? temporary_folder_ : temporary_folder_ / "table").string()});

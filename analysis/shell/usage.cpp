@@ -33,7 +33,7 @@ std::string usage_elsewhere(const Command& program, const std::string& bare_name
 std::string unknown_option(const Command& program, const std::string& word) {
     const Command command = program.given_commands().back();
     std::vector<std::string> names;
-    std::vector<Command> searched = command.groups();
+    std::vector<Command> searched = command.option_groups();
     searched.insert(searched.end(), {command, program});
     for (const Command& owner : searched) {
         for (const Option& option : owner.options()) std::ranges::copy(option.long_names(), std::back_inserter(names));
@@ -71,6 +71,8 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
         return unknown_option(program, word);
     if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.command_path());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
+
+    // The word is in the place of a command, or of an argument.
     const std::vector<std::string> subcommands = command.command_names();
     const auto suggestion = text::closest(word, subcommands);
     if (is_program)
@@ -95,6 +97,7 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
     if (error.kind == CommandLineError::unknown_word ||
         (error.kind == CommandLineError::missing && !program.leftover_words().empty()))
         return leftover_text(program, text);
+
     const Command command = program.given_commands().back();
     std::smatch part;
     const auto matches = [&](CommandLineError::Kind kind, const char* pattern) {
@@ -105,6 +108,8 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
         const Option command_option = command.option(part[1]);
         return command_option ? command_option : program.option(part[1]);
     };
+
+    // The texts of the parser, each with the message that replaces it.
     if (matches(CommandLineError::missing, "A subcommand.*"))
         return fmt::format("name a command: {}{}", fmt::join(command.command_names(), ", "),
                            program.given_commands().size() == 1 ? "; start with map, explain or judge" : "");
@@ -131,10 +136,10 @@ std::string escape_line_breaks(const std::string& message, const std::vector<std
         // part cut out of the word.
         const auto comes_from = [&](const std::string& word) {
             for (std::size_t i = 0; (i = word.find('\n', i)) != std::string::npos; ++i) {
-                const bool same_before = i == 0 || (position > 0 && message[position - 1] == word[i - 1]);
-                const bool same_after =
+                const bool is_same_before = i == 0 || (position > 0 && message[position - 1] == word[i - 1]);
+                const bool is_same_after =
                     i + 1 == word.size() || message.substr(position + 1, 1) == word.substr(i + 1, 1);
-                if (same_before && same_after) return true;
+                if (is_same_before && is_same_after) return true;
             }
             return false;
         };

@@ -109,12 +109,15 @@ private:
                                   const measure::consistency::CheckSummary& summary) {
         std::string text;
         const auto add = [&text](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
+
+        // A hit exactly at the end may count or not; only a form that does both is worth a sentence.
         if (check.name == "end") {
             const auto counted_hits = summary.count_of(measure::consistency::CheckResult::second_alone);
             if (summary.asked() > 0 && counted_hits > 0 && counted_hits < summary.asked())
                 add("a hit exactly at the end of the ray counts for " + part_text(counted_hits, summary.asked()));
             return text;
         }
+
         if (summary.decisions() > 0) add("decisions differ for " + part_text(summary.decisions(), summary.asked()));
         const double excess_ulps = summary.excess.quantile(1);  // NaN if no numbers are compared
         if (summary.count_of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))

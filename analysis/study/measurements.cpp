@@ -62,24 +62,26 @@ std::vector<TestedForm> select_forms_of_shape(const std::string& given_name, con
         for (const ShapeRow& shape_row : shape_rows) names.emplace_back(shape_row.name);
         throw InputError(fmt::format("shape \"{}\" is unknown; {}", shape_name, text::did_you_mean(shape_name, names)));
     }
+
     const Shape shape = *parsed;
     const auto rows = selection::filter_tested_forms(selected, [shape](Shapes forms) { return forms == shape; });
-    if (rows.empty() && !selection::filter_tested_forms(selected, [shape](Shapes forms) {
-                             return forms == Shapes(shape).placed();
-                         }).empty())
+    if (!rows.empty()) return rows;
+
+    // Says why none of the forms fits.
+    if (!selection::filter_tested_forms(selected, [shape](Shapes forms) {
+             return forms == Shapes(shape).placed();
+         }).empty())
         throw NothingSelected(fmt::format(
             "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
             "a scene with matrices, as in `lostbits trade instance-far.{}`",
             shape_name, shape_name));
-    if (rows.empty() && given_name.empty())
+    if (given_name.empty())
         throw NothingSelected(fmt::format(
             "no selected form is for a {0}, the default shape; name the shape of the forms, as in --shape box, or "
             "choose forms by -i '{0}.*'",
             shape_name));
-    if (rows.empty())
-        throw NothingSelected(fmt::format("--shape {0}: no selected form is for {1}; try -i '{0}.*' or another --shape",
-                                          shape_name, with_article(shape)));
-    return rows;
+    throw NothingSelected(fmt::format("--shape {0}: no selected form is for {1}; try -i '{0}.*' or another --shape",
+                                      shape_name, with_article(shape)));
 }
 
 void require_timeable(const std::vector<TestedForm>& tested_forms) {

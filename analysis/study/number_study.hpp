@@ -86,12 +86,12 @@ struct NumberStudy {
         NumberBand result{band.y0(), band.scanlines(), scene.width,
                           std::vector(on_band.pixels(), measure::truth::missing)};
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
-            const measure::truth::Truth truth = band.truth(i, rows[form_index].convention());
-            if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
-            if (!truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||
-                on_band.closest_hits.object[i] != truth.primitive)
+            const measure::truth::Truth ray_truth = band.truth(i, rows[form_index].convention());
+            if (ray_truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
+            if (!ray_truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||
+                on_band.closest_hits.object[i] != ray_truth.primitive)
                 continue;
-            result.numbers[i] = number(CorrectHit{on_band, i, truth});
+            result.numbers[i] = number(CorrectHit{on_band, i, ray_truth});
             summary.numbers.add(result.numbers[i]);
         }
         return result;
@@ -203,6 +203,7 @@ struct NumberAdapter {
             output::pixel::Look{{{"no number", output::pixel::colour_of(measure::answer::Outcome::agree_miss)}, {""}},
                                 Quantity::scale(),
                                 Quantity::unit});
+
         std::vector<output::pixel::PixelColumn<NumberBand>> all;
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
             const measure::evaluate::TestedForm& tested_form = study.tested_forms[r];

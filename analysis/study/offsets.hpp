@@ -66,6 +66,8 @@ struct OffsetsAdapter {
                     .strategies = selection::select_items(measure::offset::strategies(), values.at("strategy"),
                                                           "strategy", "--strategy"),
                     .limit = {.stop = stop}};
+
+        // Each form has a row for each kind of points.
         const auto is_selected = [&points = values.at("points")](HitPointKind point) {
             return std::ranges::any_of(
                 points, [&](const std::string& value) { return value == "both" || value == name_of(point); });

@@ -64,10 +64,10 @@ auto draw_sheet(const typename Adapter::Presentation::Study& study, const std::f
 }
 
 template <class Adapter>
-std::optional<output::report::StudySection> measure_part(const scene::file::Scene& scene,
-                                                         std::vector<std::string> forms,
-                                                         std::vector<std::string> formats,
-                                                         intersect::process::StopToken stop) {
+std::optional<output::report::StudySection> measure_part_of(const scene::file::Scene& scene,
+                                                            std::vector<std::string> forms,
+                                                            std::vector<std::string> formats,
+                                                            intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
@@ -78,12 +78,15 @@ std::optional<output::report::StudySection> measure_part(const scene::file::Scen
             rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
         .stop = stop};
     if (question.tested_forms.empty()) return std::nullopt;
+
+    // The study is measured while its sheet is drawn.
     const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::Presentation::Study::Summary> summaries;
     output::report::StudySection part{
         .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
     part.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
                                          [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
+
     const auto table = Adapter::Presentation::summary_table();
     std::vector<std::vector<output::file::Cell>> cells;
     for (const auto& row : Adapter::Presentation::summary_rows(study, summaries)) {
@@ -133,11 +136,13 @@ std::vector<std::string> study_names() {
     return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
 }
 
-std::optional<output::report::StudySection> study_part(const std::string& study, const scene::file::Scene& scene,
-                                                       std::vector<std::string> forms, std::vector<std::string> formats,
-                                                       intersect::process::StopToken stop) {
+std::optional<output::report::StudySection> measure_study_part(const std::string& study,
+                                                               const scene::file::Scene& scene,
+                                                               std::vector<std::string> forms,
+                                                               std::vector<std::string> formats,
+                                                               intersect::process::StopToken stop) {
     return with_study(study, [&](auto adapter) {
-        return measure_part<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
+        return measure_part_of<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
     });
 }
 
