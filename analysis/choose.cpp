@@ -207,7 +207,7 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
 
-/// Moves the rows in emulated formats to `untimed_forms`.
+/// Moves the forms in emulated formats to `untimed_forms`.
 void separate_untimed_rows(ChoiceRequest& request) {
     const auto emulated = std::stable_partition(
         request.tested_forms.begin(), request.tested_forms.end(),

@@ -213,7 +213,7 @@ void require_known_claims(const std::vector<std::string>& patterns, const std::v
     }
 }
 
-/// Theforms, formats and claims of a report, from which each of its subjects takes those that fit.
+/// The forms, formats and claims of a report, from which each of its subjects takes those that fit.
 struct ReportForms {
     const ReportOptions& options;
     std::vector<Format> formats;
@@ -269,7 +269,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
 }
 
 /// Plans a sweep along axes or a file of cases that some form can test.
-void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const std ::filesystem::path& data,
+void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const std::filesystem::path& data,
                 const ReportForms& forms) {
     const auto kind = scene::sweep::sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
@@ -305,191 +305,181 @@ void plan_requested_sections(PlannedReport& planned, const ReportOptions& option
         planned.studies.push_back(report::parse_study(text, options.size, data, options.stop));
 }
 
-/// Throws NothingSelected
-    for a report without maps and sweeps, and InputError for a scene that is given twice.
-void check_subjects (const PlannedReport& planned) {
-            if (planned.maps.empty() && planned.sweeps.empty())
-                throw NothingSelected(
-                    "report: no selected form handles any of the selected scenes and sweeps; leave out -i, or name "
-                    "forms for "
-                    "their shapes");
-            std::set<std::string> ids;
-            for (const PlannedMap& map : planned.maps) {
-                if (!ids.insert(map.scene.id).second)
-                    throw InputError(fmt::format("scene \"{}\" is given twice, but a page shows it once; leave one out",
-                                                 map.scene.id));
-            }
-        }
-
-    PlannedReport plan_report(const ReportOptions& options, const std::filesystem::path& data) {
-        const scene::check::ReportFile defaults = scene::check::read_report_file(data / "report.toml");
-        const Subjects subjects = select_subjects(options, defaults, data);
-        const auto claims = options.no_claims ? std::vector<Claim>{} : read_all_claims(data);
-        require_known_claims(options.claims, claims);
-        const auto formats = selection::select_formats(options.formats.empty() ? defaults.formats : options.formats);
-        const ReportForms forms{
-            options, formats,
-            selection::pair_forms_with_formats(
-                selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats),
-            claims};
-
-        PlannedReport planned;
-        const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, planned.metric_set);
-        for (const scene::file::SceneName& name : subjects.scenes) plan_maps(planned, name, forms, extra_metrics, data);
-        for (const auto& path : subjects.sweeps) plan_sweep(planned, path, data, forms);
-        plan_requested_sections(planned, options, defaults, data);
-        for (const Claim& c : claims) {
-            if (is_chosen(c, options, planned)) planned.claims.push_back(c);
-        }
-        check_subjects(planned);
-        return planned;
+/// Throws NothingSelected for a report without maps and sweeps, and InputError for a scene that is given twice.
+void check_subjects(const PlannedReport& planned) {
+    if (planned.maps.empty() && planned.sweeps.empty())
+        throw NothingSelected(
+            "report: no selected form handles any of the selected scenes and sweeps; leave out -i, or name forms for "
+            "their shapes");
+    std::set<std::string> ids;
+    for (const PlannedMap& map : planned.maps) {
+        if (!ids.insert(map.scene.id).second)
+            throw InputError(
+                fmt::format("scene \"{}\" is given twice, but a page shows it once; leave one out", map.scene.id));
     }
+}
 
-    /// Prints which forms of -i no map and no sweep of the report shows.
-    void note_forms_not_shown(const PlannedReport& planned, const ReportOptions& options, bool quiet) {
-        std::vector<TestedForm> shown_rows;
-        for (const PlannedMap& map : planned.maps)
-            shown_rows.insert(shown_rows.end(), map.tested_forms.begin(), map.tested_forms.end());
-        for (const PlannedSweep& sweep : planned.sweeps)
-            shown_rows.insert(shown_rows.end(), sweep.tested_forms.begin(), sweep.tested_forms.end());
-        selection::note_unmeasured(options.forms, shown_rows, quiet);
+PlannedReport plan_report(const ReportOptions& options, const std::filesystem::path& data) {
+    const scene::check::ReportFile defaults = scene::check::read_report_file(data / "report.toml");
+    const Subjects subjects = select_subjects(options, defaults, data);
+    const auto claims = options.no_claims ? std::vector<Claim>{} : read_all_claims(data);
+    require_known_claims(options.claims, claims);
+    const auto formats = selection::select_formats(options.formats.empty() ? defaults.formats : options.formats);
+    const ReportForms forms{
+        options, formats,
+        selection::pair_forms_with_formats(
+            selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats),
+        claims};
+
+    PlannedReport planned;
+    const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, planned.metric_set);
+    for (const scene::file::SceneName& name : subjects.scenes) plan_maps(planned, name, forms, extra_metrics, data);
+    for (const auto& path : subjects.sweeps) plan_sweep(planned, path, data, forms);
+    plan_requested_sections(planned, options, defaults, data);
+    for (const Claim& c : claims) {
+        if (is_chosen(c, options, planned)) planned.claims.push_back(c);
     }
+    check_subjects(planned);
+    return planned;
+}
 
-    // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten
-    // sweeps.
-    constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
+/// Prints which forms of -i no map and no sweep of the report shows.
+void note_forms_not_shown(const PlannedReport& planned, const ReportOptions& options, bool quiet) {
+    std::vector<TestedForm> shown_rows;
+    for (const PlannedMap& map : planned.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
+    for (const PlannedSweep& sweep : planned.sweeps)
+        shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
+    selection::note_unmeasured(options.forms, shown_rows, quiet);
+}
 
-    /// Measures the maps, sweeps and claims. Returns the number of rays of the maps without a proved truth.
-    std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& planned, const ReportOptions& options,
-                                   const std::filesystem::path& data,
-                                   const std::function<void(std::uint64_t)>& advance) {
-        std::uint64_t unresolved = 0;
-        for (PlannedMap& map : planned.maps) {
-            report.maps.push_back(measure_map_part(map, planned.metric_set, advance, options.stop));
-            unresolved += map.unresolved;
-        }
-        for (const PlannedSweep& sweep : planned.sweeps) {
-            report.sweeps.push_back(measure_sweep_part(sweep, options.stop));
-            advance(sweep_units);
-        }
-        const study::StudiesByName studies;
-        if (!planned.claims.empty())
-            report.results = measure::check::measure_claims(
-                planned.claims,
-                {.data_dir = data, .stop = options.stop, .further_draws = options.seeds, .studies = &studies});
-        return unresolved;
+// Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten sweeps.
+constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
+
+/// Measures the maps, sweeps and claims. Returns the number of rays of the maps without a proved truth.
+std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& planned, const ReportOptions& options,
+                               const std::filesystem::path& data, const std::function<void(std::uint64_t)>& advance) {
+    std::uint64_t unresolved = 0;
+    for (PlannedMap& map : planned.maps) {
+        report.maps.push_back(measure_map_part(map, planned.metric_set, advance, options.stop));
+        unresolved += map.unresolved;
     }
-
-    /// Measures speed and accuracy of the forms of -i, shape by shape.
-    void measure_trades(output::report::Report& report, const ReportOptions& options) {
-        for (const ShapeRow& primitive : shape_rows) {
-            const Shape shape = primitive.shape;
-            const auto rows = selection::filter_tested_forms(select_timeable_forms(options),
-                                                             [shape](Shapes forms) { return forms == shape; });
-            if (!rows.empty()) report.trades.push_back(report::measure_trade_part(shape, rows, options.stop));
-        }
+    for (const PlannedSweep& sweep : planned.sweeps) {
+        report.sweeps.push_back(measure_sweep_part(sweep, options.stop));
+        advance(sweep_units);
     }
+    const study::StudiesByName studies;
+    if (!planned.claims.empty())
+        report.results = measure::check::measure_claims(
+            planned.claims,
+            {.data_dir = data, .stop = options.stop, .further_draws = options.seeds, .studies = &studies});
+    return unresolved;
+}
 
-    /// Measures the sections that options ask for.
-    void measure_requested_sections(output::report::Report& report, const PlannedReport& planned,
-                                    const ReportOptions& options) {
-        for (const report::PlannedStudy& planned_study : planned.studies)
-            report.studies.push_back(measure_study_part(planned_study, options.forms, options.formats, options.stop));
-        for (const scene::file::Scene& scene : planned.offsets) {
-            if (auto part = report::measure_offset_part(scene, options.stop))
-                report.offsets.push_back(std::move(*part));
-        }
-        if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
-        for (const PlannedChoice& choice : planned.choices)
-            report.choices.push_back(measure_choice_part(choice, options.stop));
-        for (const report::PlannedMend& mend : planned.mends)
-            report.mends.push_back(measure_mend_part(mend, options.stop));
-        if (options.trade) measure_trades(report, options);
+/// Measures speed and accuracy of the forms of -i, shape by shape.
+void measure_trades(output::report::Report& report, const ReportOptions& options) {
+    for (const ShapeRow& primitive : shape_rows) {
+        const Shape shape = primitive.shape;
+        const auto rows = selection::filter_tested_forms(select_timeable_forms(options),
+                                                         [shape](Shapes forms) { return forms == shape; });
+        if (!rows.empty()) report.trades.push_back(report::measure_trade_part(shape, rows, options.stop));
     }
+}
 
-    Exit run(const ReportOptions& options, const CommonOptions& common) {
-        require_folder(options.out);
-        const auto data = selection::data_folder(common.data);
-        PlannedReport planned = plan_report(options, data);
-        note_forms_not_shown(planned, options, common.quiet);
-
-        const selection::ThreadLimit limit(common.threads);
-        const auto folder = lock_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});
-        output::file::AtomicFile file(std::filesystem::path(options.out) / "index.html");
-        output::file::Progress progress(
-            planned.units + sweep_units * planned.sweeps.size() + (planned.claims.empty() ? 0 : claims_units), "report",
-            common.progress, common.quiet);
-        output::report::Report report{.command = common.typed_command.text() + " -o out",
-                                      .maps = {},
-                                      .sweeps = {},
-                                      .trades = {},
-                                      .claims = planned.claims,
-                                      .results = {}};
-        report.program = "lostbits " LOSTBITS_VERSION;
-        const std::uint64_t unresolved = measure_subjects(report, planned, options, data, advance_callback(progress));
-        measure_requested_sections(report, planned, options);
-        progress.finish();
-
-        file.write(output::report::page(report));
-        file.commit();
-        complete_folder(folder);
-        if (!common.quiet) fmt::print("{}\n", file.path().string());
-        if (const Exit exit_code = report_unproved(unresolved); exit_code != Exit::done) return exit_code;
-        const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
-            return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
-        });
-        return all_agree ? Exit::done : Exit::answer_is_no;
+/// Measures the sections that options ask for.
+void measure_requested_sections(output::report::Report& report, const PlannedReport& planned,
+                                const ReportOptions& options) {
+    for (const report::PlannedStudy& planned_study : planned.studies)
+        report.studies.push_back(measure_study_part(planned_study, options.forms, options.formats, options.stop));
+    for (const scene::file::Scene& scene : planned.offsets) {
+        if (auto part = report::measure_offset_part(scene, options.stop)) report.offsets.push_back(std::move(*part));
     }
+    if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
+    for (const PlannedChoice& choice : planned.choices)
+        report.choices.push_back(measure_choice_part(choice, options.stop));
+    for (const report::PlannedMend& mend : planned.mends) report.mends.push_back(measure_mend_part(mend, options.stop));
+    if (options.trade) measure_trades(report, options);
+}
 
-    }  // namespace
+Exit run(const ReportOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
+    const auto data = selection::data_folder(common.data);
+    PlannedReport planned = plan_report(options, data);
+    note_forms_not_shown(planned, options, common.quiet);
 
-    void add_report(const shell::Command& program, const CommonOptions& common) {
-        auto command = program.add_command("report",
-                                           "Make one HTML page of maps, sweeps and claims that opens from a "
-                                           "file");
-        const auto options = std::make_shared<ReportOptions>();
-        options->stop = common.stop;
-        command.add("SUBJECT", options->subjects,
-                    "Scenes and sweeps, by file or name (default: those of data/report.toml)");
-        command.add_list(
-            "-i,--form", options->forms,
-            "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
-            "of --plugin, --pipe and --shader; for a SUBJECT that none of them can test, all that can)");
-        selection::add_formats(command, options->formats, "f32 f64");
-        command.add_list("--metric", options->metrics, "Metrics in addition to the default ones; globs");
-        command.add("--size", options->size, "Picture size, WxH in pixels (default: each scene's)");
-        command.add_list("--claims", options->claims,
-                         "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    const selection::ThreadLimit limit(common.threads);
+    const auto folder = lock_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});
+    output::file::AtomicFile file(std::filesystem::path(options.out) / "index.html");
+    output::file::Progress progress(
+        planned.units + sweep_units * planned.sweeps.size() + (planned.claims.empty() ? 0 : claims_units), "report",
+        common.progress, common.quiet);
+    output::report::Report report{.command = common.typed_command.text() + " -o out",
+                                  .maps = {},
+                                  .sweeps = {},
+                                  .trades = {},
+                                  .claims = planned.claims,
+                                  .results = {}};
+    report.program = "lostbits " LOSTBITS_VERSION;
+    const std::uint64_t unresolved = measure_subjects(report, planned, options, data, advance_callback(progress));
+    measure_requested_sections(report, planned, options);
+    progress.finish();
 
-        // Sections of the page.
-        command.add("--seeds", options->seeds,
-                    "Measure claims and onsets of random rays on this many further draws too (default: 2)",
-                    shell::whole_number_between(0, 1000));
-        command.add("--no-claims", options->no_claims, "Leave claims out");
-        command.add("--all", options->all, "Every scene and sweep under data");
-        command.add("--trade", options->trade, "Also measure speed, briefly; the page then differs from run to run");
-        command.add_list("--choose", options->choices,
-                         "Also show the cheapest form for a scene and a requirement: SCENE:BITS, or SCENE:BITS:max for "
-                         "bits of every "
-                         "hit; the page then differs from run to run");
-        command.add_list(
-            "--mend", options->mends,
-            "Also show what to change in a form so that it keeps BITS bits of every hit of a scene: "
-            "SCENE:FORM:BITS, or SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no "
-            "SUBJECT is named)");
-        command.add_list("--offsets", options->offsets,
-                         "Scenes on which every offset strategy is tried for the next rays (default: none, or those of "
-                         "data/report.toml where no SUBJECT is named)");
-        command.add_list(
-            "--study", options->studies,
-            "Also show a study of a scene: STUDY:SCENE, such as consistency:near-benign (with the forms of -i, or the "
-            "study's usual ones)");
+    file.write(output::report::page(report));
+    file.commit();
+    complete_folder(folder);
+    if (!common.quiet) fmt::print("{}\n", file.path().string());
+    if (const Exit exit_code = report_unproved(unresolved); exit_code != Exit::done) return exit_code;
+    const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
+        return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
+    });
+    return all_agree ? Exit::done : Exit::answer_is_no;
+}
 
-        selection::add_out(command, options->out, "index.html");
-        command.set_action([options, &common] {
-            options->quiet = common.quiet;  // known once the command line is read
-            return run(*options, common);
-        });
-    }
+}  // namespace
 
-    }  // namespace lostbits::analysis
+void add_report(const shell::Command& program, const CommonOptions& common) {
+    auto command = program.add_command("report",
+                                       "Make one HTML page of maps, sweeps and claims that opens from a "
+                                       "file");
+    const auto options = std::make_shared<ReportOptions>();
+    options->stop = common.stop;
+    command.add("SUBJECT", options->subjects,
+                "Scenes and sweeps, by file or name (default: those of data/report.toml)");
+    command.add_list("-i,--form", options->forms,
+                     "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
+                     "of --plugin, --pipe and --shader; for a SUBJECT that none of them can test, all that can)");
+    selection::add_formats(command, options->formats, "f32 f64");
+    command.add_list("--metric", options->metrics, "Metrics in addition to the default ones; globs");
+    command.add("--size", options->size, "Picture size, WxH in pixels (default: each scene's)");
+    command.add_list("--claims", options->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+
+    // Sections of the page.
+    command.add("--seeds", options->seeds,
+                "Measure claims and onsets of random rays on this many further draws too (default: 2)",
+                shell::whole_number_between(0, 1000));
+    command.add("--no-claims", options->no_claims, "Leave claims out");
+    command.add("--all", options->all, "Every scene and sweep under data");
+    command.add("--trade", options->trade, "Also measure speed, briefly; the page then differs from run to run");
+    command.add_list(
+        "--choose", options->choices,
+        "Also show the cheapest form for a scene and a requirement: SCENE:BITS, or SCENE:BITS:max for bits of every "
+        "hit; the page then differs from run to run");
+    command.add_list("--mend", options->mends,
+                     "Also show what to change in a form so that it keeps BITS bits of every hit of a scene: "
+                     "SCENE:FORM:BITS, or SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no "
+                     "SUBJECT is named)");
+    command.add_list("--offsets", options->offsets,
+                     "Scenes on which every offset strategy is tried for the next rays (default: none, or those of "
+                     "data/report.toml where no SUBJECT is named)");
+    command.add_list(
+        "--study", options->studies,
+        "Also show a study of a scene: STUDY:SCENE, such as consistency:near-benign (with the forms of -i, or the "
+        "study's usual ones)");
+
+    selection::add_out(command, options->out, "index.html");
+    command.set_action([options, &common] {
+        options->quiet = common.quiet;  // known once the command line is read
+        return run(*options, common);
+    });
+}
+
+}  // namespace lostbits::analysis

@@ -114,17 +114,15 @@ private:
         }
     }
 
-    /// Computes the residuals,
-    if they
-        are requested.Adds the rays that the column leaves out to `remaining`.void measure_residuals(
-            std::vector<std::uint32_t>& remaining) {
-            double* const residuals = column_of(ColumnKernel::residual);
-            if (!residuals) return;
-            const FormatInputs& in = *result_.inputs;
-            columns::find_residuals(
-                correct_t_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
-                residuals, remaining);
-        }
+    /// Computes the residuals, if they are requested. Adds the rays that the column leaves out to `remaining`.
+    void measure_residuals(std::vector<std::uint32_t>& remaining) {
+        double* const residuals = column_of(ColumnKernel::residual);
+        if (!residuals) return;
+        const FormatInputs& in = *result_.inputs;
+        columns::find_residuals(
+            correct_t_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
+            residuals, remaining);
+    }
 
     /// Compares the answers with those of `row_.against`, if there is one.
     void measure_pairs() {

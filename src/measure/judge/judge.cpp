@@ -269,7 +269,7 @@ private:
             for (const auto& [value, rays] : rays_by_value)
                 parts.push_back({rays, &result_.groups.at(value).summaries[r]});
 
-            evaluate::measure_form({.row = tested_form,
+            evaluate::measure_form({.tested_form = tested_form,
                                     .metrics = request_.metrics,
                                     .show = show,
                                     .first = first,
@@ -338,8 +338,8 @@ void JudgeResult::append(JudgeResult&& next) {
 
 std::optional<std::size_t> JudgeRequest::file_form_index() const {
     const auto found =
-        std::ranges::find_if(rows, [this](const TestedForm& tested_form) { return is_file_form(tested_form); });
-    return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
+        std::ranges::find_if(tested_forms, [this](const TestedForm& tested_form) { return is_file_form(tested_form); });
+    return found == tested_forms.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - tested_forms.begin()));
 }
 
 std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file) const {

@@ -47,7 +47,7 @@ private:
 
 /// Row that runs a tape, with the format and convention of another row.
 TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
-    return {.form = &form.row(), .format = tested_form.format, .touching = tested_form.touching};
+    return {.form = &form.form(), .format = tested_form.format, .touching = tested_form.touching};
 }
 
 /// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one
@@ -56,13 +56,13 @@ TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
 template <class S>
 void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
     constexpr std::size_t rays_per_call = 512;
-    const scene::rays::RayBlock& rays = in.rays_for(*form.row().info);
+    const scene::rays::RayBlock& rays = in.rays_for(*form.form().info);
     answers.claimed.resize(in.candidates->pair_count());
     for (std::size_t begin = 0; begin < rays.size(); begin += rays_per_call) {
         answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_per_call, rays.size()));
         pairs.evaluate_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {
             form.program().run<S>(batch, target, hits);
-            intersect::table::limit_batch_to_range(*form.row().info, form.row().shape, batch, hits);
+            intersect::table::limit_batch_to_range(*form.form().info, form.form().shape, batch, hits);
         });
         pairs.write_to(answers);
     }
@@ -70,7 +70,7 @@ void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, an
 
 std::optional<answer::Answers> evaluate_candidate_pairs(const TapeForm& form, const truth::FormatInputs& in) {
     if (!in.candidates) return std::nullopt;
-    const std::size_t ray_count = in.rays_for(*form.row().info).size();
+    const std::size_t ray_count = in.rays_for(*form.form().info).size();
     answer::Answers answers{std::vector<double>(ray_count), std::vector<std::uint8_t>(ray_count),
                             std::vector<std::int32_t>(ray_count, -1)};
     if (in.format.engine == Format::Engine::native32) evaluate_candidates<float>(form, in, answers);
@@ -231,12 +231,13 @@ std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedFo
 }
 
 std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request) {
-    choose::ChoiceRequest choice_request{
-        .scene = request.scene, .rows = list_comparable_forms(request.tested_form), .requirement = request.requirement};
+    choose::ChoiceRequest choice_request{.scene = request.scene,
+                                         .tested_forms = list_comparable_forms(request.tested_form),
+                                         .requirement = request.requirement};
     choice_request.limit = request.limit;
     const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
     std::vector<FormWithQuality> ranked;
-    for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.rows[k], quality[k]});
+    for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.tested_forms[k], quality[k]});
     std::ranges::stable_sort(ranked, is_more_accurate, &FormWithQuality::quality);
     return ranked;
 }
@@ -246,7 +247,7 @@ std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& requ
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
     const tape::TapeForm form(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
-    return margins_of(choice_request, {.form = &form.row(), .format = request.tested_form.format}, few_rays);
+    return margins_of(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays);
 }
 
 }  // namespace lostbits::measure::repair

@@ -21,7 +21,7 @@ using choose::Requirement;
 struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
     const choose::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
-    evaluate::TestedForm row;                ///< in f32 or f64
+    evaluate::TestedForm tested_form;                ///< in f32 or f64
     Requirement requirement{};
     bool two_words = false;  ///< wider arithmetic is two floats in place of a double; for double always two doubles
     truth::ProofLimit limit{};
@@ -94,7 +94,7 @@ std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedFo
 
 /// Form of the catalogue with its quality.
 struct FormWithQuality {
-    evaluate::TestedForm row;
+    evaluate::TestedForm tested_form;
     FormQuality quality;
 };
 /// The forms of `list_comparable_forms` with their quality on the request's rays, the most accurate first.

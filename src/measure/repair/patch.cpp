@@ -333,7 +333,7 @@ std::string Patcher::Writer::declare_shared_values(NodeId n, const SourceTokens:
         names_by_value_[value_index] = name;
         if (shares_values) visible_names_.push_back({statement.begin, name, value_index});
     }
-    returndeclarations;
+    return declarations;
 }
 
 /// Begins a new patch, with no changes yet.

@@ -119,7 +119,7 @@ std::vector<external::Formula> placed_rows(const fs::path& library_path, const s
             .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
         if (is_double(forms[k])) form.native64 = load_kernel<double>(loaded, name);
         else form.native32 = load_kernel<float>(loaded, name);
-        formulas.push_back({.row = form, .packed = {}, .who = nullptr, .first = {}});
+        formulas.push_back({.intersector = form, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }
@@ -228,8 +228,9 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
                         : load_compiled(library, external::load_formulas);
 
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        require_answers_of_tape(request, forms[k], formulas[k].row);
-        if (!formulas[k].row.is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
+        require_answers_of_tape(request, forms[k], formulas[k].intersector);
+        if (!formulas[k].intersector.is_placed)
+            simd::register_packs({{formulas[k].intersector.info, formulas[k].packed}});
     }
     return formulas;
 }
