@@ -1,4 +1,4 @@
-// Places and names of operations, from the debug information.
+// Debug information: its fields, and the places and names of operations.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,10 +10,52 @@
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {
+
+// Fields
+
+std::string metadata_field(std::string_view metadata, std::string_view name) {
+    const std::string key = std::string(name) + ": ";
+    for (std::size_t position = metadata.find(key); position != std::string_view::npos;
+         position = metadata.find(key, position + 1)) {
+        if (position == 0 || (metadata[position - 1] != ' ' && metadata[position - 1] != '(')) continue;
+        std::string_view value = metadata.substr(position + key.size());
+        if (value.starts_with('"')) {
+            const std::size_t end = value.find('"', 1);
+            return std::string(value.substr(1, end == std::string_view::npos ? end : end - 1));
+        }
+        return std::string(value.substr(0, value.find_first_of(",)")));
+    }
+    return {};
+}
+
+int metadata_index(std::string_view text) {
+    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+    if (!text.starts_with('!')) return -1;
+    int n = -1;
+    const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), n);
+    return error == std::errc() ? n : -1;
+}
+
+std::vector<int> metadata_indices(std::string_view metadata) {
+    std::vector<int> indices;
+    const std::size_t open = metadata.find('{');
+    if (open == std::string_view::npos) return indices;
+    std::string_view rest = metadata.substr(open + 1);
+    while (!rest.empty() && rest.front() != '}') {
+        indices.push_back(metadata_index(rest));
+        const std::size_t comma = rest.find(',');
+        if (comma == std::string_view::npos) break;
+        rest.remove_prefix(comma + 1);
+    }
+    if (indices.size() == 1 && indices[0] == -1 && metadata.find("null") == std::string_view::npos) indices.clear();
+    return indices;
+}
+
 namespace {
 
-std::size_t parse_number(const std::string& digits) {
-    std::size_t n = 0;
+template <class Integer>
+Integer parse_number(const std::string& digits) {
+    Integer n = 0;
     std::from_chars(digits.data(), digits.data() + digits.size(), n);
     return n;
 }
@@ -73,8 +115,8 @@ MemberAtOffset find_member(const Module& module, std::string_view composite, std
         const std::string tag = metadata_field(member, "tag");
         if (tag != "DW_TAG_member" && tag != "DW_TAG_inheritance") continue;
 
-        const std::size_t begin = parse_number(metadata_field(member, "offset")) / 8;
-        const std::size_t size = parse_number(metadata_field(member, "size")) / 8;
+        const std::size_t begin = parse_number<std::size_t>(metadata_field(member, "offset")) / 8;
+        const std::size_t size = parse_number<std::size_t>(metadata_field(member, "size")) / 8;
         if (offset < begin || offset >= begin + size) continue;
         const std::string name = metadata_field(member, "name");
         return {name.empty() ? "" : "." + name, metadata_index(metadata_field(member, "baseType")), begin};
@@ -95,8 +137,8 @@ int Walk::place_of_location(int location, int caller, int depth) {
     if (text.find("DILocation") == std::string_view::npos || line.empty()) return -1;
 
     SourcePlace place;
-    place.line = static_cast<int>(parse_number(line));
-    place.column = static_cast<int>(parse_number(metadata_field(text, "column")));
+    place.line = parse_number<int>(line);
+    place.column = parse_number<int>(metadata_field(text, "column"));
     place.caller = caller;
     if (const int inlined = metadata_index(metadata_field(text, "inlinedAt")); inlined >= 0 && inlined != location)
         place.caller = place_of_location(inlined, caller, depth + 1);
@@ -148,7 +190,7 @@ std::string Walk::member_path(int variable, std::size_t offset) const {
             type = metadata_index(metadata_field(t, "baseType"));
         } else if (t.find("DW_TAG_array_type") != std::string_view::npos) {
             type = metadata_index(metadata_field(t, "baseType"));
-            const std::size_t size = parse_number(metadata_field(module_.metadata(type), "size")) / 8;
+            const std::size_t size = parse_number<std::size_t>(metadata_field(module_.metadata(type), "size")) / 8;
             if (size == 0) break;
             path += "[" + std::to_string(offset / size) + "]";
             offset %= size;
