@@ -342,7 +342,7 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
         return static_cast<NodeId>(out.size() - 1);
     };
 
-    // Copies the operations, with the new indices of their operands. A formula has no constant NaN, so 0/0 computes it.
+    // Copies the operations, with the new indices of their operands. NaN is written as 0/0.
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         if (!is_needed[i]) continue;
         const ProgramNode& n = nodes_[i];

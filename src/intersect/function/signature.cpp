@@ -33,42 +33,6 @@ struct Part {
 bool is_tmin(const Part& p) { return !p.is_vector && (is_tmin_name(p.last_name) || p.last_name == "min"); }
 bool is_tmax(const Part& p) { return !p.is_vector && (is_tmax_name(p.last_name) || p.last_name == "max"); }
 
-bool is_radius(std::string_view name) { return is_one_of(name, {"r", "rad", "radius", "sr", "ra"}); }
-
-/// Counts the numbers of a type that consists only of numbers of one size; -1 if the type holds anything else, or too
-/// many numbers. `last_member` receives the normalized name of the last member.
-int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member) {
-    if (t.kind == Kind::number) {
-        if (size != 0 && size != t.size) return -1;
-        size = t.size;
-        last_member = normalized_name(t.member);
-        return 1;
-    }
-    if (t.kind == Kind::sequence) {
-        std::string unused;
-        const int part_count = count_numbers(t.parts[0], size, unused);
-        return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
-    }
-    if (t.kind != Kind::structure || t.parts.empty()) return -1;
-    int total = 0;
-    for (const SourceType& p : t.parts) {
-        const int part_count = count_numbers(p, size, last_member);
-        if (part_count < 0 || total > 4096) return -1;
-        total += part_count;
-    }
-    return total;
-}
-
-/// True if the numbers of a type follow one another and their names say no more than x, y, z: an array, a struct that
-/// holds only numbers, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of
-/// its own, and there may be padding between them.
-bool is_sequence_of_numbers(const SourceType& t) {
-    if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
-    if (t.kind != Kind::structure) return false;
-    if (t.parts.size() == 1) return is_sequence_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
-    return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
-}
-
 class Parts {
 public:
     std::vector<Part> all;
@@ -122,7 +86,7 @@ private:
         if (t.kind == Kind::number) return add_part(offset, t.size, false, path, last_name);
         if (t.kind == Kind::integer) return add_part(offset, t.size, false, path, last_name, true);
         const bool is_sequence = is_sequence_of_numbers(t);
-        if (is_sequence && (count == 3 || (count == 4 && !is_radius(last_member)))) {
+        if (is_sequence && (count == 3 || (count == 4 && !is_radius_name(last_member)))) {
             // Three numbers with names of their own are not a vector.
             const bool has_own_names =
                 t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
@@ -309,19 +273,6 @@ void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSigna
                                (role[0] == 'k' && keys[static_cast<std::size_t>(role[1] - '0')].count() == 1);
         if (open_parts[i]->points_to_numbers && role != "-") open_parts[i]->is_vector = !is_number;
     }
-}
-
-bool is_hit_name(std::string_view name) {
-    return is_one_of(name, {"hit", "ishit", "didhit", "valid", "ok", "hashit", "found", "intersects", "intersected",
-                            "success", "happened"});
-}
-bool is_t_name(std::string_view name) {
-    return is_one_of(
-        name, {"t",    "dist",    "distance",    "depth",  "thit",  "tnear",  "t0",   "lambda", "near", "tmin",
-               "hitt", "hitdist", "hitdistance", "tentry", "enter", "tenter", "outt", "0",      "x",    "length"});
-}
-bool is_far_name(std::string_view name) {
-    return is_one_of(name, {"far", "tfar", "t1", "tmax", "texit", "exit", "tleave", "1", "y"});
 }
 
 /// Finds the slots of hit, t and the far t among the numbers that a function writes or returns.

@@ -217,6 +217,35 @@ void set_ir_types(UserSignature& signature, Module& module, const IrFunction& f,
 
 }  // namespace
 
+int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member) {
+    if (t.kind == Kind::number) {
+        if (size != 0 && size != t.size) return -1;
+        size = t.size;
+        last_member = normalized_name(t.member);
+        return 1;
+    }
+    if (t.kind == Kind::sequence) {
+        std::string unused;
+        const int part_count = count_numbers(t.parts[0], size, unused);
+        return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
+    }
+    if (t.kind != Kind::structure || t.parts.empty()) return -1;
+    int total = 0;
+    for (const SourceType& p : t.parts) {
+        const int part_count = count_numbers(p, size, last_member);
+        if (part_count < 0 || total > 4096) return -1;
+        total += part_count;
+    }
+    return total;
+}
+
+bool is_sequence_of_numbers(const SourceType& t) {
+    if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
+    if (t.kind != Kind::structure) return false;
+    if (t.parts.size() == 1) return is_sequence_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
+    return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
+}
+
 bool mentions(const std::string& source, const std::string& name) {
     const std::string untemplated_name = name.substr(0, name.find('<'));
     const std::string last_part =
@@ -372,104 +401,6 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         signature.arguments.push_back(std::move(a));
     }
     return signature;
-}
-
-StatedSignature stated_signature(const std::string& text, const std::string& where) {
-    StatedSignature result;
-    result.where = where;
-    std::string_view rest = text;
-    const auto trimmed = [](std::string_view t) {
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front())) != 0) t.remove_prefix(1);
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.back())) != 0) t.remove_suffix(1);
-        return std::string(t);
-    };
-    if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
-    rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
-    const std::size_t name_end = std::min(rest.find_first_of("(,= \t-"), rest.size());
-    if (const std::size_t next_text = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
-        next_text >= rest.size() || rest[next_text] != '=') {
-        result.shape = normalized_name(rest.substr(0, name_end));
-        rest = rest.substr(next_text);
-        if (rest.starts_with('(')) {
-            const std::size_t close = std::min(rest.find(')'), rest.size());
-            std::string_view list = rest.substr(1, close - 1);
-            result.has_roles = true;
-            while (!trimmed(list).empty()) {
-                const std::size_t comma = std::min(list.find(','), list.size());
-                result.roles.push_back(trimmed(list.substr(0, comma)));
-                list = list.substr(std::min(comma + 1, list.size()));
-            }
-            rest = rest.substr(std::min(close + 1, rest.size()));
-        }
-    }
-    // A property ends at a comma, or at a blank before the next `key=`, as in comments for --shader.
-    const auto end_of_property = [](std::string_view t) {
-        bool quoted = false;
-        for (std::size_t k = 0; k < t.size(); ++k) {
-            if (t[k] == '"') quoted = !quoted;
-            const std::size_t next = t.find_first_not_of(" \t", k), end = t.find_first_of(" \t,=", next);
-            const bool is_key =
-                next != std::string_view::npos && next > k && end < t.size() && t[end] == '=' && end > next;
-            if (!quoted && (t[k] == ',' || (is_key && k > 0 && t[k - 1] != '='))) return k;
-        }
-        return t.size();
-    };
-    while (!trimmed(rest).empty()) {
-        const std::size_t comma = end_of_property(rest);
-        std::string property = trimmed(rest.substr(0, comma));
-        std::erase(property, '"');
-        rest = rest.substr(std::min(comma + 1, rest.size()));
-        const std::size_t equals = property.find('=');
-        if (equals != std::string::npos)
-            result.properties.emplace_back(trimmed(std::string_view(property).substr(0, equals)),
-                                           trimmed(std::string_view(property).substr(equals + 1)));
-        else if (!property.empty() && !property.starts_with("->"))
-            throw InputError(where + ": " + external::quote_text(property) +
-                             " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
-    }
-    return result;
-}
-
-StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition) {
-    std::optional<StatedSignature> function_statement, file_statement;
-    constexpr std::string_view mark = "lostbits:";
-    std::vector<std::string> lines;
-    std::istringstream source_lines(source);
-    for (std::string text; std::getline(source_lines, text);) lines.push_back(text);
-    for (std::size_t k = 0; k < lines.size(); ++k) {
-        const std::size_t position = lines[k].find(mark);
-        if (position == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > position) continue;
-        const auto read_statement = [&] {
-            return stated_signature(lines[k].substr(position + mark.size()),
-                                    path + ":" + std::to_string(k + 1) + ":" + std::to_string(position + 1));
-        };
-        std::size_t code_line = k + 1;  // index of the first line of code after the comment
-        while (code_line < lines.size() && lines[code_line].find_first_not_of(" \t") != std::string::npos &&
-               std::string_view("/*#").find(lines[code_line][lines[code_line].find_first_not_of(" \t")]) !=
-                   std::string_view::npos)
-            ++code_line;
-        const auto definition_line = static_cast<std::size_t>(std::max(definition - 1, 0));
-        const auto ends_declaration = [](const std::string& text) {
-            return text.find_first_of("{;") != std::string::npos;
-        };
-        const bool is_above =
-            code_line <= definition_line && definition_line < lines.size() &&
-            std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(code_line),
-                         lines.begin() + static_cast<std::ptrdiff_t>(definition_line), ends_declaration);
-        const bool is_inside = k >= definition_line && definition > 0 && k < lines.size() &&
-                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(definition_line),
-                                            lines.begin() + static_cast<std::ptrdiff_t>(k),
-                                            [](const std::string& text) { return text.starts_with('}'); });
-        const bool is_function = code_line < lines.size() && lines[code_line].find('(') != std::string::npos;
-        std::optional<StatedSignature>& target =
-            is_inside || (is_above && is_function) ? function_statement : file_statement;
-        if (&target == &file_statement && is_function) continue;
-        StatedSignature addition = read_statement();
-        if (target && addition.shape.empty())
-            target->properties.insert(target->properties.end(), addition.properties.begin(), addition.properties.end());
-        else target = std::move(addition);
-    }
-    return function_statement ? *function_statement : file_statement.value_or(StatedSignature());
 }
 
 }  // namespace lostbits::intersect::function
