@@ -100,8 +100,11 @@ StatedSignature stated_signature(const std::string& text, const std::string& whe
 /// Reads the text after `lostbits:` in a comment inside the function that is defined at line `definition`, or directly
 /// above it. Without such a comment, combines the comments that do not stand above a function.
 StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition);
-/// Reads the value of the property `miss`, such as `-1` or `inf`. Throws InputError with `where` for other texts.
-MissValue read_miss_value(const std::string& text, const std::string& where);
+/// Returns the shape that the user states. Throws InputError with the known names for any other text.
+Shape stated_shape(const StatedSignature& stated);
+/// Sets a property that the user states. Throws InputError with `where` for an unknown key or an invalid value.
+void apply_stated_property(UserSignature& signature, const std::string& key, const std::string& text,
+                           const std::string& where);
 
 /// Counts the numbers of a type that consists only of numbers of one size; -1 if the type holds anything else, or too
 /// many numbers. `last_member` receives the normalized name of the last member.

@@ -50,6 +50,22 @@ std::size_t find_property_end(std::string_view text) {
     return text.size();
 }
 
+/// Reads the value of the property `miss`, such as `-1` or `inf`.
+MissValue read_miss_value(const std::string& text, const std::string& where) {
+    if (text == "inf" || text == "infinite") return {MissValue::Kind::infinite, 0};
+    if (text == "nan") return {MissValue::Kind::nan, 0};
+    if (text == "negative" || text.starts_with('-')) return {MissValue::Kind::negative, 0};
+    if (text == "0" || text == "zero") return {MissValue::Kind::zero, 0};
+    if (text == "none") return {MissValue::Kind::none, 0};
+    if (text == "crossed") return {MissValue::Kind::crossed, 0};
+
+    MissValue above{MissValue::Kind::above, 0};
+    if (std::from_chars(text.data(), text.data() + text.size(), above.bound).ec != std::errc())
+        throw InputError(where + ": miss is " + external::quote_text(text) +
+                         "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
+    return above;
+}
+
 /// The lines of a source file, and the line of the definition of a function.
 class CommentedSource {
 public:
@@ -156,19 +172,24 @@ StatedSignature signature_in_comments(const std::string& source, const std::stri
     return function_statement ? *function_statement : file_statement.value_or(StatedSignature());
 }
 
-MissValue read_miss_value(const std::string& text, const std::string& where) {
-    if (text == "inf" || text == "infinite") return {MissValue::Kind::infinite, 0};
-    if (text == "nan") return {MissValue::Kind::nan, 0};
-    if (text == "negative" || text.starts_with('-')) return {MissValue::Kind::negative, 0};
-    if (text == "0" || text == "zero") return {MissValue::Kind::zero, 0};
-    if (text == "none") return {MissValue::Kind::none, 0};
-    if (text == "crossed") return {MissValue::Kind::crossed, 0};
+Shape stated_shape(const StatedSignature& stated) {
+    const auto shape_name = std::ranges::find(shape_names, std::string_view(stated.shape));
+    if (shape_name != shape_names.end() && *shape_name != "sdf")
+        return static_cast<Shape>(shape_name - shape_names.begin());
+    std::string all_names;
+    for (const std::string_view name : shape_names)
+        if (name != "sdf") all_names += (all_names.empty() ? "" : ", ") + std::string(name);
+    throw InputError(stated.where + ": " + external::quote_text(stated.shape) + " is not one of " + all_names);
+}
 
-    MissValue above{MissValue::Kind::above, 0};
-    if (std::from_chars(text.data(), text.data() + text.size(), above.bound).ec != std::errc())
-        throw InputError(where + ": miss is " + external::quote_text(text) +
-                         "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
-    return above;
+void apply_stated_property(UserSignature& signature, const std::string& key, const std::string& text,
+                           const std::string& where) {
+    if (key == "name" || key == "format" || key == "function") return;  // of comments for --shader
+    if (key == "miss") signature.miss_value = read_miss_value(text, where);
+    else if (!external::set_property(signature.contract, key, text, where))
+        throw InputError(
+            where + ": unknown property " + external::quote_text(key) +
+            "; known properties are miss, roots, direction, touching, at_origin, inside, facing and flags");
 }
 
 }  // namespace lostbits::intersect::function
