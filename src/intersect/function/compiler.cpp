@@ -116,11 +116,14 @@ auto Compiler::ir_of_shader() -> FileText {
     require_in_path("spirv-dis", "the Debian package spirv-tools");
     const bool is_binary = file_.extension() == ".spv";
     if (is_binary) run({"spirv-val"}, file_, {});
+
     const fs::path code = is_binary ? file_ : spirv_of_shader(output.source, lines);
     const fs::path text = folder_.path / "function.spvasm";
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
     const std::string assembly = read_file(text);
     if (is_binary) output.source = assembly;
+
+    // A binary may name its source file. If that file is beside the binary, places are lines of it.
     const fs::path source_file = file_.parent_path() / spirv::source_file_name(assembly);
     if (std::error_code error; is_binary && fs::is_regular_file(source_file, error)) {
         lines.file = source_file.string();
