@@ -309,7 +309,7 @@ ShaderSource read_shader(const std::string& argument) {
     if (form_takes_end && !shader.signature.takes_end) shader.contract.flags |= LB_NO_END;
     external::require_valid(shader.contract, path);
 
-    // The loops, by which a user can be told why a shader runs long. A field is marched in one more.
+    // The loops with a bound, or without an end. A field is marched in one more.
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
         shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});
