@@ -147,13 +147,15 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     // Textures and uniforms of the file may have no bindings and locations, since nothing is bound to them here.
     arguments.insert(arguments.end(), {"--auto-map-bindings", "--auto-map-locations"});
     if (language == Language::hlsl) arguments.emplace_back("-D");
+
+    // If the program with a token on each line does not compile, the program with the user's lines gives the messages.
     const fs::path copied_source = folder_.path / file_.filename(), output = folder_.path / "function.spv";
     try {
         write_text(copied_source, spirv::split_program(source, language, lines));
         run(arguments, copied_source, output);
     } catch (const InputError&) {
         write_text(copied_source, spirv::whole_program(source, language));
-        run(arguments, copied_source, output);  // its messages have the lines of the user's file
+        run(arguments, copied_source, output);
         throw;
     }
     return output;

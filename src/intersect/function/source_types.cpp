@@ -345,11 +345,13 @@ int count_numbers(const SourceType& t, std::size_t& size, std::string& last_memb
         last_member = normalized_name(t.member);
         return 1;
     }
+
     if (t.kind == Kind::sequence) {
         std::string unused;
         const int part_count = count_numbers(t.parts[0], size, unused);
         return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
     }
+
     if (t.kind != Kind::structure || t.parts.empty()) return -1;
     int total = 0;
     for (const SourceType& p : t.parts) {
@@ -387,7 +389,9 @@ std::string part_text(const Argument& argument, std::size_t offset) {
     const SourceType* type = &argument.target();
     if (is_pointer && type->kind == Kind::number && type->size > 0)
         return text + "[" + std::to_string(offset / type->size) + "]";
-    for (bool first = true; type != nullptr; first = false) {
+
+    // Follows the items and members that contain the number.
+    for (bool is_first = true; type != nullptr; is_first = false) {
         const SourceType* next = nullptr;
         if (type->kind == Kind::sequence && type->parts[0].size > 0) {
             next = type->parts.data();
@@ -397,7 +401,7 @@ std::string part_text(const Argument& argument, std::size_t offset) {
             for (const SourceType& p : type->parts)
                 if (offset >= p.offset && offset < p.offset + p.size) next = &p;
             if (next == nullptr) break;
-            if (!next->member.empty()) text += (is_pointer && first ? "->" : ".") + next->member;
+            if (!next->member.empty()) text += (is_pointer && is_first ? "->" : ".") + next->member;
             offset -= next->offset;
         }
         type = next;
@@ -419,6 +423,8 @@ std::string missing_function_message(const std::string& ir, const std::string& p
             names.insert(text.empty() ? symbol : qualified_name(module, text, language));
         }
     }
+
+    // Lists the first of the names.
     std::string text = names.empty() ? "; it defines none" : "";
     std::size_t listed = 0;
     for (const std::string& function_name : names) {

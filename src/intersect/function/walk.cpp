@@ -30,9 +30,9 @@ std::vector<std::string> labels_in(std::string_view line) {
 void skip_phi_value(Cursor& cursor) {
     const std::string_view text = cursor.rest();
     std::size_t depth = 0, k = 0;
-    bool quoted = false;
-    for (; k < text.size() && (depth > 0 || quoted || text[k] != ','); ++k) {
-        if (text[k] == '"') quoted = !quoted;
+    bool is_quoted = false;
+    for (; k < text.size() && (depth > 0 || is_quoted || text[k] != ','); ++k) {
+        if (text[k] == '"') is_quoted = !is_quoted;
         if (std::string_view("([{<").find(text[k]) != std::string_view::npos) ++depth;
         if (std::string_view(")]}>").find(text[k]) != std::string_view::npos && depth > 0) --depth;
     }

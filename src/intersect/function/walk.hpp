@@ -256,9 +256,12 @@ inline std::optional<std::int64_t> integer_result(std::string_view op, std::int6
     if (op == "and") return wrap(x & y, bits);
     if (op == "or") return wrap(x | y, bits);
     if (op == "xor") return wrap(x ^ y, bits);
+
+    // A shift by the whole width or more has no defined result; it gives 0 here.
     if (op == "shl") return shifts ? wrap(x << y, bits) : 0;
     if (op == "lshr") return shifts ? wrap(x >> y, bits) : 0;
     if (op == "ashr") return shifts ? wrap(static_cast<std::uint64_t>(a >> y), bits) : 0;
+
     if (b == 0 || (b == -1 && a == INT64_MIN)) return {};
     if (op == "udiv") return wrap(x / y, bits);
     if (op == "urem") return wrap(x % y, bits);

@@ -289,6 +289,7 @@ std::string to_precision(const std::string& text, bool to_doubles) {
                     replacement = to_doubles ? double_type : float_type;
             }
         }
+
         // `precision highp float;` has no counterpart for doubles.
         in_precision = in_precision || (to_doubles && token.text == "precision");
         result += text.substr(copied, token.offset - copied) + (in_precision ? "" : replacement);
@@ -308,6 +309,7 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
     Signature signature = shader.signature;
     if (shader.is_hlsl)
         return line(1) + shader.text + line(kernel_first_line) + main_code(signature, shader.march, true);
+
     std::string text = as_compute_code(shader.text);
     std::string declarations = site_declarations(text);
     if (signature.is_double != (bits == 64)) {

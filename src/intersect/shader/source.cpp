@@ -78,6 +78,8 @@ void add_comment_properties(const std::string& path, const std::vector<Token>& t
                 std::ranges::count(token.text.substr(counted_to, position - counted_to), '\n'));
             const std::size_t newline = token.text.rfind('\n', position);
             const std::size_t column = newline == std::string_view::npos ? token.column + position : position - newline;
+
+            // The properties end with the line, or with the comment.
             const std::size_t end = std::min(token.text.find('\n', position), token.text.size());
             std::string_view rest = token.text.substr(position + mark.size(), end - position - mark.size());
             if (rest.ends_with("*/")) rest.remove_suffix(2);
@@ -181,13 +183,15 @@ external::Contract default_contract(const std::string& path, const Signature& si
     c.direction = row_of(signature.shape).usually_takes_unit_direction ? Direction::unit : Direction::any;
     const bool has_two_roots = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
     c.roots = has_two_roots ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
+
+    // A march or a field needs a unit direction, and ends where it begins if that is inside.
     if (signature.kind != Signature::Kind::intersector) {
         c.direction = Direction::unit;
         c.roots = has_two_roots ? Roots::both : Roots::near_only;
     }
     const bool returns_zero_inside =
         signature.kind != Signature::Kind::intersector || inside_returns_zero(signature.shape);
-    if (c.roots == Roots::near_only && returns_zero_inside) c.inside = Inside::zero;  // a march ends where it begins
+    if (c.roots == Roots::near_only && returns_zero_inside) c.inside = Inside::zero;
     c.flags = LB_ONE_THREAD;
     return c;
 }

@@ -181,13 +181,22 @@ bool Translator::translate_arithmetic(const SpirvInstruction& instruction) {
     const auto x = [&](std::size_t k) { return value(instruction.at(k), instruction); };
     TypedText& result = values_[instruction.result];
 
-    // Instructions with a counterpart in LLVM IR, then the others.
-    if (const std::string op = counterpart(binaries, instruction.op); !op.empty()) result = binary(op, x(1), x(2));
-    else if (const std::string comparison = counterpart(comparisons, instruction.op); !comparison.empty())
+    // Instructions with a counterpart in LLVM IR.
+    if (const std::string op = counterpart(binaries, instruction.op); !op.empty()) {
+        result = binary(op, x(1), x(2));
+        return true;
+    }
+    if (const std::string comparison = counterpart(comparisons, instruction.op); !comparison.empty()) {
         result = compare(comparison, x(1), x(2));
-    else if (const std::string conversion = counterpart(conversions, instruction.op); !conversion.empty())
+        return true;
+    }
+    if (const std::string conversion = counterpart(conversions, instruction.op); !conversion.empty()) {
         result = emit(type, conversion + " " + x(1).typed() + " to " + type.text);
-    else if (instruction.op == "OpFConvert" || instruction.op == "OpSConvert" || instruction.op == "OpUConvert") {
+        return true;
+    }
+
+    // Other instructions, by their meanings.
+    if (instruction.op == "OpFConvert" || instruction.op == "OpSConvert" || instruction.op == "OpUConvert") {
         const TypedText operand = x(1);
         const bool widens = TypedText{&type}.lane().bits > operand.lane().bits;
         const std::string instruction_name = instruction.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
@@ -307,6 +316,8 @@ TypedText Translator::geometric(const std::string& name, const Values& x) {
         const bool is_vector = x[0].type->kind == Kind::vector;
         return binary("fdiv", x[0], is_vector ? construct(*x[0].type, Values(x[0].type->count, x_length)) : x_length);
     }
+
+    // N, I and Nref, or I and N, in the words of GLSL
     if (name == "FaceForward")
         return select(compare("fcmp olt", dot(x[2], x[1]), splat(0, x[0].lane())), x[0],
                       emit(*x[0].type, "fneg " + x[0].typed()));
@@ -315,6 +326,7 @@ TypedText Translator::geometric(const std::string& name, const Values& x) {
         return binary("fsub", x[0],
                       x[0].type->kind == Kind::vector ? scale(x[1], twice_dot) : binary("fmul", x[1], twice_dot));
     }
+
     // Cross: x₁y₂ − y₁x₂, x₂y₀ − y₂x₀, x₀y₁ − y₀x₁
     Values lanes;
     for (std::size_t k = 0; k < 3; ++k) {

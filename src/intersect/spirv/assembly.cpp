@@ -27,6 +27,8 @@ std::vector<SpirvInstruction> read_instructions(std::string_view text) {
         ++line;
         line_begin = position + 1;
     };
+
+    // An instruction ends with its line.
     for (std::size_t position = 0; position < text.size();) {
         // Signs and comments between words.
         const char c = text[position];

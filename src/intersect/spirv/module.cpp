@@ -36,7 +36,8 @@ double number_of(std::string_view text, int bits) {
     const bool is_infinite_or_nan = bits == 32 ? x >= 0x1p128 : text.ends_with("p+1024");
     if (is_infinite_or_nan && text.starts_with("1p")) x = std::numeric_limits<double>::infinity();
     else if (is_infinite_or_nan) x = std::numeric_limits<double>::quiet_NaN();
-    static_cast<void>(end), static_cast<void>(error);
+    static_cast<void>(end);
+    static_cast<void>(error);
     return is_negative ? -x : x;
 }
 
@@ -165,6 +166,7 @@ void Translator::declare_type(const SpirvInstruction& instruction) {
             instruction.fail("a vector has fewer than 2 or more than 16 components, which is not supported");
         return add_type(instruction, vector_of(*part(0), count));
     }
+    // The number of items of an array is a constant, of a matrix a literal.
     if (instruction.op == "OpTypeMatrix" || instruction.op == "OpTypeArray") {
         const bool is_matrix = instruction.op == "OpTypeMatrix";
         const SpirvType& item = *part(0);
