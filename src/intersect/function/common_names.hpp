@@ -44,13 +44,31 @@ inline bool is_tmax_name(std::string_view name) {
     return is_one_of(name, {"tmax", "maxt", "tend", "tfar", "raytmax", "far", "maxdist", "maxdistance", "length"});
 }
 
+inline bool is_hit_name(std::string_view name) {
+    return is_one_of(name, {"hit", "ishit", "didhit", "valid", "ok", "hashit", "found", "intersects", "intersected",
+                            "success", "happened"});
+}
+inline bool is_t_name(std::string_view name) {
+    return is_one_of(
+        name, {"t",    "dist",    "distance",    "depth",  "thit",  "tnear",  "t0",   "lambda", "near", "tmin",
+               "hitt", "hitdist", "hitdistance", "tentry", "enter", "tenter", "outt", "0",      "x",    "length"});
+}
+inline bool is_far_name(std::string_view name) {
+    return is_one_of(name, {"far", "tfar", "t1", "tmax", "texit", "exit", "tleave", "1", "y"});
+}
+inline bool is_radius_name(std::string_view name) { return is_one_of(name, {"r", "rad", "radius", "sr", "ra"}); }
+
 /// True if users commonly give this name to the key with index `k` of a shape. `name` is normalized.
 inline bool is_common_name_of_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
     if (name == normalized_name(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
+
+    // Spheres
     if (key.name == "centre")
         return is_one_of(name, {"c", "center", "centre", "pos", "position", "sc", "cen", "ctr", "p", "origin", "ce",
                                 "spherecenter", "spherecentre", "sphere", "location"});
     if (key.name == "radius") return is_one_of(name, {"r", "rad", "radius", "ra", "sphereradius", "sr"});
+
+    // Boxes
     if (key.name == "lo")
         return is_one_of(
             name, {"lo", "low",     "min",     "mn",   "bmin",     "boxmin", "aabbmin",   "minp",  "lower", "pmin",
@@ -59,8 +77,12 @@ inline bool is_common_name_of_key(std::string_view name, const Key& key, std::si
         return is_one_of(
             name, {"hi", "high",    "max",     "mx",   "bmax",     "boxmax", "aabbmax",   "maxp",  "upper", "pmax",
                    "b1", "bounds1", "maximum", "vmax", "maxbound", "h",      "maxcorner", "bbmax", "rt",    "box1"});
+
+    // Planes and discs
     if (key.name == "normal") return is_one_of(name, {"n", "normal", "nor", "norm"});
     if (key.name == "through") return is_one_of(name, {"p", "p0", "point", "q", "pos", "center", "origin"});
+
+    // The vertices of a triangle have a number or a letter.
     if (shape == Shape::triangle) {
         const std::string digit = std::to_string(k), letter(1, static_cast<char>('a' + k));
         for (const char* const stem : {"v", "p", "vert", "vertex", "tri", "verts", "pts", "points", "t", "vertices"})

@@ -116,11 +116,14 @@ auto Compiler::ir_of_shader() -> FileText {
     require_in_path("spirv-dis", "the Debian package spirv-tools");
     const bool is_binary = file_.extension() == ".spv";
     if (is_binary) run({"spirv-val"}, file_, {});
+
     const fs::path code = is_binary ? file_ : spirv_of_shader(output.source, lines);
     const fs::path text = folder_.path / "function.spvasm";
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
     const std::string assembly = read_file(text);
     if (is_binary) output.source = assembly;
+
+    // A binary may name its source file. If that file is beside the binary, places are lines of it.
     const fs::path source_file = file_.parent_path() / spirv::source_file_name(assembly);
     if (std::error_code error; is_binary && fs::is_regular_file(source_file, error)) {
         lines.file = source_file.string();
@@ -144,13 +147,15 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     // Textures and uniforms of the file may have no bindings and locations, since nothing is bound to them here.
     arguments.insert(arguments.end(), {"--auto-map-bindings", "--auto-map-locations"});
     if (language == Language::hlsl) arguments.emplace_back("-D");
+
+    // If the program with a token on each line does not compile, the program with the user's lines gives the messages.
     const fs::path copied_source = folder_.path / file_.filename(), output = folder_.path / "function.spv";
     try {
         write_text(copied_source, spirv::split_program(source, language, lines));
         run(arguments, copied_source, output);
     } catch (const InputError&) {
         write_text(copied_source, spirv::whole_program(source, language));
-        run(arguments, copied_source, output);  // its messages have the lines of the user's file
+        run(arguments, copied_source, output);
         throw;
     }
     return output;

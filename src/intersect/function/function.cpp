@@ -43,7 +43,9 @@ OptionParts split_option(const std::string& option) {
         if (!fs::is_regular_file(option.substr(0, end), error)) continue;
         OptionParts parts{option.substr(0, end), {}, {}};
         const std::string rest = option.substr(end + 1);
-        std::size_t colon = 0;  // a colon that is not a part of ::
+
+        // The signature stands after a colon that is not a part of `::`.
+        std::size_t colon = 0;
         for (; colon < rest.size(); ++colon) {
             if (rest[colon] != ':') continue;
             if (colon + 1 < rest.size() && rest[colon + 1] == ':') ++colon;
@@ -188,7 +190,8 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& miss_value
         int hit = 0;
         entry(in.data(), out.data(), &hit);
         batch.hit[i] = hit != 0 && !means_miss(miss_value, NumberDecisions{out[0], out[1]}) ? 1 : 0;
-        near_far[2 * i] = out[0], near_far[2 * i + 1] = out[1];
+        near_far[2 * i] = out[0];
+        near_far[2 * i + 1] = out[1];
     }
 }
 
@@ -200,17 +203,21 @@ struct Outputs {
 };
 
 Outputs outputs_of(Nodes& nodes, const external::Contract& c, const Walk::Answer& answer, Mask hit) {
+    // Functions without roots, or with one root.
     const NodeId zero = nodes.constant(0, false);
     if (c.roots == Roots::none) return {hit, zero, zero, zero};
     const NodeId near = answer.t;
     if (c.roots == Roots::near_only)
         return {nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less, near, zero))), near, near, near};
     if (c.roots != Roots::both || answer.far == no_node) return {hit, near, near, near};
+
     const NodeId far = answer.far;
     const TapeOp ahead_comparison = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
     const Mask near_is_ahead = nodes.logical_or(nodes.is_nan(near), nodes.compare(ahead_comparison, near, zero));
     const Inside inside = external::inside_of(c);
     const bool inside_gives_zero = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(c.shape));
+
+    // The properties of the contract that make a hit a miss.
     if (inside == Inside::miss) hit = nodes.logical_and(hit, near_is_ahead);
     if (c.at_origin == AtOrigin::miss)
         hit = nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less_equal, far, zero)));
@@ -250,31 +257,38 @@ std::vector<NamedNumber> names_of(const UserSignature& signature, const Walk& wa
     return names;
 }
 
+/// Describes a ray on which the recorded operations and the compiled function differ.
+template <class S>
+std::string difference_text(const table::RandomRays<S>& rays, std::size_t i, Shape shape,
+                            const table::FormAnswers<S>& recorded, const table::FormAnswers<S>& compiled) {
+    std::ostringstream text;
+    text << "the recorded operations and the compiled function give different answers on the ray ";
+    text.precision(std::numeric_limits<S>::max_digits10);
+    for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << rays.input(i, k);
+    text << " and the " << name_of(shape) << " ";
+    for (std::size_t k = 0; k < rays.numbers(i).size(); ++k) text << (k == 0 ? "" : ",") << rays.numbers(i)[k];
+
+    const auto append_answer = [&](const table::FormAnswers<S>& answers) {
+        if (answers.hit[i] == 0) text << "a miss";
+        else text << "t = " << answers.numbers[0][i];
+    };
+    text << ": recorded ";
+    append_answer(recorded);
+    text << ", compiled ";
+    append_answer(compiled);
+    text << "; does the function keep state between calls?";
+    return text.str();
+}
+
 /// Compares the recorded operations with the compiled function on random rays. Throws InputError if they differ.
 template <class S>
 void require_same_answers(const table::Kernel<S>& native, const table::Kernel<S>& recorded, Shape shape, bool has_t,
                           const std::string& subject) {
     const table::RandomRays<S> rays(shape, 4096, false);
     const table::FormAnswers<S> compiled_answers = rays.answers(native), recorded_answers = rays.answers(recorded);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (compiled_answers.are_same(recorded_answers, i, has_t)) continue;
-        std::ostringstream text;
-        text << subject << ": the recorded operations and the compiled function give different answers on the ray ";
-        text.precision(std::numeric_limits<S>::max_digits10);
-        for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << rays.input(i, k);
-        text << " and the " << name_of(shape) << " ";
-        for (std::size_t k = 0; k < rays.numbers(i).size(); ++k) text << (k == 0 ? "" : ",") << rays.numbers(i)[k];
-        const auto append_answer = [&](const table::FormAnswers<S>& answers) {
-            if (answers.hit[i] == 0) text << "a miss";
-            else text << "t = " << answers.t[i];
-        };
-        text << ": recorded ";
-        append_answer(recorded_answers);
-        text << ", compiled ";
-        append_answer(compiled_answers);
-        text << "; does the function keep state between calls?";
-        throw InputError(text.str());
-    }
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (!compiled_answers.are_same(recorded_answers, i, has_t))
+            throw InputError(subject + ": " + difference_text(rays, i, shape, recorded_answers, compiled_answers));
 }
 
 /// Returns `function.NAME`, with the characters that a name of a form must not have replaced by dots.
@@ -287,6 +301,56 @@ std::string default_form_name(const std::string& function) {
     }
     while (!name.empty() && name.back() == '.') name.pop_back();
     return "function." + name.substr(0, 50);
+}
+
+/// Sets the names of the contract that the user does not state.
+void complete_contract(external::Contract& contract, const OptionParts& parts, const std::string& subject) {
+    if (contract.name.empty()) contract.name = default_form_name(parts.function);
+    contract.source = parts.file.filename().string();
+    if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
+    external::require_valid(contract, subject);
+}
+
+/// Completes the recorded operations by the decision of a miss, and returns them as a formula with the contract's
+/// fields.
+Nodes::FormulaWithPlaces finish_recording(Nodes& nodes, const Walk::Answer& answer, const UserSignature& signature,
+                                          const std::string& subject) {
+    const external::Contract& contract = signature.contract;
+    Mask hit = answer.hit;
+    if (signature.miss_value.kind == MissValue::Kind::crossed && answer.far == no_node)
+        throw InputError(
+            subject + ": miss = crossed compares near with far, but the function returns no far t; state another miss");
+    if (answer.t != no_node)
+        hit = nodes.logical_and(
+            hit, nodes.logical_not(means_miss(signature.miss_value, NodeDecisions{nodes, answer.t, answer.far})));
+    const Outputs outputs = outputs_of(nodes, contract, answer, hit);
+
+    // The answer itself may have no variable, so it is named here.
+    if (outputs.t != no_node && contract.roots != Roots::none) nodes.name_node(outputs.t, "t", 100);
+    Nodes::FormulaWithPlaces recorded = nodes.to_formula(outputs.hit, outputs.t, outputs.near, outputs.far);
+    recorded.formula.name = contract.name;
+    recorded.formula.shape = contract.shape;
+    table::require_valid(recorded.formula);
+    return recorded;
+}
+
+/// Makes the row that runs the compiled function.
+template <class S>
+external::ForeignForm compiled_form(const external::Library& library, const UserSignature& signature,
+                                    const std::string& path, const std::string& subject) {
+    external::ForeignForm form{signature.contract, path, {}};
+    const char* const name = external::lasting_text(external::name_in_messages(form));
+    const auto entry = external::find_symbol<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
+    if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
+    form.answer = [entry, name, number_count = row_of(signature.contract.shape).numbers,
+                   miss_value = signature.miss_value, fp_state = library.fp_state](const lb_batch& batch) {
+        external::call_foreign(name, [&] {
+            const external::InForeignCode foreign_code(name, fp_state);
+            answer_batch<S>(entry, miss_value, number_count, batch);
+            return 0;
+        });
+    };
+    return form;
 }
 
 }  // namespace
@@ -304,6 +368,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     user_function->source = file.source;
     const std::string subject = user_function->path + ":" + parts.function;
 
+    // Finds out which argument is what.
     Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, user_function->source));
     UserSignature signature = signature_of(probe, user_function->path, parts.function, language);
     guess_signature(signature,
@@ -311,6 +376,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
                         ? signature_in_comments(user_function->source, user_function->path, signature.line)
                         : stated_signature(parts.signature, "--function " + option),
                     subject);
+
+    // Records the operations of the function.
     const std::string wrapper =
         is_ir ? ir_wrapper_of(signature, probe, subject)
               : wrapper_of(signature,
@@ -325,74 +392,43 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
         throw InputError(subject + ": t is never written, or is undefined (as 3 / 0 is)");
     if (signature.miss_value.kind == MissValue::Kind::unknown)
         signature.miss_value = guess_miss_value(nodes, answer.t, answer.far);
-    if (const std::string miss_text = miss_value_text(signature.miss_value); !miss_text.empty())
-        user_function->signature_text = subject + ": " + signature.text + "; " + miss_text;
-    else user_function->signature_text = subject + ": " + signature.text;
 
-    user_function->bits = signature.bits, user_function->line = signature.line;
-    external::Contract& contract = signature.contract;
-    if (contract.name.empty()) contract.name = default_form_name(parts.function);
-    contract.source = parts.file.filename().string();
-    if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
-    external::require_valid(contract, subject);
-    Mask hit = answer.hit;
-    if (signature.miss_value.kind == MissValue::Kind::crossed && answer.far == no_node)
-        throw InputError(
-            subject + ": miss = crossed compares near with far, but the function returns no far t; state another miss");
-    if (answer.t != no_node)
-        hit = nodes.logical_and(
-            hit, nodes.logical_not(means_miss(signature.miss_value, NodeDecisions{nodes, answer.t, answer.far})));
-    const Outputs outputs = outputs_of(nodes, contract, answer, hit);
-    // The answer itself may have no variable, so it is named here.
-    if (outputs.t != no_node && contract.roots != Roots::none) nodes.name_node(outputs.t, "t", 100);
-    Nodes::FormulaWithPlaces recorded = nodes.to_formula(outputs.hit, outputs.t, outputs.near, outputs.far);
-    recorded.formula.name = contract.name;
-    recorded.formula.shape = contract.shape;
-    table::require_valid(recorded.formula);
+    const std::string miss_text = miss_value_text(signature.miss_value);
+    user_function->signature_text = subject + ": " + signature.text + (miss_text.empty() ? "" : "; " + miss_text);
+    user_function->bits = signature.bits;
+    user_function->line = signature.line;
+    complete_contract(signature.contract, parts, subject);
+    Nodes::FormulaWithPlaces recorded = finish_recording(nodes, answer, signature, subject);
+
+    // The names and places of the operations. A path to the file itself becomes the path that the user wrote.
     user_function->names = names_of(signature, walk, recorded.operation_of);
     user_function->places = walk.places();
     for (SourcePlace& p : user_function->places)
         if (const fs::path normal_path = fs::path(p.file).lexically_normal(); normal_path == compiler.file())
             p.file = user_function->path;
-    for (const int place : recorded.places) {
-        const int user_place = walk.innermost_user_place(place);
-        user_function->place_of_operation.push_back(user_place);
-    }
+    for (const int place : recorded.places)
+        user_function->place_of_operation.push_back(walk.innermost_user_place(place));
     const auto formula = std::make_shared<const table::WrittenFormula>(std::move(recorded.formula));
     user_function->written = std::make_unique<table::WrittenForm>(formula, formula);
 
+    // Compiles the function for its answers, and compares them with those of the recorded operations.
     const external::Library library =
         compiler.compile_library(wrapper, formula->operations.size() > max_optimised_operations);
-    external::ForeignForm form{contract, user_function->path, {}};
-    const char* const name = external::lasting_text(external::name_in_messages(form));
-    const auto bind = [&]<class S>(S) {
-        const auto entry = external::find_symbol<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
-        if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
-        form.answer = [entry, name, number_count, miss_value = signature.miss_value,
-                       fp_state = library.fp_state](const lb_batch& batch) {
-            external::call_foreign(name, [&] {
-                const external::ForeignCodeScope foreign_code(name, fp_state);
-                answer_batch<S>(entry, miss_value, number_count, batch);
-                return 0;
-            });
-        };
-    };
-    if (signature.bits == 32) bind(0.0F);
-    else bind(0.0);
-    user_function->answers = std::make_unique<external::ForeignIntersector>(std::move(form));
+    user_function->answers = std::make_unique<external::ForeignIntersector>(
+        signature.bits == 32 ? compiled_form<float>(library, signature, user_function->path, subject)
+                             : compiled_form<double>(library, signature, user_function->path, subject));
     user_function->answers->info.formats = Formats::all;
-    user_function->intersector = user_function->answers->to_intersector();
-    user_function->written->fill(user_function->intersector);
-    const table::Intersector recorded_form = user_function->written->make_intersector(user_function->answers->info);
+    user_function->row = user_function->answers->row();
+    user_function->written->fill(user_function->row);
+    const table::Intersector recorded_form = user_function->written->row(user_function->answers->info);
+    const external::Contract& contract = signature.contract;
     const bool has_t = contract.roots != Roots::none;
     if (signature.bits == 32) {
-        require_same_answers(user_function->intersector.native32, recorded_form.native32, contract.shape, has_t,
-                             subject);
-        user_function->intersector.native64 = recorded_form.native64;
+        require_same_answers(user_function->row.native32, recorded_form.native32, contract.shape, has_t, subject);
+        user_function->row.native64 = recorded_form.native64;
     } else {
-        require_same_answers(user_function->intersector.native64, recorded_form.native64, contract.shape, has_t,
-                             subject);
-        user_function->intersector.native32 = recorded_form.native32;
+        require_same_answers(user_function->row.native64, recorded_form.native64, contract.shape, has_t, subject);
+        user_function->row.native32 = recorded_form.native32;
     }
     return user_function;
 }

@@ -18,36 +18,47 @@ std::size_t round_up(std::size_t size, std::size_t align) { return (size + align
 
 /// True for words that begin a value and must not be read as attributes of one.
 bool is_value_word(std::string_view word) {
-    constexpr std::array value_words{"true",
-                                     "false",
-                                     "null",
-                                     "undef",
-                                     "poison",
-                                     "zeroinitializer",
-                                     "none",
-                                     "getelementptr",
-                                     "bitcast",
-                                     "inttoptr",
-                                     "ptrtoint",
-                                     "addrspacecast",
-                                     "splat",
-                                     "c",
-                                     "metadata",
-                                     "asm",
-                                     "add",
-                                     "sub",
-                                     "select",
-                                     "icmp",
-                                     "trunc",
-                                     "zext",
-                                     "sext",
-                                     "nan",
-                                     "dso_local_equivalent"};
+    constexpr std::array value_words{// Values
+                                     "true", "false", "null", "undef", "poison", "zeroinitializer", "none", "splat",
+                                     "c", "nan", "metadata", "asm", "dso_local_equivalent",
+                                     // Operations on constants
+                                     "getelementptr", "bitcast", "inttoptr", "ptrtoint", "addrspacecast", "add", "sub",
+                                     "select", "icmp", "trunc", "zext", "sext"};
     return word.empty() || std::isdigit(static_cast<unsigned char>(word[0])) != 0 || word[0] == '-' ||
            std::ranges::find(value_words, word) != value_words.end();
 }
 
 constexpr std::size_t max_bytes = 1 << 20, max_lanes = 1024;  // limits of a type
+
+/// Calls `action(begin, end)` with the offsets of each line. The action may move the end to that of a later line.
+template <class Action>
+void for_each_line(std::string_view text, const Action& action) {
+    for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+        end = std::min(text.find('\n', begin), text.size());
+        action(begin, end);
+    }
+}
+
+/// True if the instruction `line`, which ends at `end`, continues on the next line: while the list of a switch is open,
+/// and before the words tested here.
+bool continues_on_next_line(std::string_view text, std::string_view line, std::size_t end) {
+    if (line.find("switch ") != std::string_view::npos && line.find('[') != std::string_view::npos &&
+        line.find("\n  ]") == std::string_view::npos && !line.ends_with(']') &&
+        line.find("], !") == std::string_view::npos)
+        return true;
+    if (end + 1 >= text.size()) return false;
+    Cursor next(text.substr(end + 1, std::min(text.find('\n', end + 1), text.size()) - end - 1));
+    return next.take("to label") || next.take("catch ") || next.take("filter ") || next.take("cleanup") ||
+           next.take("unwind label");
+}
+
+/// Reads `NAME:`, which begins a block.
+void begin_block(IrFunction& function, Cursor& cursor) {
+    const std::string name = cursor.take_name();
+    if (!cursor.take(":")) cursor.fail("a block has no name");
+    if (function.blocks.size() == 1 && function.blocks[0].lines.empty()) function.blocks[0].name = name;
+    else function.blocks.push_back({name, {}});
+}
 
 }  // namespace
 
@@ -109,11 +120,12 @@ std::int64_t Cursor::take_integer() {
 std::string_view Cursor::take_group() {
     skip_blanks();
     int depth = 0;
-    bool quoted = false;
+    bool is_quoted = false;
     for (std::size_t i = 0; i < rest_.size(); ++i) {
         const char c = rest_[i];
-        if (c == '"') quoted = !quoted;
-        if (quoted) continue;
+        if (c == '"') is_quoted = !is_quoted;
+        if (is_quoted) continue;
+
         if (c == '(' || c == '[' || c == '{' || c == '<') ++depth;
         if (c == ')' || c == ']' || c == '}' || c == '>') --depth;
         if (depth == 0) {
@@ -139,10 +151,17 @@ const Type* Module::integer_type(int bits) {
     return add_type({.kind = Type::Kind::integer, .size = size, .align = std::min<std::size_t>(size, 8), .bits = bits});
 }
 
-const Type* Module::make_structure(std::vector<const Type*> parts, bool packed) {
+const Type* Module::number_type(int bits) {
+    for (const Type& t : types_)
+        if (t.kind == Type::Kind::number && t.bits == bits) return &t;
+    const auto size = static_cast<std::size_t>(bits) / 8;
+    return add_type({.kind = Type::Kind::number, .size = size, .align = size, .bits = bits});
+}
+
+const Type* Module::make_structure(std::vector<const Type*> parts, Packing packing) {
     Type structure_type{.kind = Type::Kind::structure};
     for (const Type* part : parts) {
-        const std::size_t align = packed ? 1 : part->align;
+        const std::size_t align = packing == Packing::packed ? 1 : part->align;
         structure_type.offsets.push_back(round_up(structure_type.size, align));
         structure_type.size = structure_type.offsets.back() + part->size;
         structure_type.align = std::max(structure_type.align, align);
@@ -152,7 +171,7 @@ const Type* Module::make_structure(std::vector<const Type*> parts, bool packed) 
     return add_type(std::move(structure_type));
 }
 
-const Type* Module::read_structure(Cursor& cursor, char close, bool packed) {
+const Type* Module::read_structure(Cursor& cursor, char close, Packing packing) {
     std::vector<const Type*> parts;
     const std::string end(1, close);
     while (!cursor.take(end)) {
@@ -160,7 +179,7 @@ const Type* Module::read_structure(Cursor& cursor, char close, bool packed) {
         if (parts.back()->size > max_bytes || parts.size() > max_bytes) cursor.fail("a type is too large");
         if (!cursor.take(",") && cursor.peek() != close) cursor.fail("a type has no end");
     }
-    return make_structure(std::move(parts), packed);
+    return make_structure(std::move(parts), packing);
 }
 
 const Type* Module::find_named_type(const std::string& name) {
@@ -174,48 +193,21 @@ const Type* Module::find_named_type(const std::string& name) {
 }
 
 const Type* Module::read_simple_type(Cursor& cursor) {
+    // Types that begin with a sign.
     const char c = cursor.peek();
     if (c == '%') {
         cursor.expect("%");
-        const std::string name = cursor.take_name();
-        const Type* const named_type = find_named_type(name);
-        if (named_type == nullptr) return add_type({});
-        return named_type;
+        const Type* const named_type = find_named_type(cursor.take_name());
+        return named_type == nullptr ? add_type({}) : named_type;
     }
-    if (cursor.take("{")) return read_structure(cursor, '}', false);
-    if (c == '[' || c == '<') {
-        cursor.expect(std::string_view(&c, 1));
-        if (c == '<' && cursor.take("{")) {
-            const Type* const packed = read_structure(cursor, '}', true);
-            cursor.expect(">");
-            return packed;
-        }
-        if (cursor.take("vscale")) cursor.fail("a vector without a fixed length is not followed");
-        const std::int64_t count = cursor.take_integer();
-        cursor.expect("x");
-        const Type* const part = read_type(cursor);
-        cursor.expect(c == '[' ? "]" : ">");
-        const std::size_t max_count = c == '<' ? max_lanes : max_bytes / std::max<std::size_t>(part->size, 1);
-        if (count < 0 || static_cast<std::size_t>(count) > max_count) cursor.fail("a type is too large");
-        Type sequence_type{
-            .kind = Type::Kind::sequence, .is_vector = c == '<', .count = static_cast<std::size_t>(count)};
-        sequence_type.parts = {part};
-        sequence_type.size = part->size * sequence_type.count;
-        sequence_type.align = part->align;
-        if (sequence_type.is_vector) {
-            for (sequence_type.align = 1; sequence_type.align < sequence_type.size;) sequence_type.align *= 2;
-            sequence_type.size = sequence_type.align;
-        }
-        return add_type(std::move(sequence_type));
-    }
+    if (cursor.take("{")) return read_structure(cursor, '}', Packing::aligned);
+    if (cursor.take("[")) return read_array(cursor);
+    if (cursor.take("<")) return read_vector_or_packed_structure(cursor);
+
+    // Types with a name that is a word.
     const std::string_view word = cursor.take_word();
-    if (word == "float" || word == "double") {
-        const int bits = word == "float" ? 32 : 64;
-        const auto size = static_cast<std::size_t>(bits) / 8;
-        for (const Type& t : types_)
-            if (t.kind == Type::Kind::number && t.bits == bits) return &t;
-        return add_type({.kind = Type::Kind::number, .size = size, .align = size, .bits = bits});
-    }
+    if (word == "float") return number_type(32);
+    if (word == "double") return number_type(64);
     if (word == "ptr") {
         if (cursor.take("addrspace")) cursor.take_group();
         return pointer_;
@@ -228,22 +220,70 @@ const Type* Module::read_simple_type(Cursor& cursor) {
             cursor.fail("a type is unknown");
         return integer_type(bits);
     }
+
+    // Values of other known types are not followed.
     constexpr std::array unsupported_types{"half",  "bfloat", "fp128",    "x86_fp80", "ppc_fp128", "label",
                                            "token", "opaque", "metadata", "x86_mmx",  "x86_amx"};
     if (std::ranges::find(unsupported_types, word) == unsupported_types.end()) cursor.fail("a type is unknown");
     return add_type({.size = word == "half" || word == "bfloat" ? 2UL : 16UL, .align = 2});
 }
 
+/// Reads `3 x float]`.
+const Type* Module::read_array(Cursor& cursor) {
+    const std::int64_t count = cursor.take_integer();
+    cursor.expect("x");
+    const Type* const part = read_type(cursor);
+    cursor.expect("]");
+    const std::size_t max_count = max_bytes / std::max<std::size_t>(part->size, 1);
+    if (count < 0 || static_cast<std::size_t>(count) > max_count) cursor.fail("a type is too large");
+
+    Type array_type{.kind = Type::Kind::sequence, .count = static_cast<std::size_t>(count)};
+    array_type.parts = {part};
+    array_type.size = part->size * array_type.count;
+    array_type.align = part->align;
+    return add_type(std::move(array_type));
+}
+
+/// Reads `4 x float>` or `{ i8, float }>`.
+const Type* Module::read_vector_or_packed_structure(Cursor& cursor) {
+    if (cursor.take("{")) {
+        const Type* const packed = read_structure(cursor, '}', Packing::packed);
+        cursor.expect(">");
+        return packed;
+    }
+    if (cursor.take("vscale")) cursor.fail("a vector without a fixed length is not followed");
+    const std::int64_t count = cursor.take_integer();
+    cursor.expect("x");
+    const Type* const part = read_type(cursor);
+    cursor.expect(">");
+    if (count < 0 || static_cast<std::size_t>(count) > max_lanes) cursor.fail("a type is too large");
+
+    // Size and alignment are the next power of two.
+    Type vector_type{.kind = Type::Kind::sequence, .is_vector = true, .count = static_cast<std::size_t>(count)};
+    vector_type.parts = {part};
+    const std::size_t size = part->size * vector_type.count;
+    for (vector_type.align = 1; vector_type.align < size;) vector_type.align *= 2;
+    vector_type.size = vector_type.align;
+    return add_type(std::move(vector_type));
+}
+
 const Type* Module::read_type(Cursor& cursor) {
     if (depth_ > 60) cursor.fail("types are nested too deeply");
     ++depth_;
     const Type* result = read_simple_type(cursor);
+
+    // A star makes a pointer, and parameters make the type of a function.
     for (;;) {
-        if (cursor.take("*")) result = pointer_;
-        else if (cursor.take("addrspace")) cursor.take_group();
-        else if (cursor.peek() == '(' && result->kind != Type::Kind::structure)
-            cursor.take_group(), result = add_type({});
-        else break;
+        if (cursor.take("*")) {
+            result = pointer_;
+        } else if (cursor.take("addrspace")) {
+            cursor.take_group();
+        } else if (cursor.peek() == '(' && result->kind != Type::Kind::structure) {
+            cursor.take_group();
+            result = add_type({});
+        } else {
+            break;
+        }
     }
     --depth_;
     return result;
@@ -252,10 +292,12 @@ const Type* Module::read_type(Cursor& cursor) {
 const Type* Module::skip_attributes(Cursor& cursor) {
     const Type* by_value = nullptr;
     for (;;) {
+        // An attribute is a word, but a value may also begin with a word.
         Cursor ahead = cursor;
         if (std::isalpha(static_cast<unsigned char>(ahead.peek())) == 0) return by_value;
         const std::string_view word = ahead.take_word();
         if (is_value_word(word)) return by_value;
+
         cursor = ahead;
         if (word == "align" && cursor.peek() != '(') cursor.take_integer();
         else if (cursor.peek() == '(') {
@@ -307,6 +349,7 @@ void Module::read_global(Cursor& cursor) {
 
 /// Reads `define ATTRIBUTES TYPE @name(PARAMETERS) ATTRIBUTES !dbg !4 {`.
 IrFunction* Module::read_header(Cursor& cursor) {
+    // Reads up to the name. The last text that begins with a type or a word is the returned type.
     IrFunction function_header;
     std::string_view returned_text;
     for (;;) {
@@ -315,7 +358,7 @@ IrFunction* Module::read_header(Cursor& cursor) {
         const char next = ahead.peek();
         if (next == '@') break;
         const std::string_view rest_of_line = ahead.rest();
-        if (next != '(' && next != '*') returned_text = rest_of_line;  // the last of these is the returned type
+        if (next != '(' && next != '*') returned_text = rest_of_line;
         if (ahead.take("%")) ahead.take_name();
         else if (next == '(' || next == '{' || next == '<' || next == '[') ahead.take_group();
         else if (const std::string_view word = ahead.take_word(); word.empty()) ahead.take(rest_of_line.substr(0, 1));
@@ -325,22 +368,9 @@ IrFunction* Module::read_header(Cursor& cursor) {
     function_header.returned_text = returned_text.substr(0, returned_text.size() - cursor.rest().size());
     cursor.expect("@");
     function_header.name = cursor.take_name();
+
     Cursor inside(cursor.take_group());
-    int unnamed = 0;
-    while (!inside.at_end()) {
-        if (inside.take("...")) break;
-        inside.skip_blanks();
-        const std::string_view all_parameters = inside.rest();
-        IrParameter p{.name = {}, .type = read_type(inside)};
-        p.type_text = all_parameters.substr(0, all_parameters.size() - inside.rest().size());
-        p.by_value = skip_attributes(inside);
-        p.text = all_parameters.substr(0, all_parameters.size() - inside.rest().size());
-        if (inside.take("%")) p.name = inside.take_name();
-        else p.name = std::to_string(unnamed);
-        if (!p.name.empty() && std::ranges::all_of(p.name, [](char c) { return c >= '0' && c <= '9'; })) ++unnamed;
-        function_header.parameters.push_back(std::move(p));
-        if (!inside.take(",")) break;
-    }
+    const int unnamed = read_parameters(function_header, inside);
     const std::string_view rest = cursor.rest();
     if (const std::size_t dbg = rest.find("!dbg !"); dbg != std::string_view::npos)
         function_header.subprogram = metadata_index(rest.substr(dbg + 5));
@@ -349,21 +379,38 @@ IrFunction* Module::read_header(Cursor& cursor) {
     return &(functions[function_header.name] = std::move(function_header));
 }
 
+/// Reads the parameters of a function, and returns the number of those without a name.
+int Module::read_parameters(IrFunction& function, Cursor& inside) {
+    int unnamed = 0;
+    while (!inside.at_end()) {
+        if (inside.take("...")) break;
+        inside.skip_blanks();
+        const std::string_view all_parameters = inside.rest();
+        const auto text_up_to_cursor = [&] {
+            return all_parameters.substr(0, all_parameters.size() - inside.rest().size());
+        };
+        IrParameter p{.name = {}, .type = read_type(inside)};
+        p.type_text = text_up_to_cursor();
+        p.by_value = skip_attributes(inside);
+        p.text = text_up_to_cursor();
+
+        if (inside.take("%")) p.name = inside.take_name();
+        else p.name = std::to_string(unnamed);
+        if (!p.name.empty() && std::ranges::all_of(p.name, [](char c) { return c >= '0' && c <= '9'; })) ++unnamed;
+        function.parameters.push_back(std::move(p));
+        if (!inside.take(",")) break;
+    }
+    return unnamed;
+}
+
 Module::Module(std::string text) : text_(std::move(text)) {
     pointer_ = add_type({.kind = Type::Kind::pointer, .size = 8, .align = 8, .bits = 64});
     const std::string_view whole_text = text_;
     if (whole_text.find('\0') != std::string_view::npos)
         throw InputError("the LLVM IR is not a text; write .bc after the name of a file of bitcode");
-    IrFunction* function_body = nullptr;
-    std::vector<std::string_view> headers;
+
     // Named types come first, since functions may use types that are defined below them.
-    const auto for_each_line = [&](const auto& action) {
-        for (std::size_t begin = 0, end = 0; begin < whole_text.size(); begin = end + 1) {
-            end = std::min(whole_text.find('\n', begin), whole_text.size());
-            action(begin, end);
-        }
-    };
-    for_each_line([&](std::size_t begin, std::size_t& end) {
+    for_each_line(whole_text, [&](std::size_t begin, std::size_t& end) {
         const std::string_view line = whole_text.substr(begin, end - begin);
         if (!line.starts_with('%')) return;
         Cursor cursor(line);
@@ -371,24 +418,13 @@ Module::Module(std::string text) : text_(std::move(text)) {
         const std::string name = cursor.take_name();
         if (cursor.take("=") && cursor.take("type")) definitions_[name] = cursor.rest();
     });
-    for_each_line([&](std::size_t begin, std::size_t& end) {
+
+    IrFunction* function_body = nullptr;
+    for_each_line(whole_text, [&](std::size_t begin, std::size_t& end) {
         std::string_view line = whole_text.substr(begin, end - begin);
         Cursor cursor(line);
         if (function_body == nullptr) {
-            if (line.starts_with("define ")) {
-                cursor.expect("define");
-                function_body = read_header(cursor);
-            } else if (line.starts_with('@')) {
-                read_global(cursor);
-            } else if (line.starts_with('!')) {
-                cursor.expect("!");
-                Cursor key = cursor;
-                const std::string_view digits = key.take_word();
-                int n = -1;
-                const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-                if (error == std::errc() && stop == digits.data() + digits.size() && key.take("="))
-                    metadata_[n] = key.rest();
-            }
+            function_body = read_outer_line(line);
             return;
         }
         if (line.starts_with('}')) {
@@ -396,27 +432,9 @@ Module::Module(std::string text) : text_(std::move(text)) {
             return;
         }
         if (cursor.at_end() || cursor.peek() == ';') return;
-        if (line[0] != ' ' && line[0] != '\t') {  // NAME:
-            const std::string name = cursor.take_name();
-            if (!cursor.take(":")) cursor.fail("a block has no name");
-            if (function_body->blocks.size() == 1 && function_body->blocks[0].lines.empty())
-                function_body->blocks[0].name = name;
-            else function_body->blocks.push_back({name, {}});
-            return;
-        }
-        // An instruction continues on the next lines while a list is open, and before the words tested here.
-        const auto continues = [&] {
-            if (line.find("switch ") != std::string_view::npos && line.find('[') != std::string_view::npos &&
-                line.find("\n  ]") == std::string_view::npos && !line.ends_with(']') &&
-                line.find("], !") == std::string_view::npos)
-                return true;
-            if (end + 1 >= whole_text.size()) return false;
-            Cursor next(
-                whole_text.substr(end + 1, std::min(whole_text.find('\n', end + 1), whole_text.size()) - end - 1));
-            return next.take("to label") || next.take("catch ") || next.take("filter ") || next.take("cleanup") ||
-                   next.take("unwind label");
-        };
-        while (end < whole_text.size() && continues()) {
+        if (line[0] != ' ' && line[0] != '\t') return begin_block(*function_body, cursor);
+
+        while (end < whole_text.size() && continues_on_next_line(whole_text, line, end)) {
             end = std::min(whole_text.find('\n', end + 1), whole_text.size());
             line = whole_text.substr(begin, end - begin);
         }
@@ -425,42 +443,25 @@ Module::Module(std::string text) : text_(std::move(text)) {
     if (function_body != nullptr) throw InputError("the LLVM IR cannot be read: it ends inside " + function_body->name);
 }
 
-std::string metadata_field(std::string_view metadata, std::string_view name) {
-    const std::string key = std::string(name) + ": ";
-    for (std::size_t position = metadata.find(key); position != std::string_view::npos;
-         position = metadata.find(key, position + 1)) {
-        if (position == 0 || (metadata[position - 1] != ' ' && metadata[position - 1] != '(')) continue;
-        std::string_view value = metadata.substr(position + key.size());
-        if (value.starts_with('"')) {
-            const std::size_t end = value.find('"', 1);
-            return std::string(value.substr(1, end == std::string_view::npos ? end : end - 1));
-        }
-        return std::string(value.substr(0, value.find_first_of(",)")));
+/// Reads a line outside of functions. Returns the function that it begins; null if it begins none.
+IrFunction* Module::read_outer_line(std::string_view line) {
+    Cursor cursor(line);
+    if (line.starts_with("define ")) {
+        cursor.expect("define");
+        return read_header(cursor);
     }
-    return {};
+    if (line.starts_with('@')) read_global(cursor);
+    if (line.starts_with('!')) read_metadata(cursor);
+    return nullptr;
 }
 
-int metadata_index(std::string_view text) {
-    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-    if (!text.starts_with('!')) return -1;
+/// Reads `!12 = TEXT`. Metadata with a name instead of a number is not used.
+void Module::read_metadata(Cursor& cursor) {
+    cursor.expect("!");
+    const std::string_view digits = cursor.take_word();
     int n = -1;
-    const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), n);
-    return error == std::errc() ? n : -1;
-}
-
-std::vector<int> metadata_indices(std::string_view metadata) {
-    std::vector<int> indices;
-    const std::size_t open = metadata.find('{');
-    if (open == std::string_view::npos) return indices;
-    std::string_view rest = metadata.substr(open + 1);
-    while (!rest.empty() && rest.front() != '}') {
-        indices.push_back(metadata_index(rest));
-        const std::size_t comma = rest.find(',');
-        if (comma == std::string_view::npos) break;
-        rest.remove_prefix(comma + 1);
-    }
-    if (indices.size() == 1 && indices[0] == -1 && metadata.find("null") == std::string_view::npos) indices.clear();
-    return indices;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
+    if (error == std::errc() && end == digits.data() + digits.size() && cursor.take("=")) metadata_[n] = cursor.rest();
 }
 
 }  // namespace lostbits::intersect::function

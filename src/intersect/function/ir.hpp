@@ -109,13 +109,22 @@ public:
     std::map<std::string, Global> globals;
 
 private:
+    /// The members of a packed structure follow one another without padding.
+    enum class Packing { aligned, packed };
+
     const Type* add_type(Type type) { return &types_.emplace_back(std::move(type)); }
-    const Type* make_structure(std::vector<const Type*> parts, bool packed);
-    const Type* read_structure(Cursor& cursor, char close, bool packed);
+    const Type* make_structure(std::vector<const Type*> parts, Packing packing);
+    const Type* read_structure(Cursor& cursor, char close, Packing packing);
+    const Type* number_type(int bits);
     const Type* read_simple_type(Cursor& cursor);
+    const Type* read_array(Cursor& cursor);
+    const Type* read_vector_or_packed_structure(Cursor& cursor);
     const Type* find_named_type(const std::string& name);
     void read_global(Cursor& cursor);
     IrFunction* read_header(Cursor& cursor);
+    int read_parameters(IrFunction& function, Cursor& inside);
+    IrFunction* read_outer_line(std::string_view line);
+    void read_metadata(Cursor& cursor);
 
     std::string text_;
     std::vector<const char*> line_ends_;  // filled by `line_of`

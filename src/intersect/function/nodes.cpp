@@ -71,68 +71,77 @@ NodeId Nodes::narrow(NodeId x) {
     if (const auto exact = unwidened_node(x)) return *exact;
     const ProgramNode n = (*this)[x];
     if (n.op == TapeOp::constant) return constant(static_cast<double>(static_cast<float>(n.value)), false);
+
     const bool rounds_once = n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::mul || n.op == TapeOp::div ||
                              n.op == TapeOp::sqrt;
-    if (rounds_once) {
-        std::array<NodeId, 3> operands{no_node, no_node, no_node};
-        bool all_unconverted = true;
-        for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
-            const auto exact = unwidened_node(n.operands[k]);
-            all_unconverted = all_unconverted && exact.has_value();
-            operands[k] = exact.value_or(no_node);
-        }
-        if (all_unconverted) return add({.op = n.op, .operands = operands, .place = n.place});
-    }
+    if (rounds_once)
+        if (const auto operands = unwidened_operands(n.operands, row_of(n.op).operands))
+            return add({.op = n.op, .operands = *operands, .place = n.place});
     return add({.op = TapeOp::convert, .operands = {x, no_node, no_node}});
+}
+
+/// Returns the numbers of the function's own format whose conversions are the first `count` operands; empty if one of
+/// the operands is not such a conversion.
+std::optional<std::array<NodeId, 3>> Nodes::unwidened_operands(const std::array<NodeId, 3>& operands,
+                                                               std::size_t count) {
+    std::array<NodeId, 3> unwidened{no_node, no_node, no_node};
+    bool all_unconverted = true;
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto exact = unwidened_node(operands[k]);
+        all_unconverted = all_unconverted && exact.has_value();
+        unwidened[k] = exact.value_or(no_node);
+    }
+    return all_unconverted ? std::optional(unwidened) : std::nullopt;
 }
 
 NodeId Nodes::arithmetic(TapeOp op, NodeId a, NodeId b, NodeId c) {
     const std::array<NodeId, 3> operands{a, b, c};
-    const std::size_t count = row_of(op).operands;
     const bool wide = (*this)[a].wide;
     const bool is_exact =
         op == TapeOp::neg || op == TapeOp::abs || op == TapeOp::copysign || op == TapeOp::min || op == TapeOp::max;
-    if (wide && is_exact) {
-        std::array<NodeId, 3> narrowed_operands{no_node, no_node, no_node};
-        bool all_unconverted = true;
-        for (std::size_t k = 0; k < count; ++k) {
-            const auto exact = unwidened_node(operands[k]);
-            all_unconverted = all_unconverted && exact.has_value();
-            narrowed_operands[k] = exact.value_or(no_node);
+    if (wide && is_exact)
+        if (const auto narrow_operands = unwidened_operands(operands, row_of(op).operands)) {
+            const auto [x, y, z] = *narrow_operands;
+            return widen(arithmetic(op, x, y, z));
         }
-        if (all_unconverted)
-            return widen(arithmetic(op, narrowed_operands[0], narrowed_operands[1], narrowed_operands[2]));
-    }
+
     const auto is_constant_or_none = [&](NodeId i) { return i == no_node || (*this)[i].op == TapeOp::constant; };
     if (is_constant_or_none(a) && is_constant_or_none(b) && is_constant_or_none(c)) {
         const double x = (*this)[a].value, y = b == no_node ? 0 : (*this)[b].value;
-        if (op == TapeOp::neg) return constant(-x, wide);
-        if (op == TapeOp::abs) return constant(std::fabs(x), wide);
-        // Sums and products of known numbers, such as those of a counter, are computed here if they are exact.
-        if (op == TapeOp::add || op == TapeOp::sub || op == TapeOp::mul) {
-            const double z = op == TapeOp::sub ? -y : y;
-            const double r = op == TapeOp::mul ? x * y : x + z;
-            const double x_part = r - z;
-            const bool is_exact_result =
-                op == TapeOp::mul ? std::fma(x, y, -r) == 0 : (x - x_part) + (z - (r - x_part)) == 0;
-            if (is_exact_result && std::isfinite(r) && (wide || fits_format(r)) && (r == 0 || std::fabs(r) > 1e-30))
-                return constant(r, wide);
-        }
+        if (const auto result = exact_result(op, x, y, wide)) return constant(*result, wide);
     }
     return add({.op = op, .wide = wide, .operands = operands});
+}
+
+/// Computes an operation on known numbers, such as those of a counter, if its result is exact; empty otherwise.
+std::optional<double> Nodes::exact_result(TapeOp op, double x, double y, bool wide) const {
+    if (op == TapeOp::neg) return -x;
+    if (op == TapeOp::abs) return std::fabs(x);
+    if (op != TapeOp::add && op != TapeOp::sub && op != TapeOp::mul) return {};
+
+    // The rounding error of a product by fma, that of a sum by the sum of Knuth.
+    const double z = op == TapeOp::sub ? -y : y;
+    const double r = op == TapeOp::mul ? x * y : x + z;
+    const double x_part = r - z;
+    const bool is_exact = op == TapeOp::mul ? std::fma(x, y, -r) == 0 : (x - x_part) + (z - (r - x_part)) == 0;
+    const bool is_representable = std::isfinite(r) && (wide || fits_format(r)) && (r == 0 || std::fabs(r) > 1e-30);
+    return is_exact && is_representable ? std::optional(r) : std::nullopt;
 }
 
 NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
     if (when == yes || a == b) return a;
     if (when == no) return b;
     if ((*this)[when].op == TapeOp::logical_not) return select((*this)[when].operands[0], b, a);
+
     // A selection inside a selection by the same decision always takes the same side.
     const auto side_value = [&](NodeId side, std::size_t k) {
         const ProgramNode& n = (*this)[side];
         return n.op == TapeOp::select && n.operands[0] == when ? n.operands[k] : side;
     };
-    a = side_value(a, 1), b = side_value(b, 2);
+    a = side_value(a, 1);
+    b = side_value(b, 2);
     if (a == b) return a;
+
     if ((*this)[a].wide) {
         const auto x = unwidened_node(a), y = unwidened_node(b);
         if (x && y) return widen(select(when, *x, *y));
@@ -153,6 +162,8 @@ NodeId Nodes::round_to_whole(WholeNumber rounding, NodeId x) {
     const bool wide = (*this)[x].wide;
     const int digits = bits_ == 64 || wide ? 53 : 24;
     const auto constant_of = [&](double c) { return constant(c, wide); };
+
+    // The whole part of |x|, and the last bit of the whole part.
     const NodeId size = arithmetic(TapeOp::abs, x);
     NodeId sum = constant_of(0);
     Mask is_odd = no;
@@ -161,6 +172,8 @@ NodeId Nodes::round_to_whole(WholeNumber rounding, NodeId x) {
         is_odd = compare(TapeOp::less_equal, larger_sum, size);
         sum = select(is_odd, larger_sum, sum);
     }
+
+    // Rounds from the whole part to the next number below or above, or to the nearer one of the two.
     const NodeId truncated = arithmetic(TapeOp::copysign, sum, x), fraction = arithmetic(TapeOp::sub, size, sum);
     const auto compare_with_half = [&](TapeOp op) { return compare(op, fraction, constant_of(0.5)); };
     const auto moved_by_one = [&](Mask when, TapeOp op) {
@@ -180,47 +193,62 @@ NodeId Nodes::round_to_whole(WholeNumber rounding, NodeId x) {
                              truncated);
         }
     }
+
+    // Larger numbers are whole, and comparisons with NaN are false: both stay as they are.
     return select(compare(TapeOp::less, size, constant_of(std::ldexp(1.0, digits - 1))), rounded, x);
 }
 
 Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
-    // If `x` selects among constants, each of them is compared on its own, and the result is a combination of the
-    // decisions. For example, if t is −1 for a miss, t < 0 becomes the decision that selects −1.
-    const auto resolve = [&](NodeId x, NodeId y, bool is_swapped) -> std::optional<Mask> {
-        bool has_others = false;
-        const ProgramNode chosen = (*this)[x];
-        if (chosen.op != TapeOp::select || (*this)[y].op != TapeOp::constant) return {};
-        if (constants_of(x, has_others).empty()) return {};
-        const auto side = [&](NodeId s) { return is_swapped ? compare(op, y, s) : compare(op, s, y); };
-        const Mask result_if_true = side(chosen.operands[1]);
-        return select_mask(chosen.operands[0], result_if_true, side(chosen.operands[2]));
-    };
     const std::tuple key{op, a, b, std::uint64_t{0}, false};
     if (const auto known_result = known_nodes_.find(key); known_result != known_nodes_.end())
         return known_result->second;
-    if (const auto resolved = resolve(a, b, false)) return known_nodes_[key] = *resolved;
-    if (const auto resolved = resolve(b, a, true)) return known_nodes_[key] = *resolved;
+    if (const auto resolved = compare_side_by_side(op, a, b, Selection::left)) return known_nodes_[key] = *resolved;
+    if (const auto resolved = compare_side_by_side(op, b, a, Selection::right)) return known_nodes_[key] = *resolved;
+
+    // Comparisons of constants, and with NaN.
     const ProgramNode x = (*this)[a], y = (*this)[b];
     if (x.op == TapeOp::constant && y.op == TapeOp::constant) return comparison(op, x.value, y.value) ? yes : no;
     if ((x.op == TapeOp::constant && std::isnan(x.value)) || (y.op == TapeOp::constant && std::isnan(y.value)))
         return no;
-    if (x.wide) {
-        auto narrow_a = unwidened_node(a), narrow_b = unwidened_node(b);
-        // A constant between two neighbouring numbers of the narrow format can be replaced by one of the two. The
-        // comparison with the neighbour on the side that `op` needs gives the same decision.
-        const auto neighbour = [&](double c, bool up) {
-            float f = static_cast<float>(c);
-            if (up && f < c) f = std::nextafterf(f, std::numeric_limits<float>::infinity());
-            if (!up && f > c) f = std::nextafterf(f, -std::numeric_limits<float>::infinity());
-            return constant(f, false);
-        };
-        if (narrow_a && !narrow_b && y.op == TapeOp::constant)
-            narrow_b = neighbour(y.value, op == TapeOp::less || op == TapeOp::greater_equal);
-        else if (narrow_b && !narrow_a && x.op == TapeOp::constant)
-            narrow_a = neighbour(x.value, op == TapeOp::greater || op == TapeOp::less_equal);
-        if (narrow_a && narrow_b) return compare(op, *narrow_a, *narrow_b);
-    }
+
+    if (x.wide)
+        if (const auto narrow_operands = narrow_comparison(op, a, b))
+            return compare(op, narrow_operands->first, narrow_operands->second);
     return known_nodes_[key] = add({.op = op, .operands = {a, b, no_node}});
+}
+
+/// If `x` selects among constants and `y` is a constant, compares each of them on its own, and combines the results by
+/// the decisions. For example, if t is −1 for a miss, t < 0 becomes the decision that selects −1. `selection` is the
+/// side of the comparison on which `x` stands.
+std::optional<Mask> Nodes::compare_side_by_side(TapeOp op, NodeId x, NodeId y, Selection selection) {
+    bool has_others = false;
+    const ProgramNode chosen = (*this)[x];
+    if (chosen.op != TapeOp::select || (*this)[y].op != TapeOp::constant) return {};
+    if (constants_of(x, has_others).empty()) return {};
+    const auto compare_value = [&](NodeId v) {
+        return selection == Selection::left ? compare(op, v, y) : compare(op, y, v);
+    };
+    const Mask result_if_true = compare_value(chosen.operands[1]);
+    return select_mask(chosen.operands[0], result_if_true, compare_value(chosen.operands[2]));
+}
+
+/// Returns operands of the function's own format whose comparison gives the same decision; empty if there are none. A
+/// constant between two neighbouring numbers of that format is replaced by the neighbour on the side that `op` needs.
+std::optional<std::pair<NodeId, NodeId>> Nodes::narrow_comparison(TapeOp op, NodeId a, NodeId b) {
+    const ProgramNode x = (*this)[a], y = (*this)[b];
+    auto narrow_a = unwidened_node(a), narrow_b = unwidened_node(b);
+    const auto neighbour = [&](double c, bool up) {
+        float f = static_cast<float>(c);
+        if (up && f < c) f = std::nextafterf(f, std::numeric_limits<float>::infinity());
+        if (!up && f > c) f = std::nextafterf(f, -std::numeric_limits<float>::infinity());
+        return constant(f, false);
+    };
+    if (narrow_a && !narrow_b && y.op == TapeOp::constant)
+        narrow_b = neighbour(y.value, op == TapeOp::less || op == TapeOp::greater_equal);
+    else if (narrow_b && !narrow_a && x.op == TapeOp::constant)
+        narrow_a = neighbour(x.value, op == TapeOp::greater || op == TapeOp::less_equal);
+    if (!narrow_a || !narrow_b) return {};
+    return std::pair(*narrow_a, *narrow_b);
 }
 
 Mask Nodes::logic(TapeOp op, Mask a, Mask b) {
@@ -256,7 +284,8 @@ Mask Nodes::logical_or(Mask a, Mask b) {
         if (n.operands[1] == logical_not(x)) return n.operands[0];
         return y;
     };
-    b = without_known(a, b), a = without_known(b, a);
+    b = without_known(a, b);
+    a = without_known(b, a);
     return a == b ? a : logic(TapeOp::logical_or, a, b);
 }
 
@@ -279,6 +308,7 @@ void Nodes::name_node(NodeId i, const std::string& label, int depth) {
 }
 
 std::vector<double> Nodes::constants_of(NodeId x, bool& has_others) const {
+    constexpr std::size_t max_visited = 2000;
     std::vector<double> constants;
     std::vector<NodeId> todo{x}, visited;
     while (!todo.empty()) {
@@ -286,12 +316,13 @@ std::vector<double> Nodes::constants_of(NodeId x, bool& has_others) const {
         todo.pop_back();
         if (std::ranges::find(visited, i) != visited.end()) continue;
         visited.push_back(i);
+
         const ProgramNode& n = (*this)[i];
-        if (n.op == TapeOp::select) todo.push_back(n.operands[1]), todo.push_back(n.operands[2]);
+        if (n.op == TapeOp::select) todo.insert(todo.end(), {n.operands[1], n.operands[2]});
         else if (n.op == TapeOp::convert) todo.push_back(n.operands[0]);
         else if (n.op == TapeOp::constant) constants.push_back(n.value);
         else has_others = true;
-        if (visited.size() > 2000) {
+        if (visited.size() > max_visited) {
             has_others = true;
             break;
         }
@@ -300,14 +331,7 @@ std::vector<double> Nodes::constants_of(NodeId x, bool& has_others) const {
 }
 
 Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, NodeId far) const {
-    std::vector<bool> is_needed(nodes_.size());
-    for (const NodeId i : {hit, t, near, far})
-        if (i >= 0) is_needed[static_cast<std::size_t>(i)] = true;
-    for (std::size_t i = nodes_.size(); i-- > 0;) {
-        if (!is_needed[i] || is_given(nodes_[i].op)) continue;
-        for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k)
-            is_needed[static_cast<std::size_t>(nodes_[i].operands[k])] = true;
-    }
+    const std::vector<bool> is_needed = find_needed({hit, t, near, far});
     FormulaWithPlaces result;
     std::vector<NodeId>& operation_of = result.operation_of;
     operation_of.assign(nodes_.size(), no_node);
@@ -317,10 +341,12 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
         result.places.push_back(place_index);
         return static_cast<NodeId>(out.size() - 1);
     };
+
+    // Copies the operations, with the new indices of their operands. NaN is written as 0/0.
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         if (!is_needed[i]) continue;
         const ProgramNode& n = nodes_[i];
-        if (n.op == TapeOp::constant && std::isnan(n.value)) {  // 0/0
+        if (n.op == TapeOp::constant && std::isnan(n.value)) {
             const NodeId zero = append({.op = TapeOp::constant, .wide = n.wide}, n.place);
             operation_of[i] = append({.op = TapeOp::div, .operands = {zero, zero, no_node}, .wide = n.wide}, n.place);
             continue;
@@ -332,15 +358,32 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
                 w.operands[k] = operation_of[static_cast<std::size_t>(n.operands[k])];
         operation_of[i] = append(std::move(w), n.place);
     }
+
+    // A known decision is a comparison of 0 with 0.
     const auto decision = [&](Mask m) {
         if (m >= 0) return operation_of[static_cast<std::size_t>(m)];
         const NodeId zero = append({.op = TapeOp::constant}, -1);
         return append({.op = m == yes ? TapeOp::less_equal : TapeOp::less, .operands = {zero, zero, no_node}}, -1);
     };
-    result.formula.hit = decision(hit);
     const auto answer = [&](NodeId i) { return i == no_node ? no_node : operation_of[static_cast<std::size_t>(i)]; };
-    result.formula.t = answer(t), result.formula.near = answer(near), result.formula.far = answer(far);
+    result.formula.hit = decision(hit);
+    result.formula.t = answer(t);
+    result.formula.near = answer(near);
+    result.formula.far = answer(far);
     return result;
+}
+
+/// Finds the operations on which the outputs depend.
+std::vector<bool> Nodes::find_needed(std::initializer_list<NodeId> outputs) const {
+    std::vector<bool> is_needed(nodes_.size());
+    for (const NodeId i : outputs)
+        if (i >= 0) is_needed[static_cast<std::size_t>(i)] = true;
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        if (!is_needed[i] || is_given(nodes_[i].op)) continue;
+        for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k)
+            is_needed[static_cast<std::size_t>(nodes_[i].operands[k])] = true;
+    }
+    return is_needed;
 }
 
 }  // namespace lostbits::intersect::function

@@ -2,11 +2,14 @@
 // known result, selections between equal values, and numbers that are widened and then narrowed again.
 #pragma once
 
+#include <array>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "intersect/table/written_formula.hpp"
@@ -87,6 +90,12 @@ private:
     /// Returns the number of the function's own format whose conversion is the double `x`; empty if `x` is not such a
     /// conversion.
     std::optional<NodeId> unwidened_node(NodeId x);
+    std::optional<std::array<NodeId, 3>> unwidened_operands(const std::array<NodeId, 3>& operands, std::size_t count);
+    [[nodiscard]] std::optional<double> exact_result(TapeOp op, double x, double y, bool wide) const;
+    enum class Selection { left, right };
+    std::optional<Mask> compare_side_by_side(TapeOp op, NodeId x, NodeId y, Selection selection);
+    std::optional<std::pair<NodeId, NodeId>> narrow_comparison(TapeOp op, NodeId a, NodeId b);
+    [[nodiscard]] std::vector<bool> find_needed(std::initializer_list<NodeId> outputs) const;
     [[nodiscard]] bool fits_format(double x) const;
 
     int bits_;

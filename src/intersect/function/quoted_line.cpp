@@ -60,6 +60,43 @@ const UserFunction* function_with_place(const Info& form, const Format& format, 
     return place_index < 0 ? nullptr : f;
 }
 
+/// Returns the positions of the calls in the same file that lead to a place.
+std::string call_chain(const UserFunction& f, const SourcePlace& p) {
+    std::string text;
+    for (int caller = p.caller; caller >= 0; caller = f.places[static_cast<std::size_t>(caller)].caller) {
+        const SourcePlace& c = f.places[static_cast<std::size_t>(caller)];
+        // In Rust, the wrapper that calls the user's function is compiled in the same file, below the user's text.
+        const bool is_below = c.file == f.path && c.line > std::ranges::count(f.source, '\n') + 1;
+        if (c.line == 0 || c.file != p.file || is_below) continue;
+        text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
+    }
+    return text;
+}
+
+/// Reads the line of a place from the user's text, or from the file of the place: the source of LLVM IR, or a header.
+std::string read_line(const UserFunction& f, const SourcePlace& p) {
+    std::istringstream own_source(f.source);
+    std::ifstream other_file(p.file);
+    std::istream& lines = p.file == f.path ? static_cast<std::istream&>(own_source) : other_file;
+    std::string line;
+    for (int k = 0; k < p.line; ++k) {
+        line.clear();
+        std::getline(lines, line);
+    }
+    return line;
+}
+
+/// Marks the expression at a byte of a line: blanks, then ~ below the expression and ^ below the byte.
+std::string marks_below(const std::string& line, std::size_t marked_byte) {
+    const auto [begin, end] = source_text::SourceTokens(line).expression_at(marked_byte);
+    std::string marks;
+    for (std::size_t k = 0; k < end; ++k) {
+        if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // a later byte of a UTF-8 character
+        marks += k == marked_byte ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
+    }
+    return marks;
+}
+
 std::string text_of_place(const SourcePlace& p) {
     return p.file + ":" + std::to_string(p.line) + (p.column > 0 ? ":" + std::to_string(p.column) : "");
 }
@@ -77,32 +114,15 @@ std::string quoted_line(const Info& form, const Format& format, NodeId node) {
     const UserFunction* const f = function_with_place(form, format, node, place_index);
     if (f == nullptr) return "";
     const SourcePlace& p = f->places[static_cast<std::size_t>(place_index)];
-    std::string text = text_of_place(p);
-    for (int caller = p.caller; caller >= 0; caller = f->places[static_cast<std::size_t>(caller)].caller) {
-        const SourcePlace& c = f->places[static_cast<std::size_t>(caller)];
-        // In Rust, the wrapper that calls the user's function is compiled in the same file, below the user's text.
-        const bool is_below = c.file == f->path && c.line > std::ranges::count(f->source, '\n') + 1;
-        if (c.line == 0 || c.file != p.file || is_below) continue;
-        text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
-    }
-    text += "\n";
-    std::istringstream own_source(f->source);
-    std::ifstream other_file(p.file);  // the source of LLVM IR, or a header
-    std::istream& lines = p.file == f->path ? static_cast<std::istream&>(own_source) : other_file;
-    std::string line;
-    for (int k = 0; k < p.line; ++k) line.clear(), std::getline(lines, line);
-    if (line.empty() || static_cast<std::size_t>(p.column) > line.size()) return text;
+    const std::string header = text_of_place(p) + call_chain(*f, p) + "\n";
+
+    const std::string line = read_line(*f, p);
+    if (line.empty() || static_cast<std::size_t>(p.column) > line.size()) return header;
     const std::string line_number = std::to_string(p.line);
-    text += " " + line_number + " | " + line + "\n";
-    if (p.column < 1) return text;  // the column is unknown
-    const auto marked_byte = static_cast<std::size_t>(p.column - 1);
-    const auto [begin, end] = source_text::SourceTokens(line).expression_at(marked_byte);
-    std::string marks;
-    for (std::size_t k = 0; k < end; ++k) {
-        if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // a later byte of a UTF-8 character
-        marks += k == marked_byte ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
-    }
-    return text + " " + std::string(line_number.size(), ' ') + " | " + marks + "\n";
+    const std::string quoted = header + " " + line_number + " | " + line + "\n";
+    if (p.column < 1) return quoted;  // the column is unknown
+    return quoted + " " + std::string(line_number.size(), ' ') + " | " +
+           marks_below(line, static_cast<std::size_t>(p.column - 1)) + "\n";
 }
 
 }  // namespace lostbits::intersect::function

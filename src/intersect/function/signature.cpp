@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
-#include <cmath>
+#include <iterator>
 #include <span>
 
 #include "intersect/external/pipe_header.hpp"
@@ -27,47 +26,11 @@ struct Part {
     bool is_out = false;              ///< true if the function writes the part
     bool points_to_numbers = false;   ///< argument of type float*, which may be one number or three
     bool has_fourth = false;          ///< a vector of four numbers, whose last one may be a radius
-    std::string role = {};            ///< see `guess_roles`; empty while unknown
+    std::string role = {};            ///< see `RoleGuesser`; empty while unknown
 };
 
 bool is_tmin(const Part& p) { return !p.is_vector && (is_tmin_name(p.last_name) || p.last_name == "min"); }
 bool is_tmax(const Part& p) { return !p.is_vector && (is_tmax_name(p.last_name) || p.last_name == "max"); }
-
-bool is_radius(std::string_view name) { return is_one_of(name, {"r", "rad", "radius", "sr", "ra"}); }
-
-/// Counts the numbers of a type that consists only of numbers of one size; -1 if the type holds anything else, or too
-/// many numbers. `last_member` receives the normalized name of the last member.
-int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member) {
-    if (t.kind == Kind::number) {
-        if (size != 0 && size != t.size) return -1;
-        size = t.size;
-        last_member = normalized_name(t.member);
-        return 1;
-    }
-    if (t.kind == Kind::sequence) {
-        std::string unused;
-        const int part_count = count_numbers(t.parts[0], size, unused);
-        return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
-    }
-    if (t.kind != Kind::structure || t.parts.empty()) return -1;
-    int total = 0;
-    for (const SourceType& p : t.parts) {
-        const int part_count = count_numbers(p, size, last_member);
-        if (part_count < 0 || total > 4096) return -1;
-        total += part_count;
-    }
-    return total;
-}
-
-/// True if the numbers of a type follow one another and their names say no more than x, y, z: an array, a struct that
-/// holds only numbers, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of
-/// its own, and there may be padding between them.
-bool is_sequence_of_numbers(const SourceType& t) {
-    if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
-    if (t.kind != Kind::structure) return false;
-    if (t.parts.size() == 1) return is_sequence_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
-    return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
-}
 
 class Parts {
 public:
@@ -79,12 +42,14 @@ public:
         argument_ = index;
         is_out_ = is_pointer && !a.type.is_const && !a.is_this && is_answer(a);
         const std::string name = a.is_this ? "this" : a.name;
+
         // A pointer to a number means one number if its name says so, and three otherwise; a reference means one.
         if (is_pointer && a.target().kind == Kind::number) {
             const bool is_single = a.type.name == "&" || is_out_ ||
                                    is_one_of(normalized_name(a.name), {"radius", "r", "tmin", "tmax", "t"});
-            add_part(0, a.target().size, !is_single, name, normalized_name(a.name));
-            all.back().points_to_numbers = a.type.name != "&";
+            Part& p = add_number(0, a.target().size, name, normalized_name(a.name));
+            p.is_vector = !is_single;
+            p.points_to_numbers = a.type.name != "&";
             return;
         }
         flatten(a.target(), 0, name, normalized_name(a.name));
@@ -103,48 +68,57 @@ private:
         return false;
     }
 
-    void add_part(std::size_t offset, std::size_t size, bool is_vector, const std::string& path,
-                  const std::string& last_name, bool is_integer = false) {
-        Part p{.slot = {argument_, offset, size, is_integer},
-               .is_vector = is_vector,
+    Part& add_number(std::size_t offset, std::size_t size, const std::string& path, const std::string& last_name) {
+        Part p{.slot = {argument_, offset, size, false},
                .path = path,
                .last_name = last_name,
                .argument_names = argument_names_};
         p.is_out = is_out_;
-        all.push_back(std::move(p));
+        return all.emplace_back(std::move(p));
+    }
+    Part& add_vector(std::size_t offset, std::size_t size, const std::string& path, const std::string& last_name) {
+        Part& p = add_number(offset, size, path, last_name);
+        p.is_vector = true;
+        return p;
     }
 
+    /// Adds the vectors and numbers of a type. Numbers that follow one another are vectors where their count allows it.
     void flatten(const SourceType& t, std::size_t offset, const std::string& path, const std::string& last_name) {
         if (--parts_left_ < 0) return;
         std::size_t size = 0;
         std::string last_member;
         const int count = count_numbers(t, size, last_member);
-        if (t.kind == Kind::number) return add_part(offset, t.size, false, path, last_name);
-        if (t.kind == Kind::integer) return add_part(offset, t.size, false, path, last_name, true);
+        if (t.kind == Kind::number || t.kind == Kind::integer) {
+            add_number(offset, t.size, path, last_name).slot.is_integer = t.kind == Kind::integer;
+            return;
+        }
+
+        // Three or four numbers are a vector, unless they have names of their own. The fourth may be a radius.
         const bool is_sequence = is_sequence_of_numbers(t);
-        if (is_sequence && (count == 3 || (count == 4 && !is_radius(last_member)))) {
-            // Three numbers with names of their own are not a vector.
+        if (is_sequence && (count == 3 || (count == 4 && !is_radius_name(last_member)))) {
             const bool has_own_names =
                 t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
                 is_one_of(normalized_name(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
             if (!has_own_names) {
-                add_part(offset, size, true, path, last_name);
-                all.back().has_fourth = count == 4;
+                add_vector(offset, size, path, last_name).has_fourth = count == 4;
                 return;
             }
         }
         if (is_sequence && count == 4) {
-            add_part(offset, size, true, path + "." + t.parts[0].member, "centre");
-            return add_part(offset + 3 * size, size, false, path + "." + last_member, "radius");
-        }
-        if (t.kind == Kind::sequence && count > 0 && count % 3 == 0 && t.parts[0].kind == Kind::number) {
-            for (int k = 0; k < count / 3; ++k) {
-                const std::string index = std::to_string(k);
-                add_part(offset + static_cast<std::size_t>(3 * k) * size, size, true,
-                         path + "[" + std::to_string(3 * k) + "]", last_name + index);
-            }
+            add_vector(offset, size, path + "." + t.parts[0].member, "centre");
+            add_number(offset + 3 * size, size, path + "." + last_member, "radius");
             return;
         }
+
+        // An array of numbers may be several vectors.
+        if (t.kind == Kind::sequence && count > 0 && count % 3 == 0 && t.parts[0].kind == Kind::number) {
+            for (int k = 0; k < count / 3; ++k)
+                add_vector(offset + static_cast<std::size_t>(3 * k) * size, size,
+                           path + "[" + std::to_string(3 * k) + "]", last_name + std::to_string(k));
+            return;
+        }
+
+        // Other arrays and structures part by part.
         if (t.kind == Kind::sequence && t.count <= 16) {
             for (std::size_t k = 0; k < t.count; ++k)
                 flatten(t.parts[0], offset + k * t.parts[0].size, path + "[" + std::to_string(k) + "]",
@@ -166,20 +140,14 @@ private:
 
 Shape guess_shape(const UserSignature& signature, const StatedSignature& stated, const std::vector<Part>& parts,
                   const std::string& subject) {
-    if (!stated.shape.empty()) {
-        const auto shape_name = std::ranges::find(shape_names, std::string_view(stated.shape));
-        if (shape_name == shape_names.end() || *shape_name == "sdf") {
-            std::string all_names;
-            for (const std::string_view name : shape_names)
-                if (name != "sdf") all_names += (all_names.empty() ? "" : ", ") + std::string(name);
-            throw InputError(stated.where + ": " + external::quote_text(stated.shape) + " is not one of " + all_names);
-        }
-        return static_cast<Shape>(shape_name - shape_names.begin());
-    }
+    // The shape that is stated, or that the names of the function or its arguments contain.
+    if (!stated.shape.empty()) return stated_shape(stated);
     if (const auto named = find_shape(normalized_name(signature.call))) return *named;
     for (const Argument& a : signature.arguments)
         if (const auto named = find_shape(normalized_name(a.target().name) + " " + normalized_name(a.name)))
             return *named;
+
+    // The only shape with so many vectors and numbers beside the origin and the direction.
     std::size_t vectors = 0, numbers = 0;
     bool has_fourth = false;
     for (const Part& p : parts) {
@@ -196,132 +164,161 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
                      "of the file, such as // lostbits: sphere(o, d, c, r)");
 }
 
+/// The role of the key with index k; `key_index` is its inverse. No shape has ten keys.
+std::string key_role(std::size_t k) { return "k" + std::to_string(k); }
+std::size_t key_index(const std::string& role) { return static_cast<std::size_t>(role[1] - '0'); }
+
+bool is_answer_role(const std::string& role) { return is_one_of(role, {"t", "far", "hit"}); }
+
 /// Returns the last number of a vector of four numbers as a part of its own.
 Part fourth_number_of(Part vector) {
     vector.slot.offset += 3 * vector.slot.size;
-    vector.is_vector = vector.has_fourth = false, vector.path += ".w", vector.role = "";
+    vector.is_vector = vector.has_fourth = false;
+    vector.path += ".w";
+    vector.role = "";
     return vector;
 }
 
+bool has_role(const std::vector<Part>& parts, const std::string& role) {
+    return std::ranges::find(parts, role, &Part::role) != parts.end();
+}
+
 /// Gives each part a role: o, d, 1/d, tmin, tmax, or k followed by the index of the key.
-void guess_roles(std::vector<Part>& parts, Shape shape) {
+class RoleGuesser {
+public:
+    RoleGuesser(std::vector<Part>& parts, Shape shape) : parts_(parts), shape_(shape), keys_(row_of(shape).keys) {}
+
+    void guess() {
+        guess_ray_by_names();
+        guess_ray_by_order();
+        guess_keys();
+        split_fourth_numbers();
+    }
+
+private:
+    void set_role(Part& p, const std::string& role) const {
+        if (p.role.empty() && !has_role(parts_, role)) p.role = role;
+    }
+    static bool is_in_ray(const Part& p) { return p.argument_names.find("ray") != std::string::npos; }
+    [[nodiscard]] bool may_be_key(const Part& p, const Key& key) const {
+        return p.role.empty() && !p.is_out && !p.slot.is_integer && p.is_vector == (key.count() == 3);
+    }
+
+    void guess_ray_by_names() {
+        for (Part& p : parts_) {
+            if (p.is_out || p.slot.is_integer) continue;
+            const bool in_ray = is_in_ray(p);
+            const bool is_whole_argument =
+                p.path.find('.') == std::string::npos && p.path.find('[') == std::string::npos;
+            if (p.is_vector && (in_ray || is_whole_argument)) {
+                if (is_inverse_direction_name(p.last_name)) set_role(p, "1/d");
+                else if (in_ray && !is_whole_argument && is_origin_name(p.last_name)) set_role(p, "o");
+                else if (in_ray && !is_whole_argument && is_direction_name(p.last_name)) set_role(p, "d");
+                else if (is_whole_argument && !is_one_of(p.last_name, {"a", "b", "p0", "pos", "e", "v"})) {
+                    if (is_origin_name(p.last_name)) set_role(p, "o");
+                    else if (is_direction_name(p.last_name)) set_role(p, "d");
+                }
+            } else if (is_tmin(p)) {
+                set_role(p, "tmin");
+            } else if (is_tmax(p)) {
+                set_role(p, "tmax");
+            }
+        }
+    }
+
+    /// Gives the origin and the direction to the first vectors that are left: first to those inside of a ray.
+    void guess_ray_by_order() {
+        for (const char* const role : {"o", "d"}) {
+            if (has_role(parts_, role) || (std::string_view(role) == "d" && has_role(parts_, "1/d"))) continue;
+            for (const bool ray_only : {true, false}) {
+                if (has_role(parts_, role)) break;
+                for (Part& p : parts_) {
+                    const bool in_ray = is_in_ray(p);
+                    const bool is_whole_argument = p.path.find('.') == std::string::npos;
+                    if (!p.is_vector || p.is_out || !p.role.empty() ||
+                        !(ray_only ? in_ray && !is_whole_argument : is_whole_argument || in_ray))
+                        continue;
+                    p.role = role;
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Gives the keys of the primitive to parts with a common name of the key, then to the parts that are left.
+    void guess_keys() {
+        for (Part& p : parts_)
+            for (std::size_t k = 0; k < keys_.size(); ++k)
+                if (may_be_key(p, keys_[k]) && is_common_name_of_key(p.last_name, keys_[k], k, shape_))
+                    set_role(p, key_role(k));
+        for (std::size_t k = 0; k < keys_.size(); ++k) {
+            // A number is an inner radius only if its name says so: more often it is an epsilon.
+            if (has_role(parts_, key_role(k)) || keys_[k].name == "inner_radius") continue;
+            const auto p = std::ranges::find_if(parts_, [&](const Part& part) { return may_be_key(part, keys_[k]); });
+            if (p != parts_.end()) p->role = key_role(k);
+        }
+    }
+
+    /// Makes the fourth number of `vec4 sphere` of shaders the radius, if no part is the radius.
+    void split_fourth_numbers() {
+        for (std::size_t k = 1; k < keys_.size(); ++k) {
+            const auto previous_key = std::ranges::find(parts_, key_role(k - 1), &Part::role);
+            if (has_role(parts_, key_role(k)) || keys_[k].count() != 1 || previous_key == parts_.end() ||
+                !previous_key->has_fourth)
+                continue;
+            Part fourth = fourth_number_of(*previous_key);
+            fourth.role = key_role(k);
+            parts_.push_back(std::move(fourth));
+        }
+    }
+
+    std::vector<Part>& parts_;
+    Shape shape_;
+    std::span<const Key> keys_;
+};
+
+/// Finds the role that a comment names; empty if the name is unknown. Other common names of a key come last.
+std::string find_stated_role(const std::string& name, Shape shape) {
+    if (name == "-" || name.empty()) return "-";
+    if (is_one_of(name, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) return name;
+    if (is_one_of(name, {"origin", "direction"})) return name.substr(0, 1);
     const auto keys = row_of(shape).keys;
-    const auto has_role = [&](const std::string& role) {
-        return std::ranges::find(parts, role, &Part::role) != parts.end();
-    };
-    const auto set_role = [&](Part& p, const std::string& role) {
-        if (p.role.empty() && !has_role(role)) p.role = role;
-    };
-    for (Part& p : parts) {
-        if (p.is_out || p.slot.is_integer) continue;
-        const bool in_ray = p.argument_names.find("ray") != std::string::npos;
-        const bool is_whole_argument = p.path.find('.') == std::string::npos && p.path.find('[') == std::string::npos;
-        const bool may_be_ray = in_ray || is_whole_argument;
-        if (p.is_vector && may_be_ray) {
-            if (is_inverse_direction_name(p.last_name)) set_role(p, "1/d");
-            else if (in_ray && !is_whole_argument && is_origin_name(p.last_name)) set_role(p, "o");
-            else if (in_ray && !is_whole_argument && is_direction_name(p.last_name)) set_role(p, "d");
-            else if (is_whole_argument && !is_one_of(p.last_name, {"a", "b", "p0", "pos", "e", "v"})) {
-                if (is_origin_name(p.last_name)) set_role(p, "o");
-                else if (is_direction_name(p.last_name)) set_role(p, "d");
-            }
-        } else if (is_tmin(p)) {
-            set_role(p, "tmin");
-        } else if (is_tmax(p)) {
-            set_role(p, "tmax");
-        }
-    }
-    // Arguments whose names give no role get roles in the usual order.
-    for (const char* const role : {"o", "d"}) {
-        if (has_role(role) || (std::string_view(role) == "d" && has_role("1/d"))) continue;
-        for (const bool ray_only : {true, false}) {
-            if (has_role(role)) break;
-            for (Part& p : parts) {
-                const bool in_ray = p.argument_names.find("ray") != std::string::npos;
-                const bool is_whole_argument = p.path.find('.') == std::string::npos;
-                if (!p.is_vector || p.is_out || !p.role.empty() ||
-                    !(ray_only ? in_ray && !is_whole_argument : is_whole_argument || in_ray))
-                    continue;
-                p.role = role;
-                break;
-            }
-        }
-    }
-    for (Part& p : parts) {
-        if (p.is_out || p.slot.is_integer || !p.role.empty()) continue;
-        for (std::size_t k = 0; k < keys.size(); ++k)
-            if (p.is_vector == (keys[k].count() == 3) && is_common_name_of_key(p.last_name, keys[k], k, shape))
-                set_role(p, "k" + std::to_string(k));
-    }
-    for (std::size_t k = 0; k < keys.size(); ++k) {
-        const std::string role = "k" + std::to_string(k);
-        // A number is an inner radius only if its name says so: more often it is an epsilon.
-        if (has_role(role) || keys[k].name == "inner_radius") continue;
-        for (Part& p : parts)
-            if (p.role.empty() && !p.is_out && !p.slot.is_integer && p.is_vector == (keys[k].count() == 3)) {
-                p.role = role;
-                break;
-            }
-    }
-    // `vec4 sphere` of shaders: the centre, and the radius as the fourth number.
-    for (std::size_t k = 1; k < keys.size(); ++k) {
-        const auto previous_key = std::ranges::find(parts, "k" + std::to_string(k - 1), &Part::role);
-        if (has_role("k" + std::to_string(k)) || keys[k].count() != 1 || previous_key == parts.end() ||
-            !previous_key->has_fourth)
-            continue;
-        Part fourth = fourth_number_of(*previous_key);
-        fourth.role = "k" + std::to_string(k);
-        parts.push_back(std::move(fourth));
-    }
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (name == keys[k].name || name == keys[k].short_name) return key_role(k);
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (is_common_name_of_key(name, keys[k], k, shape)) return key_role(k);
+    return "";
 }
 
 /// Gives the parts the roles that a comment states, in the order of the arguments.
 void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSignature& stated) {
-    const auto keys = row_of(shape).keys;
+    // If the comment names more arguments than there are parts, it names fourth numbers too.
     for (std::size_t k = 0; k < parts.size(); ++k)
         if (parts[k].has_fourth && stated.roles.size() > parts.size())
             parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_number_of(parts[k]));
-    std::vector<Part*> open_parts;
-    for (Part& p : parts) open_parts.push_back(&p);
-    if (stated.roles.size() > open_parts.size())
+    if (stated.roles.size() > parts.size())
         throw InputError(stated.where + ": names " + std::to_string(stated.roles.size()) +
                          " arguments, but the function "
                          "takes " +
-                         std::to_string(open_parts.size()) + " vectors and numbers");
+                         std::to_string(parts.size()) + " vectors and numbers");
+
+    const auto keys = row_of(shape).keys;
     for (std::size_t i = 0; i < stated.roles.size(); ++i) {
-        const std::string role_name = normalized_name(stated.roles[i]);
-        std::string role;
-        for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
-            if (role_name == keys[k].name || role_name == keys[k].short_name) role = "k" + std::to_string(k);
-        if (role_name == "-" || role_name.empty()) role = "-";
-        else if (is_one_of(role_name, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) role = role_name;
-        else if (is_one_of(role_name, {"origin", "direction"})) role = role_name.substr(0, 1);
-        for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
-            if (is_common_name_of_key(role_name, keys[k], k, shape)) role = "k" + std::to_string(k);
+        const std::string role = find_stated_role(normalized_name(stated.roles[i]), shape);
         if (role.empty())
             throw InputError(stated.where + ": " + external::quote_text(stated.roles[i]) +
                              " is not one of o, d, 1/d, tmin, "
                              "tmax, t, far, hit, -, or a part of " +
                              with_article(shape) + ": " + key_list(shape));
-        open_parts[i]->role = role;
-        open_parts[i]->is_out = is_one_of(role, {"t", "far", "hit", "-"}) && (open_parts[i]->is_out || role != "-");
-        const bool is_number = is_one_of(role, {"t", "far", "hit", "tmin", "tmax"}) ||
-                               (role[0] == 'k' && keys[static_cast<std::size_t>(role[1] - '0')].count() == 1);
-        if (open_parts[i]->points_to_numbers && role != "-") open_parts[i]->is_vector = !is_number;
-    }
-}
+        Part& p = parts[i];
+        p.role = role;
+        p.is_out = is_answer_role(role) || (role == "-" && p.is_out);
 
-bool is_hit_name(std::string_view name) {
-    return is_one_of(name, {"hit", "ishit", "didhit", "valid", "ok", "hashit", "found", "intersects", "intersected",
-                            "success", "happened"});
-}
-bool is_t_name(std::string_view name) {
-    return is_one_of(
-        name, {"t",    "dist",    "distance",    "depth",  "thit",  "tnear",  "t0",   "lambda", "near", "tmin",
-               "hitt", "hitdist", "hitdistance", "tentry", "enter", "tenter", "outt", "0",      "x",    "length"});
-}
-bool is_far_name(std::string_view name) {
-    return is_one_of(name, {"far", "tfar", "t1", "tmax", "texit", "exit", "tleave", "1", "y"});
+        // A float* holds as many numbers as its role needs.
+        const bool is_number = is_answer_role(role) || is_one_of(role, {"tmin", "tmax"}) ||
+                               (role[0] == 'k' && keys[key_index(role)].count() == 1);
+        if (p.points_to_numbers && role != "-") p.is_vector = !is_number;
+    }
 }
 
 /// Finds the slots of hit, t and the far t among the numbers that a function writes or returns.
@@ -342,67 +339,63 @@ std::string role_text(Shape shape, const std::string& role) {
     if (role == "o") return "origin";
     if (role == "d") return "direction";
     if (role == "1/d") return "1/direction";
-    if (role[0] == 'k') return std::string(row_of(shape).keys[static_cast<std::size_t>(role[1] - '0')].name);
+    if (role[0] == 'k') return std::string(row_of(shape).keys[key_index(role)].name);
     return role;
 }
 
-}  // namespace
+/// Turns a float* without const and without a role as an input into an output. Many C functions take their input arrays
+/// without const, so this comes last.
+void find_output_arrays(std::vector<Part>& parts, const UserSignature& signature) {
+    for (Part& p : parts) {
+        const bool is_const = signature.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const;
+        if (!p.role.empty() || !p.points_to_numbers || !p.is_vector || is_const) continue;
+        p.is_vector = false;
+        p.is_out = true;
+    }
+}
 
-void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& subject) {
-    Parts parts;
-    for (std::size_t k = 0; k < signature.arguments.size(); ++k) parts.add(signature.arguments[k], static_cast<int>(k));
-    const Shape shape = guess_shape(signature, stated, parts.all, subject);
-    if (stated.has_roles) apply_stated_roles(parts.all, shape, stated);
-    else guess_roles(parts.all, shape);
-    // Many C functions take their input arrays without const, so a float* counts as an output only if it has no role as
-    // an input.
-    for (Part& p : parts.all)
-        if (p.role.empty() && p.points_to_numbers && p.is_vector &&
-            !signature.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const)
-            p.is_vector = false, p.is_out = true;
+/// Throws InputError, with a comment to write, if a part of the ray or of the primitive has no argument.
+void require_inputs(const std::vector<Part>& parts, Shape shape, const std::string& subject) {
     const auto keys = row_of(shape).keys;
-    const std::size_t numbers = row_of(shape).numbers;
-    signature.bits = 64;
-    for (const Part& p : parts.all)
-        if (!p.is_out && !p.slot.is_integer && p.slot.size == 4) signature.bits = 32;
     std::string missing_roles;
-    const auto has_role = [&](const std::string& role) {
-        return std::ranges::find(parts.all, role, &Part::role) != parts.all.end();
-    };
     const auto add_missing = [&missing_roles](const std::string& role) {
         missing_roles += (missing_roles.empty() ? "" : ", ") + role;
     };
-    if (!has_role("o")) add_missing("the origin of the ray");
-    if (!has_role("d") && !has_role("1/d")) add_missing("the direction of the ray");
+    if (!has_role(parts, "o")) add_missing("the origin of the ray");
+    if (!has_role(parts, "d") && !has_role(parts, "1/d")) add_missing("the direction of the ray");
     for (std::size_t k = 0; k < keys.size(); ++k)
-        if (!has_role("k" + std::to_string(k)) && !keys[k].is_optional)
+        if (!has_role(parts, key_role(k)) && !keys[k].is_optional)
             add_missing("`" + std::string(keys[k].name) + "` of the " + std::string(name_of(shape)));
-    if (!missing_roles.empty()) {
-        std::string example = std::string(name_of(shape)) + "(o, d";
-        for (const Key& key : keys) example += ", " + std::string(key.name);
-        throw InputError(subject + ": no argument was found for " + missing_roles +
-                         "; name the arguments in a comment of the file, such as // lostbits: " + example + ")");
-    }
-    for (const Part& p : parts.all) {
-        if (p.role.empty() || p.role == "-" || is_one_of(p.role, {"t", "far", "hit"})) continue;
-        std::size_t input_index = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? 3 : 6;
-        if (p.role[0] == 'k')
-            for (std::size_t k = 0; k < static_cast<std::size_t>(p.role[1] - '0'); ++k) input_index += keys[k].count();
-        if (p.role == "tmax") input_index = 6 + numbers;
-        for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
-            const std::string input = "in[" + std::to_string(input_index + k) + "]";
-            Slot slot = p.slot;
-            slot.offset += k * p.slot.size;
-            signature.inputs.push_back({slot, p.role == "1/d" ? "1 / " + input : p.role == "tmin" ? "0" : input});
-        }
-        signature.text += (signature.text.empty() ? "" : ", ") + role_text(shape, p.role) + " = " + p.path;
-    }
-    signature.text = std::string(name_of(shape)) + ": " + signature.text;
+    if (missing_roles.empty()) return;
 
-    // Answers
-    std::vector<Part> output_parts;
-    for (const Part& p : parts.all)
-        if (p.is_out) output_parts.push_back(p);
+    std::string example = std::string(name_of(shape)) + "(o, d";
+    for (const Key& key : keys) example += ", " + std::string(key.name);
+    throw InputError(subject + ": no argument was found for " + missing_roles +
+                     "; name the arguments in a comment of the file, such as // lostbits: " + example + ")");
+}
+
+/// Adds the numbers that a part receives: those of its role, in the order origin, direction, keys, end of the ray.
+void add_inputs(UserSignature& signature, const Part& p, Shape shape) {
+    if (p.role.empty() || p.role == "-" || is_answer_role(p.role)) return;
+    constexpr std::size_t first_direction = 3, first_key = 6;
+    const auto keys = row_of(shape).keys;
+    std::size_t input_index = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? first_direction : first_key;
+    if (p.role[0] == 'k')
+        for (std::size_t k = 0; k < key_index(p.role); ++k) input_index += keys[k].count();
+    if (p.role == "tmax") input_index = first_key + row_of(shape).numbers;
+
+    for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
+        const std::string input = "in[" + std::to_string(input_index + k) + "]";
+        Slot slot = p.slot;
+        slot.offset += k * p.slot.size;
+        signature.inputs.push_back({slot, p.role == "1/d" ? "1 / " + input : p.role == "tmin" ? "0" : input});
+    }
+    signature.text += (signature.text.empty() ? "" : ", ") + role_text(shape, p.role) + " = " + p.path;
+}
+
+/// Sets the slots of the answers: in the returned value first, then in the outputs. Returns the parts of the returned
+/// value if it is a structure.
+std::vector<Part> find_answers(UserSignature& signature, const std::vector<Part>& parts) {
     const SourceType* value = &signature.returned;
     if (value->kind == Kind::optional && !value->parts.empty()) {
         signature.hit_is_optional = true;
@@ -424,64 +417,80 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
         }
         find_output_slots(signature, returned_parts);
     }
+
+    std::vector<Part> output_parts;
+    std::ranges::copy_if(parts, std::back_inserter(output_parts), &Part::is_out);
     find_output_slots(signature, output_parts);
-    if (!signature.t)  // any number that the function writes, whatever its name
-        for (const Part& p : output_parts)
-            if (!p.is_vector && !p.slot.is_integer && !signature.t && (p.path.find('.') == std::string::npos))
-                signature.t = p.slot;
-    if (!signature.hit && !signature.t && !signature.hit_is_optional)
-        throw InputError(subject +
-                         ": neither its result nor an argument seems to be t or a hit flag; return t or bool, or "
-                         "name the argument that receives t in a comment of the file, such as // lostbits: " +
-                         std::string(name_of(shape)) + "(o, d, ..., t)");
+    // If no name says that an output is t, it is the first number that the function writes.
+    for (const Part& p : output_parts)
+        if (!p.is_vector && !p.slot.is_integer && !signature.t && p.path.find('.') == std::string::npos)
+            signature.t = p.slot;
+    return returned_parts;
+}
+
+/// Sets the properties of the contract that follow from the signature.
+void set_contract(UserSignature& signature, Shape shape, bool takes_tmax) {
     external::Contract& c = signature.contract;
     c.shape = shape;
     c.bits = signature.bits;
     c.roots = signature.t && signature.far ? Roots::both : signature.t ? Roots::first_only : Roots::none;
-    if (row_of(shape).takes_tmax && !has_role("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
-    for (const auto& [key, text] : stated.properties) {
-        if (key == "name" || key == "format" || key == "function") continue;  // of comments for --shader
-        if (key == "miss") {
-            if (text == "inf" || text == "infinite") signature.miss_value.kind = MissValue::Kind::infinite;
-            else if (text == "nan") signature.miss_value.kind = MissValue::Kind::nan;
-            else if (text == "negative" || text.starts_with('-')) signature.miss_value.kind = MissValue::Kind::negative;
-            else if (text == "0" || text == "zero") signature.miss_value.kind = MissValue::Kind::zero;
-            else if (text == "none") signature.miss_value.kind = MissValue::Kind::none;
-            else if (text == "crossed") signature.miss_value.kind = MissValue::Kind::crossed;
-            else {
-                signature.miss_value.kind = MissValue::Kind::above;
-                if (std::from_chars(text.data(), text.data() + text.size(), signature.miss_value.bound).ec !=
-                    std::errc())
-                    throw InputError(
-                        stated.where + ": miss is " + external::quote_text(text) +
-                        "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
-            }
-        } else if (!external::set_property(c, key, text, stated.where)) {
-            throw InputError(
-                stated.where + ": unknown property " + external::quote_text(key) +
-                "; known properties are miss, roots, direction, touching, at_origin, inside, facing and flags");
-        }
-    }
-    if (signature.hit || signature.hit_is_optional) {
-        if (signature.miss_value.kind == MissValue::Kind::unknown) signature.miss_value.kind = MissValue::Kind::none;
-    }
+    if (row_of(shape).takes_tmax && !takes_tmax && c.roots != Roots::none) c.flags |= LB_NO_END;
+}
+
+/// Describes where the answers are, for the user.
+std::string answers_text(const UserSignature& signature, const std::vector<Part>& parts,
+                         const std::vector<Part>& returned_parts) {
     const auto source_of = [&](const Slot& slot) -> std::string {
         if (slot.argument < 0) {
             for (const Part& p : returned_parts)
                 if (p.slot.offset == slot.offset) return "its " + p.path;
             return "the result";
         }
-        for (const Part& p : parts.all)
+        for (const Part& p : parts)
             if (p.slot.argument == slot.argument && p.slot.offset == slot.offset) return p.path;
         return "an argument";
     };
-    signature.text += "; ";
-    if (signature.hit_is_optional) signature.text += "hit where the result has a value";
-    else if (signature.hit) signature.text += "hit where " + source_of(*signature.hit) + " is not 0";
-    if (signature.t)
-        signature.text +=
-            std::string(signature.hit || signature.hit_is_optional ? ", " : "") + "t = " + source_of(*signature.t);
-    if (signature.far) signature.text += ", far = " + source_of(*signature.far);
+    std::string text;
+    if (signature.hit_is_optional) text = "hit where the result has a value";
+    else if (signature.hit) text = "hit where " + source_of(*signature.hit) + " is not 0";
+    if (signature.t) text += std::string(text.empty() ? "" : ", ") + "t = " + source_of(*signature.t);
+    if (signature.far) text += ", far = " + source_of(*signature.far);
+    return text;
+}
+
+}  // namespace
+
+void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& subject) {
+    // The role of each part of the arguments.
+    Parts parts;
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) parts.add(signature.arguments[k], static_cast<int>(k));
+    const Shape shape = guess_shape(signature, stated, parts.all, subject);
+    if (stated.has_roles) apply_stated_roles(parts.all, shape, stated);
+    else RoleGuesser(parts.all, shape).guess();
+    find_output_arrays(parts.all, signature);
+    require_inputs(parts.all, shape, subject);
+
+    // The inputs, and the format in which the function computes.
+    signature.bits = 64;
+    for (const Part& p : parts.all)
+        if (!p.is_out && !p.slot.is_integer && p.slot.size == 4) signature.bits = 32;
+    for (const Part& p : parts.all) add_inputs(signature, p, shape);
+    signature.text = std::string(name_of(shape)) + ": " + signature.text;
+
+    // The answers.
+    const std::vector<Part> returned_parts = find_answers(signature, parts.all);
+    if (!signature.hit && !signature.t && !signature.hit_is_optional)
+        throw InputError(subject +
+                         ": neither its result nor an argument seems to be t or a hit flag; return t or bool, or "
+                         "name the argument that receives t in a comment of the file, such as // lostbits: " +
+                         std::string(name_of(shape)) + "(o, d, ..., t)");
+
+    set_contract(signature, shape, has_role(parts.all, "tmax"));
+    for (const auto& [key, text] : stated.properties) apply_stated_property(signature, key, text, stated.where);
+    const bool has_hit = signature.hit || signature.hit_is_optional;
+    if (has_hit && signature.miss_value.kind == MissValue::Kind::unknown)
+        signature.miss_value.kind = MissValue::Kind::none;
+    signature.text += "; " + answers_text(signature, parts.all, returned_parts);
 }
 
 }  // namespace lostbits::intersect::function

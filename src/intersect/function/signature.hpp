@@ -100,6 +100,19 @@ StatedSignature stated_signature(const std::string& text, const std::string& whe
 /// Reads the text after `lostbits:` in a comment inside the function that is defined at line `definition`, or directly
 /// above it. Without such a comment, combines the comments that do not stand above a function.
 StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition);
+/// Returns the shape that the user states. Throws InputError with the known names for any other text.
+Shape stated_shape(const StatedSignature& stated);
+/// Sets a property that the user states. Throws InputError with `where` for an unknown key or an invalid value.
+void apply_stated_property(UserSignature& signature, const std::string& key, const std::string& text,
+                           const std::string& where);
+
+/// Counts the numbers of a type that consists only of numbers of one size; -1 if the type holds anything else, or too
+/// many numbers. `last_member` receives the normalized name of the last member.
+int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member);
+/// True if the numbers of a type follow one another and their names say no more than x, y, z: an array, a struct that
+/// holds only numbers, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of
+/// its own, and there may be padding between them.
+bool is_sequence_of_numbers(const SourceType& t);
 
 /// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
 bool mentions(const std::string& source, const std::string& name);

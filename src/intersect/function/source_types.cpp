@@ -3,12 +3,8 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <optional>
 #include <set>
-#include <sstream>
-#include <tuple>
 
 #include "intersect/external/pipe_header.hpp"
 #include "intersect/function/common_names.hpp"
@@ -52,7 +48,9 @@ public:
 
 private:
     SourceType read_details(std::string_view text, SourceType source_type);
+    SourceType read_array(std::string_view text, SourceType source_type);
     void add_members(std::string_view text, SourceType& source_type);
+    void read_rust_option(std::string_view variants, SourceType& source_type);
 
     const Module& module_;
     SourceLanguage language_;
@@ -81,67 +79,74 @@ SourceType TypeReader::read_details(std::string_view text, SourceType source_typ
         const bool is_float = encoding == "DW_ATE_float" && (source_type.size == 4 || source_type.size == 8);
         source_type.kind = is_float ? Kind::number : encoding == "DW_ATE_float" ? Kind::other : Kind::integer;
         if (source_type.name == "()") source_type.kind = Kind::nothing;
-    } else if (tag == "DW_TAG_typedef" || tag == "DW_TAG_const_type" || tag == "DW_TAG_volatile_type" ||
-               tag == "DW_TAG_restrict_type") {
+        return source_type;
+    }
+
+    // Other names and qualifiers of a type.
+    if (tag == "DW_TAG_typedef" || tag == "DW_TAG_const_type" || tag == "DW_TAG_volatile_type" ||
+        tag == "DW_TAG_restrict_type") {
         const std::string name = source_type.name;
         source_type = inner();
         if (tag == "DW_TAG_typedef") source_type.name = name;
         source_type.is_const = source_type.is_const || tag == "DW_TAG_const_type";
-    } else if (tag == "DW_TAG_pointer_type" || tag == "DW_TAG_reference_type") {
-        const bool is_reference = tag == "DW_TAG_reference_type";
+        return source_type;
+    }
+
+    // Pointers. In Rust, the name says whether the target is constant.
+    if (tag == "DW_TAG_pointer_type" || tag == "DW_TAG_reference_type") {
         source_type.kind = Kind::pointer;
         source_type.parts = {inner()};
-        if (language_ == SourceLanguage::rust)
-            source_type.is_const = !source_type.name.starts_with("&mut") && !source_type.name.starts_with("*mut");
-        else source_type.is_const = source_type.parts[0].is_const, source_type.name = is_reference ? "&" : "*";
         source_type.size = 8;
-    } else if (tag == "DW_TAG_array_type") {
-        source_type.kind = Kind::sequence, source_type.parts = {inner()}, source_type.count = 1;
-        std::vector<std::size_t> counts;
-        for (const int range : metadata_indices(module_.metadata(metadata_index(metadata_field(text, "elements")))))
-            counts.push_back(parse_integer(metadata_field(module_.metadata(range), "count")));
-        for (std::size_t k = counts.size(); k-- > 0;) {
-            const std::size_t size = source_type.parts[0].size * counts[k];
-            if (k + 1 < counts.size()) {
-                SourceType outer{
-                    .kind = Kind::sequence, .name = {}, .size = source_type.size * counts[k], .count = counts[k]};
-                outer.parts = {std::move(source_type)};
-                source_type = std::move(outer);
-            } else source_type.size = size, source_type.count = counts[k];
+        if (language_ == SourceLanguage::rust) {
+            source_type.is_const = !source_type.name.starts_with("&mut") && !source_type.name.starts_with("*mut");
+        } else {
+            source_type.is_const = source_type.parts[0].is_const;
+            source_type.name = tag == "DW_TAG_reference_type" ? "&" : "*";
         }
-    } else if (tag == "DW_TAG_structure_type" || tag == "DW_TAG_class_type") {
-        add_members(text, source_type);
-    } else if (tag == "DW_TAG_enumeration_type") {
-        source_type.kind = Kind::integer;
+        return source_type;
+    }
+
+    // Types with parts.
+    if (tag == "DW_TAG_array_type") return read_array(text, std::move(source_type));
+    if (tag == "DW_TAG_structure_type" || tag == "DW_TAG_class_type") add_members(text, source_type);
+    if (tag == "DW_TAG_enumeration_type") source_type.kind = Kind::integer;
+    return source_type;
+}
+
+/// Reads an array. An array of several dimensions is an array of arrays.
+SourceType TypeReader::read_array(std::string_view text, SourceType source_type) {
+    source_type.kind = Kind::sequence;
+    source_type.parts = {read_type(metadata_index(metadata_field(text, "baseType")))};
+    source_type.count = 1;
+    std::vector<std::size_t> counts;
+    for (const int range : metadata_indices(module_.metadata(metadata_index(metadata_field(text, "elements")))))
+        counts.push_back(parse_integer(metadata_field(module_.metadata(range), "count")));
+
+    for (std::size_t k = counts.size(); k-- > 0;) {
+        if (k + 1 == counts.size()) {
+            source_type.size = source_type.parts[0].size * counts[k];
+            source_type.count = counts[k];
+            continue;
+        }
+        SourceType outer{.kind = Kind::sequence, .name = {}, .size = source_type.size * counts[k], .count = counts[k]};
+        outer.parts = {std::move(source_type)};
+        source_type = std::move(outer);
     }
     return source_type;
 }
 
 void TypeReader::add_members(std::string_view text, SourceType& source_type) {
-    const auto offset_and_size = [this](int member) {
-        const std::string_view m = module_.metadata(member);
-        return std::pair(parse_integer(metadata_field(m, "offset")) / 8, parse_integer(metadata_field(m, "size")) / 8);
-    };
     source_type.kind = Kind::structure;
     if (language_ == SourceLanguage::c && !source_type.name.empty()) source_type.name.insert(0, "struct ");
     const bool is_optional = source_type.name.starts_with("Option<") ||
                              source_type.name.starts_with("std::optional<") ||
                              source_type.name.find("::optional<") != std::string::npos;
+
     for (const int m : metadata_indices(module_.metadata(metadata_index(metadata_field(text, "elements"))))) {
         const std::string_view member = module_.metadata(m);
         const std::string kind = metadata_field(member, "tag");
-        if (is_optional && language_ == SourceLanguage::rust && kind == "DW_TAG_variant_part") {
-            std::tie(source_type.flag_offset, source_type.flag_size) =
-                offset_and_size(metadata_index(metadata_field(member, "discriminator")));
-            for (const int v : metadata_indices(module_.metadata(metadata_index(metadata_field(member, "elements"))))) {
-                const std::string_view variant = module_.metadata(v);
-                if (metadata_field(variant, "name") != "Some") continue;
-                const SourceType some_type = read_type(metadata_index(metadata_field(variant, "baseType")));
-                source_type.kind = Kind::optional;
-                source_type.parts = some_type.parts;
-            }
-            return;
-        }
+        if (is_optional && language_ == SourceLanguage::rust && kind == "DW_TAG_variant_part")
+            return read_rust_option(member, source_type);
         if ((kind != "DW_TAG_member" && kind != "DW_TAG_inheritance") ||
             member.find("DIFlagStaticMember") != std::string_view::npos)
             continue;
@@ -150,10 +155,16 @@ void TypeReader::add_members(std::string_view text, SourceType& source_type) {
         part.offset = parse_integer(metadata_field(member, "offset")) / 8;
         source_type.parts.push_back(std::move(part));
     }
-    for (const SourceType& p : source_type.parts)  // the flag of std::optional, which may be a member of a base class
-        if (p.flag_size > 0) source_type.flag_offset = p.offset + p.flag_offset, source_type.flag_size = p.flag_size;
-        else if (p.member == "_M_engaged" || p.member == "__engaged_")
-            source_type.flag_offset = p.offset, source_type.flag_size = 1;
+
+    // The flag of std::optional, which may be a member of a base class.
+    for (const SourceType& p : source_type.parts) {
+        const bool is_flag = p.member == "_M_engaged" || p.member == "__engaged_";
+        if (p.flag_size == 0 && !is_flag) continue;
+        source_type.flag_offset = p.flag_size > 0 ? p.offset + p.flag_offset : p.offset;
+        source_type.flag_size = p.flag_size > 0 ? p.flag_size : 1;
+    }
+
+    // The type of the value of std::optional is the parameter of its template.
     if (is_optional && language_ == SourceLanguage::cpp) {
         source_type.kind = Kind::optional;
         SourceType value;
@@ -163,48 +174,76 @@ void TypeReader::add_members(std::string_view text, SourceType& source_type) {
     }
 }
 
+/// Reads an Option of Rust: the integer that tells its two variants apart, and the value of the variant Some.
+void TypeReader::read_rust_option(std::string_view variants, SourceType& source_type) {
+    const std::string_view flag = module_.metadata(metadata_index(metadata_field(variants, "discriminator")));
+    source_type.flag_offset = parse_integer(metadata_field(flag, "offset")) / 8;
+    source_type.flag_size = parse_integer(metadata_field(flag, "size")) / 8;
+    for (const int v : metadata_indices(module_.metadata(metadata_index(metadata_field(variants, "elements"))))) {
+        const std::string_view variant = module_.metadata(v);
+        if (metadata_field(variant, "name") != "Some") continue;
+        const SourceType some_type = read_type(metadata_index(metadata_field(variant, "baseType")));
+        source_type.kind = Kind::optional;
+        source_type.parts = some_type.parts;
+    }
+}
+
+SourceType source_number(std::size_t size) {
+    return {.kind = Kind::number, .name = size == 4 ? "float" : "double", .size = size};
+}
+
+/// Returns a type of LLVM IR as a type of the source, in which the members of structures have their indices as names.
+SourceType source_type_of(const Type& t) {
+    if (t.kind == Type::Kind::number) return source_number(t.size);
+    SourceType result{.name = {}, .size = t.size};
+    if (t.kind == Type::Kind::integer) result.kind = Kind::integer;
+    if (t.kind == Type::Kind::nothing) result.kind = Kind::nothing;
+    if (t.kind == Type::Kind::sequence) {
+        result.kind = Kind::sequence;
+        result.parts = {source_type_of(*t.parts[0])};
+        result.count = t.count;
+    }
+    if (t.kind == Type::Kind::structure) {
+        result.kind = Kind::structure;
+        for (std::size_t k = 0; k < t.parts.size(); ++k) {
+            result.parts.push_back(source_type_of(*t.parts[k]));
+            result.parts.back().member = std::to_string(k);
+            result.parts.back().offset = t.offsets[k];
+        }
+    }
+    return result;
+}
+
+/// Size of the numbers in which a function computes.
+std::size_t find_number_size(const IrFunction& f) {
+    for (const Block& b : f.blocks)
+        for (const std::string_view line : b.lines)
+            if (line.find(" float ") != std::string_view::npos) return 4;
+    return 8;
+}
+
 /// Reads the arguments and the result of a function without debug information from its LLVM IR.
 void set_ir_types(UserSignature& signature, Module& module, const IrFunction& f, const std::string& path) {
-    const auto number = [](std::size_t size) {
-        return SourceType{.kind = Kind::number, .name = size == 4 ? "float" : "double", .size = size};
-    };
     const auto type_of_text = [&module](std::string_view text) {
         Cursor cursor(text);
         return module.read_type(cursor);
     };
-    // An opaque pointer is assumed to point to numbers of the size in which the function computes.
-    std::size_t default_size = 8;
-    for (const Block& b : f.blocks)
-        for (const std::string_view line : b.lines)
-            if (line.find(" float ") != std::string_view::npos) default_size = 4;
-    const std::function<SourceType(const Type&)> source_type = [&](const Type& t) {
-        SourceType result{.name = {}, .size = t.size};
-        if (t.kind == Type::Kind::number) return number(t.size);
-        if (t.kind == Type::Kind::integer) result.kind = Kind::integer;
-        if (t.kind == Type::Kind::nothing) result.kind = Kind::nothing;
-        if (t.kind == Type::Kind::sequence)
-            result.kind = Kind::sequence, result.parts = {source_type(*t.parts[0])}, result.count = t.count;
-        if (t.kind == Type::Kind::structure) {
-            result.kind = Kind::structure;
-            for (std::size_t k = 0; k < t.parts.size(); ++k) {
-                result.parts.push_back(source_type(*t.parts[k]));
-                result.parts.back().member = std::to_string(k), result.parts.back().offset = t.offsets[k];
-            }
-        }
-        return result;
-    };
+    const std::size_t default_size = find_number_size(f);
     for (const IrParameter& p : f.parameters) {
         const bool has_name = p.name.find_first_not_of("0123456789") != std::string::npos;
         Argument a{.name = has_name ? p.name : "p" + std::to_string(signature.arguments.size()),
-                   .type = source_type(*p.type)};
+                   .type = source_type_of(*p.type)};
+
+        // An opaque pointer is assumed to point to numbers of the size in which the function computes.
         if (p.type->kind == Type::Kind::pointer) {
             const bool has_target_type = p.type_text.ends_with('*');
             const bool is_answer =
                 is_one_of(normalized_name(a.name), {"t", "tout", "thit", "dist", "far", "hit", "u", "v"});
             a.type = {.kind = Kind::pointer, .name = "*", .size = 8, .is_const = !is_answer};
             const std::string_view target = p.type_text.substr(0, p.type_text.size() - (has_target_type ? 1 : 0));
-            a.type.parts = {has_target_type ? source_type(*type_of_text(target)) : number(default_size)};
+            a.type.parts = {has_target_type ? source_type_of(*type_of_text(target)) : source_number(default_size)};
         }
+
         if (a.type.kind == Kind::sequence || a.type.kind == Kind::other ||
             p.text.find("sret") != std::string_view::npos)
             throw InputError(path + ": the function " + signature.call +
@@ -212,15 +251,127 @@ void set_ir_types(UserSignature& signature, Module& module, const IrFunction& f,
                              "information; compile it with -g");
         signature.arguments.push_back(std::move(a));
     }
-    signature.returned = source_type(*type_of_text(f.returned_text));
+    signature.returned = source_type_of(*type_of_text(f.returned_text));
+}
+
+/// Returns the last part of a name with namespaces: `hit` of `Sphere::hit`.
+std::string last_part_of(const std::string& name) {
+    const std::size_t colon = name.rfind(':');
+    return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+/// Finds the definition whose debug information has a name, which may end in `@LINE`. A function with the whole name
+/// takes precedence over one in another namespace.
+const IrFunction& find_definition(const Module& module, const std::string& path, const std::string& name,
+                                  SourceLanguage language) {
+    const std::size_t at_sign = name.find('@');
+    const std::string function_name = name.substr(0, at_sign),
+                      chosen_line = at_sign == std::string::npos ? "" : name.substr(at_sign + 1);
+    const std::string last_part = last_part_of(function_name);
+    const auto match_quality = [&](std::string_view subprogram) {
+        const bool may_be_cpp = language == SourceLanguage::llvm;  // LLVM IR may come from C++
+        const std::string whole = qualified_name(module, subprogram, may_be_cpp ? SourceLanguage::cpp : language);
+        return whole == function_name ? 2 : whole.ends_with("::" + function_name) ? 1 : 0;
+    };
+
+    const IrFunction* best_function = nullptr;
+    std::string_view best_subprogram;
+    std::string candidate_lines;
+    bool is_overloaded = false;
+    int best_quality = 0;
+    for (const auto& [symbol, f] : module.functions) {
+        const std::string_view subprogram = module.metadata(f.subprogram);
+        const std::string source_name = metadata_field(subprogram, "name");
+        if (source_name != last_part && symbol != function_name && !source_name.starts_with(last_part + "<")) continue;
+        const std::string line = metadata_field(subprogram, "line");
+        if (!chosen_line.empty() && line != chosen_line) continue;
+
+        // Functions of shaders have only these names; functions of C++ also have a name for the linker.
+        is_overloaded = is_overloaded || (best_function != nullptr && language == SourceLanguage::llvm &&
+                                          metadata_field(subprogram, "linkageName").empty() &&
+                                          metadata_field(best_subprogram, "line") != line);
+        candidate_lines += (candidate_lines.empty() ? "" : ", ") + function_name + "@" + line;
+
+        const int quality = match_quality(subprogram);
+        if (best_function != nullptr &&
+            (quality < best_quality ||
+             (quality == best_quality &&
+              metadata_field(best_subprogram, "linkageName").find(function_name) != std::string::npos)))
+            continue;
+        best_function = &f;
+        best_subprogram = subprogram;
+        best_quality = quality;
+    }
+
+    if (best_function == nullptr) throw InputError(missing_function_message(module.text(), path, name, language));
+    if (is_overloaded)
+        throw InputError(path + ": has several functions " + external::quote_text(function_name) +
+                         "; name one by its line: " + candidate_lines);
+    return *best_function;
+}
+
+SourceLanguage language_of_unit(const Module& module, std::string_view subprogram) {
+    const std::string_view unit = module.metadata(metadata_index(metadata_field(subprogram, "unit")));
+    return unit.find("DW_LANG_Rust") != std::string_view::npos          ? SourceLanguage::rust
+           : unit.find("DW_LANG_C_plus_plus") != std::string_view::npos ? SourceLanguage::cpp
+                                                                        : SourceLanguage::c;
+}
+
+/// Finds the names of a function's arguments, by their positions from 1.
+std::map<std::size_t, std::string> find_argument_names(const Module& module, std::string_view subprogram) {
+    constexpr int max_misses = 4000;  // metadata has gaps where an index is not used
+    std::map<std::size_t, std::string> names;
+    for (int n = 0, misses = 0; misses < max_misses; ++n) {
+        const std::string_view variable = module.metadata(n);
+        if (variable.empty()) {
+            ++misses;
+            continue;
+        }
+        misses = 0;
+        if (variable.find("DILocalVariable") == std::string_view::npos) continue;
+        const std::size_t arg = parse_integer(metadata_field(variable, "arg"));
+        if (arg == 0 || module.metadata(metadata_index(metadata_field(variable, "scope"))) != subprogram) continue;
+        names[arg] = metadata_field(variable, "name");
+    }
+    return names;
 }
 
 }  // namespace
 
+int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member) {
+    if (t.kind == Kind::number) {
+        if (size != 0 && size != t.size) return -1;
+        size = t.size;
+        last_member = normalized_name(t.member);
+        return 1;
+    }
+
+    if (t.kind == Kind::sequence) {
+        std::string unused;
+        const int part_count = count_numbers(t.parts[0], size, unused);
+        return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
+    }
+
+    if (t.kind != Kind::structure || t.parts.empty()) return -1;
+    int total = 0;
+    for (const SourceType& p : t.parts) {
+        const int part_count = count_numbers(p, size, last_member);
+        if (part_count < 0 || total > 4096) return -1;
+        total += part_count;
+    }
+    return total;
+}
+
+bool is_sequence_of_numbers(const SourceType& t) {
+    if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
+    if (t.kind != Kind::structure) return false;
+    if (t.parts.size() == 1) return is_sequence_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
+    return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
+}
+
 bool mentions(const std::string& source, const std::string& name) {
     const std::string untemplated_name = name.substr(0, name.find('<'));
-    const std::string last_part =
-        untemplated_name.substr(untemplated_name.rfind(':') == std::string::npos ? 0 : untemplated_name.rfind(':') + 1);
+    const std::string last_part = last_part_of(untemplated_name);
     const auto is_word_character = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
     for (std::size_t position = source.find(last_part); position != std::string::npos;
          position = source.find(last_part, position + 1)) {
@@ -238,7 +389,9 @@ std::string part_text(const Argument& argument, std::size_t offset) {
     const SourceType* type = &argument.target();
     if (is_pointer && type->kind == Kind::number && type->size > 0)
         return text + "[" + std::to_string(offset / type->size) + "]";
-    for (bool first = true; type != nullptr; first = false) {
+
+    // Follows the items and members that contain the number.
+    for (bool is_first = true; type != nullptr; is_first = false) {
         const SourceType* next = nullptr;
         if (type->kind == Kind::sequence && type->parts[0].size > 0) {
             next = type->parts.data();
@@ -248,7 +401,7 @@ std::string part_text(const Argument& argument, std::size_t offset) {
             for (const SourceType& p : type->parts)
                 if (offset >= p.offset && offset < p.offset + p.size) next = &p;
             if (next == nullptr) break;
-            if (!next->member.empty()) text += (is_pointer && first ? "->" : ".") + next->member;
+            if (!next->member.empty()) text += (is_pointer && is_first ? "->" : ".") + next->member;
             offset -= next->offset;
         }
         type = next;
@@ -270,6 +423,8 @@ std::string missing_function_message(const std::string& ir, const std::string& p
             names.insert(text.empty() ? symbol : qualified_name(module, text, language));
         }
     }
+
+    // Lists the first of the names.
     std::string text = names.empty() ? "; it defines none" : "";
     std::size_t listed = 0;
     for (const std::string& function_name : names) {
@@ -281,195 +436,46 @@ std::string missing_function_message(const std::string& ir, const std::string& p
 }
 
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
-    // Finds the definition whose debug information has the name. If several match, the one with the whole name wins.
-    const IrFunction* best_function = nullptr;
-    const std::size_t at_sign = name.find('@');
-    const std::string function_name = name.substr(0, at_sign),
-                      chosen_line = at_sign == std::string::npos ? "" : name.substr(at_sign + 1);
-    const std::string last_part =
-        function_name.substr(function_name.rfind(':') == std::string::npos ? 0 : function_name.rfind(':') + 1);
-    std::string_view best_subprogram;
-    std::string candidate_lines;
-    bool is_overloaded = false;
-    // A function in the namespace that the option names takes precedence over one in another namespace.
-    const auto match_quality = [&](std::string_view subprogram) {
-        const bool may_be_cpp = language == SourceLanguage::llvm;  // LLVM IR may come from C++
-        const std::string whole = qualified_name(module, subprogram, may_be_cpp ? SourceLanguage::cpp : language);
-        return whole == function_name ? 2 : whole.ends_with("::" + function_name) ? 1 : 0;
-    };
-    int best_quality = 0;
-    for (const auto& [symbol, f] : module.functions) {
-        const std::string_view subprogram = module.metadata(f.subprogram);
-        const std::string source_name = metadata_field(subprogram, "name");
-        if (source_name != last_part && symbol != function_name && !source_name.starts_with(last_part + "<")) continue;
-        const std::string line = metadata_field(subprogram, "line");
-        if (!chosen_line.empty() && line != chosen_line) continue;
-        // Functions of shaders have only these names; functions of C++ also have a name for the linker.
-        is_overloaded = is_overloaded || (best_function != nullptr && language == SourceLanguage::llvm &&
-                                          metadata_field(subprogram, "linkageName").empty() &&
-                                          metadata_field(best_subprogram, "line") != line);
-        candidate_lines += (candidate_lines.empty() ? "" : ", ") + function_name + "@" + line;
-        const int quality = match_quality(subprogram);
-        if (best_function != nullptr &&
-            (quality < best_quality ||
-             (quality == best_quality &&
-              metadata_field(best_subprogram, "linkageName").find(function_name) != std::string::npos)))
-            continue;
-        best_function = &f;
-        best_subprogram = subprogram;
-        best_quality = quality;
-    }
-    if (best_function == nullptr) throw InputError(missing_function_message(module.text(), path, name, language));
-    if (is_overloaded)
-        throw InputError(path + ": has several functions " + external::quote_text(function_name) +
-                         "; name one by its line: " + candidate_lines);
+    const IrFunction& definition = find_definition(module, path, name, language);
+    const std::string_view subprogram = module.metadata(definition.subprogram);
     UserSignature signature;
     signature.language = language;
-    signature.call = function_name;
-    signature.symbol = best_function->name;
-    signature.line = static_cast<int>(parse_integer(metadata_field(best_subprogram, "line")));
+    signature.call = name.substr(0, name.find('@'));
+    signature.symbol = definition.name;
+    signature.line = static_cast<int>(parse_integer(metadata_field(subprogram, "line")));
+
+    // LLVM IR may have no debug information, and may come from any of the other languages.
     if (language == SourceLanguage::llvm) {
-        if (best_function->subprogram < 0) {
-            set_ir_types(signature, module, *best_function, path);
+        if (definition.subprogram < 0) {
+            set_ir_types(signature, module, definition, path);
             return signature;
         }
-        const std::string_view unit = module.metadata(metadata_index(metadata_field(best_subprogram, "unit")));
-        language = unit.find("DW_LANG_Rust") != std::string_view::npos          ? SourceLanguage::rust
-                   : unit.find("DW_LANG_C_plus_plus") != std::string_view::npos ? SourceLanguage::cpp
-                                                                                : SourceLanguage::c;
-        const std::string_view file = module.metadata(metadata_index(metadata_field(best_subprogram, "file")));
+        language = language_of_unit(module, subprogram);
+        const std::string_view file = module.metadata(metadata_index(metadata_field(subprogram, "file")));
         signature.folder = (std::filesystem::path(metadata_field(file, "directory")) / metadata_field(file, "filename"))
                                .parent_path()
                                .string();
     }
-    const std::vector<int> types = metadata_indices(module.metadata(metadata_index(
-        metadata_field(module.metadata(metadata_index(metadata_field(best_subprogram, "type"))), "types"))));
+
+    // The types of the result and of the arguments.
+    const std::vector<int> types = metadata_indices(module.metadata(
+        metadata_index(metadata_field(module.metadata(metadata_index(metadata_field(subprogram, "type"))), "types"))));
     if (types.empty())
         throw InputError(path + ": the function " + name + " has no debug information; compile it with -g");
     signature.returned = TypeReader(module, language).read_type(types[0]);
-    const auto is_of_function = [&](int scope) { return module.metadata(scope) == best_subprogram; };
-    std::map<std::size_t, std::string> names;
-    bool has_this = false;
-    for (int n = 0, misses = 0; misses < 4000; ++n) {
-        const std::string_view variable = module.metadata(n);
-        if (variable.empty()) {
-            ++misses;
-            continue;
-        }
-        misses = 0;
-        if (variable.find("DILocalVariable") == std::string_view::npos) continue;
-        const std::size_t arg = parse_integer(metadata_field(variable, "arg"));
-        if (arg == 0 || !is_of_function(metadata_index(metadata_field(variable, "scope")))) continue;
-        names[arg] = metadata_field(variable, "name");
-        has_this = has_this || (names[arg] == "this" && arg == 1) ||
-                   (language == SourceLanguage::rust && names[arg] == "self");
-    }
+    const std::map<std::size_t, std::string> names = find_argument_names(module, subprogram);
+    const bool has_this = std::ranges::any_of(names, [&](const auto& entry) {
+        return (entry.second == "this" && entry.first == 1) ||
+               (language == SourceLanguage::rust && entry.second == "self");
+    });
     signature.is_method = has_this && language == SourceLanguage::cpp;
     for (std::size_t k = 1; k < types.size(); ++k) {
-        Argument a{.name = names.contains(k) ? names[k] : "p" + std::to_string(k - 1),
+        Argument a{.name = names.contains(k) ? names.at(k) : "p" + std::to_string(k - 1),
                    .type = TypeReader(module, language).read_type(types[k])};
         a.is_this = k == 1 && has_this;
         signature.arguments.push_back(std::move(a));
     }
     return signature;
-}
-
-StatedSignature stated_signature(const std::string& text, const std::string& where) {
-    StatedSignature result;
-    result.where = where;
-    std::string_view rest = text;
-    const auto trimmed = [](std::string_view t) {
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front())) != 0) t.remove_prefix(1);
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.back())) != 0) t.remove_suffix(1);
-        return std::string(t);
-    };
-    if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
-    rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
-    const std::size_t name_end = std::min(rest.find_first_of("(,= \t-"), rest.size());
-    if (const std::size_t next_text = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
-        next_text >= rest.size() || rest[next_text] != '=') {
-        result.shape = normalized_name(rest.substr(0, name_end));
-        rest = rest.substr(next_text);
-        if (rest.starts_with('(')) {
-            const std::size_t close = std::min(rest.find(')'), rest.size());
-            std::string_view list = rest.substr(1, close - 1);
-            result.has_roles = true;
-            while (!trimmed(list).empty()) {
-                const std::size_t comma = std::min(list.find(','), list.size());
-                result.roles.push_back(trimmed(list.substr(0, comma)));
-                list = list.substr(std::min(comma + 1, list.size()));
-            }
-            rest = rest.substr(std::min(close + 1, rest.size()));
-        }
-    }
-    // A property ends at a comma, or at a blank before the next `key=`, as in comments for --shader.
-    const auto end_of_property = [](std::string_view t) {
-        bool quoted = false;
-        for (std::size_t k = 0; k < t.size(); ++k) {
-            if (t[k] == '"') quoted = !quoted;
-            const std::size_t next = t.find_first_not_of(" \t", k), end = t.find_first_of(" \t,=", next);
-            const bool is_key =
-                next != std::string_view::npos && next > k && end < t.size() && t[end] == '=' && end > next;
-            if (!quoted && (t[k] == ',' || (is_key && k > 0 && t[k - 1] != '='))) return k;
-        }
-        return t.size();
-    };
-    while (!trimmed(rest).empty()) {
-        const std::size_t comma = end_of_property(rest);
-        std::string property = trimmed(rest.substr(0, comma));
-        std::erase(property, '"');
-        rest = rest.substr(std::min(comma + 1, rest.size()));
-        const std::size_t equals = property.find('=');
-        if (equals != std::string::npos)
-            result.properties.emplace_back(trimmed(std::string_view(property).substr(0, equals)),
-                                           trimmed(std::string_view(property).substr(equals + 1)));
-        else if (!property.empty() && !property.starts_with("->"))
-            throw InputError(where + ": " + external::quote_text(property) +
-                             " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
-    }
-    return result;
-}
-
-StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition) {
-    std::optional<StatedSignature> function_statement, file_statement;
-    constexpr std::string_view mark = "lostbits:";
-    std::vector<std::string> lines;
-    std::istringstream source_lines(source);
-    for (std::string text; std::getline(source_lines, text);) lines.push_back(text);
-    for (std::size_t k = 0; k < lines.size(); ++k) {
-        const std::size_t position = lines[k].find(mark);
-        if (position == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > position) continue;
-        const auto read_statement = [&] {
-            return stated_signature(lines[k].substr(position + mark.size()),
-                                    path + ":" + std::to_string(k + 1) + ":" + std::to_string(position + 1));
-        };
-        std::size_t code_line = k + 1;  // index of the first line of code after the comment
-        while (code_line < lines.size() && lines[code_line].find_first_not_of(" \t") != std::string::npos &&
-               std::string_view("/*#").find(lines[code_line][lines[code_line].find_first_not_of(" \t")]) !=
-                   std::string_view::npos)
-            ++code_line;
-        const auto definition_line = static_cast<std::size_t>(std::max(definition - 1, 0));
-        const auto ends_declaration = [](const std::string& text) {
-            return text.find_first_of("{;") != std::string::npos;
-        };
-        const bool is_above =
-            code_line <= definition_line && definition_line < lines.size() &&
-            std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(code_line),
-                         lines.begin() + static_cast<std::ptrdiff_t>(definition_line), ends_declaration);
-        const bool is_inside = k >= definition_line && definition > 0 && k < lines.size() &&
-                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(definition_line),
-                                            lines.begin() + static_cast<std::ptrdiff_t>(k),
-                                            [](const std::string& text) { return text.starts_with('}'); });
-        const bool is_function = code_line < lines.size() && lines[code_line].find('(') != std::string::npos;
-        std::optional<StatedSignature>& target =
-            is_inside || (is_above && is_function) ? function_statement : file_statement;
-        if (&target == &file_statement && is_function) continue;
-        StatedSignature addition = read_statement();
-        if (target && addition.shape.empty())
-            target->properties.insert(target->properties.end(), addition.properties.begin(), addition.properties.end());
-        else target = std::move(addition);
-    }
-    return function_statement ? *function_statement : file_statement.value_or(StatedSignature());
 }
 
 }  // namespace lostbits::intersect::function

@@ -102,11 +102,15 @@ private:
     Value integer_from_mask(Mask m, std::size_t size = 1);
     NodeId number_of(const Value& value, const Type& type);
     std::vector<Case> cases_of(const Value& value, const Type& type);
+    std::vector<Case> cases_of_cell(const MemoryCell& cell) const;
+    std::vector<Case> insert_bytes(const std::vector<Case>& integers, const std::vector<Case>& cell_cases,
+                                   std::size_t offset, std::size_t size);
     Mask mask_of(const Value& value);
     std::optional<Scalar> slice(const Scalar& scalar, std::size_t size, std::size_t first_byte, std::size_t count);
     Value extract_bytes(const Value& value, std::size_t first_byte, std::size_t count);
     void write_bytes(Value& target, std::size_t offset, std::size_t size, const Value& value);
     Scalar join(Mask when, const Scalar& a, const Scalar& b, std::size_t size);
+    Value cut_like(const Value& value, const Value& pattern);
     Value join(Mask when, const Value& a, const Value& b);
     std::vector<Case> merge_duplicates(std::vector<Case> cases);
     Value zero_value(const Type& type);
@@ -114,36 +118,82 @@ private:
 
     // States
     void join(State& state, State&& other);
+    void join_memory(Mask when, State& state, const State& other);
+    void join_registers(Mask when, Registers& registers, const Registers& others);
     int new_object(State& state, bool is_written = true);
     Value load(State& state, const Value& pointer, std::size_t size);
+    Value load_from(const State& state, const Case& address, std::size_t size);
     void store(State& state, const Value& pointer, std::size_t size, const Value& value);
     void enter(Frame& frame, State state, const std::string& target);
+    std::vector<std::pair<std::string, Value>> read_phis(const Frame& frame, State& state, const Block& block);
+    std::optional<Value> read_phi(const Frame& frame, State& state, const Type& type, Cursor& cursor);
     void branch(Frame& frame, State& state, Mask when, const std::string& target);
     void add_return_state(Frame& frame, State& state, Value value);
     std::optional<std::pair<State, Value>> run_function(const IrFunction& f, std::vector<Value> arguments, State state,
                                                         int caller);
+    static Frame make_frame(const IrFunction& f, int caller);
+    void set_parameters(State& state, const IrFunction& f, const std::vector<Value>& arguments);
+    void run_blocks(Frame& frame);
+    Answer read_answer(const State& state);
 
     // Instructions
     Value value(State& state, const Type& type, Cursor& cursor);
     Value constant(State& state, const Type& type, Cursor& cursor);
+    Value read_composite(State& state, const Type& type, Cursor& cursor);
+    Value read_byte_string(const Type& type, Cursor& cursor);
+    Value read_integer(const Type& type, Cursor& cursor);
     Value address_of(State& state, const std::string& global);
     Value element_address(State& state, Cursor& cursor);
+    const Type* move_to_member(std::vector<Case>& addresses, const Type& structure, const std::vector<Case>& index);
+    std::vector<Case> move_by_items(const std::vector<Case>& addresses, const std::vector<Case>& item_counts,
+                                    std::size_t item_size);
     NodeId read_literal(const Type& type, Cursor& cursor);
     /// Runs one instruction. Returns false if the block ends.
     bool run_instruction(Frame& frame, State& state, std::string_view line);
-    bool end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor);
-    Value compute(Frame& frame, State& state, std::string_view op, Cursor& cursor);
+    bool call(State& state, const std::string& result, Cursor& cursor);
+    void invoke(Frame& frame, State& state, std::string_view line, const std::string& result, Cursor& cursor);
+    void name_after_register(const std::string& register_name, const Value& value);
+    void end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor);
+    void run_switch(Frame& frame, State& state, Cursor& cursor);
+    Value compute(State& state, std::string_view op, Cursor& cursor);
+    Value run_load(State& state, Cursor& cursor);
+    void run_store(State& state, Cursor& cursor);
+    Value run_select(State& state, Cursor& cursor);
     Value arithmetic(State& state, std::string_view op, Cursor& cursor);
     Value compare_numbers(State& state, Cursor& cursor);
     Value compare_integers(State& state, Cursor& cursor);
+    Mask decide(std::string_view predicate, NodeId x, NodeId y, const Cursor& cursor);
+    Mask decide(std::string_view predicate, const Value& a, const Value& b, const Type& type);
+    template <class DecideLane>
+    Value map_to_masks(const Type& type, const DecideLane& decide_lane);
     Value integer_arithmetic(State& state, std::string_view op, Cursor& cursor);
     Value combine_integers(std::string_view op, const Type& type, const Value& a, const Value& b);
     std::optional<Value> bit_operation(std::string_view op, const Type& type, const Value& a, const Value& b);
+    Value fill_with_zeros(const Value& value, std::size_t size);
+    std::optional<Value> join_parts(const Type& type, const Value& a, const Value& b);
+    int combined_object(std::string_view op, const Case& x, const Case& y) const;
     Value convert(State& state, std::string_view op, Cursor& cursor);
+    Value convert_lane(std::string_view op, const Value& value, const Type& source, const Type& target);
+    Value integer_to_number(bool is_signed, const Value& value, const Type& source, const Type& target);
+    Value truncate_integer(const Value& value, const Type& source, const Type& target);
+    Value extend_integer(bool with_zeros, const Value& value, const Type& source, const Type& target);
     Value rearrange(State& state, std::string_view op, Cursor& cursor);
-    std::optional<Value> run_call_instruction(Frame& frame, State& state, Cursor& cursor);
+    Value extract_lane(State& state, const Type& type, const Value& vector, Cursor& cursor);
+    Value shuffle(const Type& type, const Value& a, const Value& b, const Type& index_type, const Value& indices);
+    std::optional<Value> run_call_instruction(State& state, Cursor& cursor);
     std::optional<Value> run_known_function(State& state, const std::string& name, const Type& type,
                                             const std::vector<Value>& arguments, const std::vector<const Type*>& types);
+    std::optional<Value> run_number_function(const std::string& name, const Type& type,
+                                             const std::vector<Value>& arguments);
+    bool is_two(const Value& value) const;
+    std::optional<Value> run_memory_function(State& state, const std::string& name, const std::vector<Value>& arguments,
+                                             const std::vector<const Type*>& types);
+    Value filled_bytes(const std::vector<Case>& byte, std::size_t n);
+    std::optional<Value> run_llvm_function(const std::string& name, const Type& type,
+                                           const std::vector<Value>& arguments, const std::vector<const Type*>& types);
+    Value choose_by_comparison(std::string_view predicate, const Type& type, const Value& a, const Value& b);
+    std::string read_callee(State& state, Cursor& cursor);
+    std::vector<Value> read_arguments(State& state, Cursor& cursor, std::vector<const Type*>& types);
     template <class Act>
     Value map_lanes(const Type& type, const Act& act);
 
@@ -206,9 +256,12 @@ inline std::optional<std::int64_t> integer_result(std::string_view op, std::int6
     if (op == "and") return wrap(x & y, bits);
     if (op == "or") return wrap(x | y, bits);
     if (op == "xor") return wrap(x ^ y, bits);
+
+    // A shift by the whole width or more has no defined result; it gives 0 here.
     if (op == "shl") return shifts ? wrap(x << y, bits) : 0;
     if (op == "lshr") return shifts ? wrap(x >> y, bits) : 0;
     if (op == "ashr") return shifts ? wrap(static_cast<std::uint64_t>(a >> y), bits) : 0;
+
     if (b == 0 || (b == -1 && a == INT64_MIN)) return {};
     if (op == "udiv") return wrap(x / y, bits);
     if (op == "urem") return wrap(x % y, bits);
@@ -219,7 +272,10 @@ inline std::optional<std::int64_t> integer_result(std::string_view op, std::int6
 
 inline bool comparison_holds(std::string_view predicate, std::int64_t a, std::int64_t b, int bits) {
     const std::uint64_t x = as_unsigned(a, bits), y = as_unsigned(b, bits);
-    if (bits == 1) a = -a, b = -b;
+    if (bits == 1) {  // the only bit is the sign
+        a = -a;
+        b = -b;
+    }
     if (predicate == "eq") return a == b;
     if (predicate == "ne") return a != b;
     if (predicate == "slt") return a < b;

@@ -34,20 +34,8 @@ std::string c_source(std::string source) {
     return source;
 }
 
-std::string c_wrapper(const UserSignature& signature, const std::string& path) {
-    const bool is_cpp = signature.language == SourceLanguage::cpp;
-    const std::string number = source_number_type(static_cast<std::size_t>(signature.bits) / 8, signature.language);
-    std::string text = "#include \"" + path + "\"\n" + (is_cpp ? "extern \"C\" " : "") + "void lostbits_entry(const " +
-                       number + "* lb_in, " + number + "* lb_out, int* lb_hit) {\n";
-    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
-        const std::size_t size = std::max<std::size_t>(signature.arguments[k].target().size, 64);
-        text += "    " + std::string(is_cpp ? "alignas(64)" : "_Alignas(64)") + " unsigned char " +
-                buffer_name(static_cast<int>(k)) + "[" + std::to_string(size) + "] = {0};\n";
-    }
-    for (const InputSlot& in : signature.inputs)
-        text += "    { " + source_number_type(in.slot.size, signature.language) + " lb_v = " + c_source(in.source) +
-                "; __builtin_memcpy(" + buffer_name(in.slot.argument) + " + " + std::to_string(in.slot.offset) +
-                ", &lb_v, sizeof lb_v); }\n";
+/// Returns the call with its arguments. The object of a method stands in the first buffer.
+std::string c_call(const UserSignature& signature) {
     std::string call = signature.call;
     std::size_t first = 0;
     if (signature.is_method) {
@@ -58,15 +46,37 @@ std::string c_wrapper(const UserSignature& signature, const std::string& path) {
     call += "(";
     for (std::size_t k = first; k < signature.arguments.size(); ++k)
         call += (k == first ? "" : ", ") + c_argument(signature.arguments[k], static_cast<int>(k));
-    call += ")";
+    return call + ")";
+}
+
+std::string c_wrapper(const UserSignature& signature, const std::string& path) {
+    const bool is_cpp = signature.language == SourceLanguage::cpp;
+    const std::string number = source_number_type(static_cast<std::size_t>(signature.bits) / 8, signature.language);
+    std::string text = "#include \"" + path + "\"\n" + (is_cpp ? "extern \"C\" " : "") + "void lostbits_entry(const " +
+                       number + "* lb_in, " + number + "* lb_out, int* lb_hit) {\n";
+
+    // A buffer for each argument, with its inputs.
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const std::size_t size = std::max<std::size_t>(signature.arguments[k].target().size, 64);
+        text += "    " + std::string(is_cpp ? "alignas(64)" : "_Alignas(64)") + " unsigned char " +
+                buffer_name(static_cast<int>(k)) + "[" + std::to_string(size) + "] = {0};\n";
+    }
+    for (const InputSlot& in : signature.inputs)
+        text += "    { " + source_number_type(in.slot.size, signature.language) + " lb_v = " + c_source(in.source) +
+                "; __builtin_memcpy(" + buffer_name(in.slot.argument) + " + " + std::to_string(in.slot.offset) +
+                ", &lb_v, sizeof lb_v); }\n";
+
+    // The call. Without other information it hits.
     const bool returns_value = signature.returned.kind != Kind::nothing;
-    text += "    " + (returns_value ? (is_cpp ? "auto" : signature.returned.name) + " lb_r = " : "") + call +
-            ";\n    *lb_hit = 1;\n";
+    text += "    " + (returns_value ? (is_cpp ? "auto" : signature.returned.name) + " lb_r = " : "") +
+            c_call(signature) + ";\n    *lb_hit = 1;\n";
     std::string result = "lb_r";
     if (signature.hit_is_optional) {
         text += "    *lb_hit = lb_r ? 1 : 0;\n    if (!lb_r) return;\n    auto lb_value = *lb_r;\n";
         result = "lb_value";
     }
+
+    // The answers, from the result or from the buffers.
     const auto address_of = [&](const Slot& slot) {
         const std::string base = slot.argument < 0 ? "(unsigned char*)&" + result : buffer_name(slot.argument);
         return base + " + " + std::to_string(slot.offset);
@@ -84,6 +94,22 @@ std::string c_wrapper(const UserSignature& signature, const std::string& path) {
     return text + "}\n";
 }
 
+/// Returns `lb_in[3]`, `1.0 / lb_in[3]` or `0.0`.
+std::string rust_source(const std::string& source) {
+    constexpr std::string_view reciprocal = "1 / ";
+    if (source.starts_with(reciprocal)) return "1.0 / lb_" + source.substr(reciprocal.size());
+    return source == "0" ? "0.0" : "lb_" + source;
+}
+
+/// Returns the expression that reads an argument from its buffer: a value, a pointer or a reference.
+std::string rust_argument(const Argument& a, int k) {
+    const std::string bytes = buffer_name(k) + ".0";
+    if (a.type.kind != Kind::pointer) return "core::ptr::read(" + bytes + ".as_ptr() as *const _)";
+    if (a.type.name.starts_with("*")) return bytes + ".as_mut_ptr() as *mut _";
+    if (a.type.is_const) return "&*(" + bytes + ".as_ptr() as *const _)";
+    return "&mut *(" + bytes + ".as_mut_ptr() as *mut _)";
+}
+
 std::string rust_wrapper(const UserSignature& signature, const std::string& text_of_file) {
     const std::string number = source_number_type(static_cast<std::size_t>(signature.bits) / 8, signature.language);
     std::string text = text_of_file +
@@ -91,31 +117,27 @@ std::string rust_wrapper(const UserSignature& signature, const std::string& text
                        "#[no_mangle] #[allow(warnings)] pub unsafe extern \"C\" fn lostbits_entry(lb_input: *const " +
                        number + ", lb_out: *mut " + number +
                        ", lb_hit: *mut i32) { unsafe {\n    let lb_in = &*(lb_input as *const [" + number + "; 64]);\n";
+
+    // A buffer for each argument, with its inputs.
     for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
         const std::size_t size = std::max<std::size_t>(signature.arguments[k].target().size, 1);
         text += "    let mut " + buffer_name(static_cast<int>(k)) + " = LostbitsBytes::<" + std::to_string(size) +
                 ">([0; " + std::to_string(size) + "]);\n";
     }
     for (const InputSlot& in : signature.inputs) {
-        std::string source = in.source;
         const std::string type = source_number_type(in.slot.size, signature.language);
-        if (source.starts_with("1 / ")) source = "1.0 / lb_" + source.substr(4);
-        else source = source == "0" ? "0.0" : "lb_" + source;
         text += "    *(" + buffer_name(in.slot.argument) + ".0.as_mut_ptr().add(" + std::to_string(in.slot.offset) +
-                ") as *mut " + type + ") = (" + source + ") as " + type + ";\n";
+                ") as *mut " + type + ") = (" + rust_source(in.source) + ") as " + type + ";\n";
     }
+
+    // The call. Without other information it hits.
     text += "    let lb_r = " + signature.call + "(";
-    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
-        const Argument& a = signature.arguments[k];
-        const std::string bytes = buffer_name(static_cast<int>(k)) + ".0";
-        if (k > 0) text += ", ";
-        if (a.type.kind != Kind::pointer) text += "core::ptr::read(" + bytes + ".as_ptr() as *const _)";
-        else if (a.type.name.starts_with("*")) text += bytes + ".as_mut_ptr() as *mut _";
-        else if (a.type.is_const) text += "&*(" + bytes + ".as_ptr() as *const _)";
-        else text += "&mut *(" + bytes + ".as_mut_ptr() as *mut _)";
-    }
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k)
+        text += (k == 0 ? "" : ", ") + rust_argument(signature.arguments[k], static_cast<int>(k));
     text += ");\n    *lb_hit = 1;\n";
     if (signature.hit_is_optional) text += "    match lb_r { None => { *lb_hit = 0; } Some(lb_value) => {\n";
+
+    // The answers, from the result or from the buffers.
     const std::string result = signature.hit_is_optional ? "lb_value" : "lb_r";
     const auto address_of = [&](const Slot& slot) {
         const std::string base = slot.argument < 0 ? "(&" + result + " as *const _ as *const u8)"
@@ -192,44 +214,59 @@ private:
     int count_ = 0;
 };
 
-/// Returns the parameters of the call. The array after those of the arguments receives the result.
-std::string parameters_of(const UserSignature& signature, const IrFunction& f, IrWriter& writer,
-                          const std::string& subject) {
-    std::string list;
-    std::size_t parameter_index = 0;
-    const auto append_parameter = [&](const IrParameter& p, const std::string& value) {
-        list += (list.empty() ? "" : ", ") + std::string(p.text) + " " + value;
-        ++parameter_index;
-    };
-    const auto mismatch = [&] {
-        throw InputError(subject +
+/// Writes the parameters of the call. Each takes the bytes of an argument, or of a part of one.
+class ParameterWriter {
+public:
+    ParameterWriter(const UserSignature& signature, const IrFunction& f, IrWriter& writer, const std::string& subject)
+        : signature_(signature), f_(f), writer_(writer), subject_(subject) {}
+
+    /// Returns the list of the parameters. The array after those of the arguments receives the result.
+    std::string write() {
+        const std::size_t result = signature_.arguments.size();
+        if (!f_.parameters.empty() && f_.parameters[0].text.find("sret") != std::string_view::npos)
+            append(writer_.address(result, 0, std::string(f_.parameters[0].type_text)));
+        for (std::size_t k = 0; k < signature_.arguments.size(); ++k) write_argument(k);
+        if (next_ != f_.parameters.size()) fail();
+        return list_;
+    }
+
+private:
+    [[noreturn]] void fail() const {
+        throw InputError(subject_ +
                          ": its parameters in the LLVM IR are not those of its debug information; the optimiser "
                          "may have changed them: compile it with -O0 -g");
-    };
-    if (!f.parameters.empty() && f.parameters[0].text.find("sret") != std::string_view::npos)
-        append_parameter(f.parameters[0],
-                         writer.address(signature.arguments.size(), 0, std::string(f.parameters[0].type_text)));
-    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
-        const std::size_t size = signature.arguments[k].type.size;
+    }
+
+    void append(const std::string& value) {
+        list_ += (list_.empty() ? "" : ", ") + std::string(f_.parameters[next_].text) + " " + value;
+        ++next_;
+    }
+
+    /// Passes an argument by its address, or by value in as many parameters as its size needs.
+    void write_argument(std::size_t k) {
+        const std::size_t size = signature_.arguments[k].type.size;
         for (std::size_t offset = 0; offset < size;) {
-            if (parameter_index >= f.parameters.size()) mismatch();
-            const IrParameter& p = f.parameters[parameter_index];
+            if (next_ >= f_.parameters.size()) fail();
+            const IrParameter& p = f_.parameters[next_];
             const std::string type(p.type_text);
-            if (p.type->kind == Type::Kind::pointer) {
-                append_parameter(p, writer.address(k, 0, type));
-                break;
-            }
+            if (p.type->kind == Type::Kind::pointer) return append(writer_.address(k, 0, type));
+
             offset = (offset + p.type->align - 1) / p.type->align * p.type->align;
-            if (p.type->size == 0 || offset + p.type->size > std::max<std::size_t>(size, 64)) mismatch();
+            if (p.type->size == 0 || offset + p.type->size > std::max<std::size_t>(size, 64)) fail();
             const bool is_bit = p.type->kind == Type::Kind::integer && p.type->bits == 1;
-            const std::string value = writer.load(k, offset, is_bit ? "i8" : type);
-            append_parameter(p, is_bit ? writer.emit("trunc i8 " + value + " to i1") : value);
+            const std::string value = writer_.load(k, offset, is_bit ? "i8" : type);
+            append(is_bit ? writer_.emit("trunc i8 " + value + " to i1") : value);
             offset += p.type->size;
         }
     }
-    if (parameter_index != f.parameters.size()) mismatch();
-    return list;
-}
+
+    const UserSignature& signature_;
+    const IrFunction& f_;
+    IrWriter& writer_;
+    const std::string& subject_;
+    std::string list_;
+    std::size_t next_ = 0;  ///< index of the next parameter
+};
 
 void write_inputs(const UserSignature& signature, IrWriter& writer) {
     const std::size_t size = static_cast<std::size_t>(signature.bits) / 8;
@@ -248,20 +285,11 @@ void write_inputs(const UserSignature& signature, IrWriter& writer) {
     }
 }
 
-}  // namespace
-
-std::string wrapper_of(const UserSignature& signature, const std::string& file) {
-    return signature.language == SourceLanguage::rust ? rust_wrapper(signature, file) : c_wrapper(signature, file);
-}
-
-std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& subject) {
+/// Writes the call, and stores its result in the array after those of the arguments.
+void write_call(const UserSignature& signature, Module& module, const std::string& subject, IrWriter& writer) {
     const IrFunction& f = *module.find_function(signature.symbol);
-    IrWriter writer(module);
-    for (const Argument& a : signature.arguments) writer.new_bytes(a.target().size);
-    writer.new_bytes(signature.returned.size);
-    write_inputs(signature, writer);
     const std::string call = "call " + std::string(f.convention) + " " + std::string(f.returned_text) + " @\"" +
-                             f.name + "\"(" + parameters_of(signature, f, writer, subject) + ")";
+                             f.name + "\"(" + ParameterWriter(signature, f, writer, subject).write() + ")";
     const std::size_t result = signature.arguments.size();
     Cursor returned(f.returned_text);
     const Type* const type = module.read_type(returned);
@@ -269,8 +297,12 @@ std::string ir_wrapper_of(const UserSignature& signature, Module& module, const 
     else if (const std::string value = writer.emit(call); type->kind == Type::Kind::integer && type->bits == 1)
         writer.store(writer.emit("zext i1 " + value + " to i8"), result, 0, "i8");
     else writer.store(value, result, 0, std::string(f.returned_text));
+}
 
-    // The answers. The value of an optional is before or after its flag.
+/// Writes the answers, hit and the numbers t, from the arrays of the arguments and the result.
+void write_answers(const UserSignature& signature, const std::string& subject, IrWriter& writer) {
+    // The value of an optional is before or after its flag.
+    const std::size_t result = signature.arguments.size();
     const SourceType* const value = signature.hit_is_optional ? &signature.returned.parts[0] : nullptr;
     if (value != nullptr && signature.returned.flag_size == 0)
         throw InputError(subject + ": the layout of its optional result is unknown");
@@ -280,6 +312,8 @@ std::string ir_wrapper_of(const UserSignature& signature, Module& module, const 
     const auto offset_of = [&](const Slot& slot) {
         return slot.offset + (slot.argument < 0 && value ? value->offset : 0);
     };
+
+    // A hit: the optional has a value, and the flag is not 0.
     std::string hit = "true";
     const auto require_nonzero = [&](std::size_t array, std::size_t offset, std::size_t size) {
         const std::string integer_type = "i" + std::to_string(8 * size);
@@ -291,6 +325,8 @@ std::string ir_wrapper_of(const UserSignature& signature, Module& module, const 
     if (signature.hit) require_nonzero(array_of(*signature.hit), offset_of(*signature.hit), signature.hit->size);
     writer.text +=
         "  store i32 " + writer.emit("zext i1 " + hit + " to i32") + ", " + writer.pointer("i32") + " %hit\n";
+
+    // The numbers, in the format of the function.
     const std::size_t size = static_cast<std::size_t>(signature.bits) / 8;
     const std::string number = ir_number_type(size);
     std::size_t k = 0;
@@ -303,8 +339,25 @@ std::string ir_wrapper_of(const UserSignature& signature, Module& module, const 
         }
         ++k;
     }
-    return module.text() + "\ndefine void @lostbits_entry(" + writer.pointer(number) + " %in, " +
-           writer.pointer(number) + " %out, " + writer.pointer("i32") + " %hit) {\n" + writer.text + "  ret void\n}\n";
+}
+
+}  // namespace
+
+std::string wrapper_of(const UserSignature& signature, const std::string& file) {
+    return signature.language == SourceLanguage::rust ? rust_wrapper(signature, file) : c_wrapper(signature, file);
+}
+
+std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& subject) {
+    IrWriter writer(module);
+    for (const Argument& a : signature.arguments) writer.new_bytes(a.target().size);
+    writer.new_bytes(signature.returned.size);
+    write_inputs(signature, writer);
+    write_call(signature, module, subject, writer);
+    write_answers(signature, subject, writer);
+
+    const std::string numbers = writer.pointer(ir_number_type(static_cast<std::size_t>(signature.bits) / 8));
+    return module.text() + "\ndefine void @lostbits_entry(" + numbers + " %in, " + numbers + " %out, " +
+           writer.pointer("i32") + " %hit) {\n" + writer.text + "  ret void\n}\n";
 }
 
 }  // namespace lostbits::intersect::function

@@ -54,6 +54,7 @@ int column_of(const LogMessage& message, const std::string& line) {
         mesa_column += i == 0 || !is_blank(line[i]) || !is_blank(line[i - 1]);
         if (mesa_column == message.column) return static_cast<int>(i) + 1;
     }
+
     const std::size_t open = message.content.find_first_of("'\""),
                       close = message.content.find_first_of("'\"", open + 1);
     std::size_t position = std::string::npos;
@@ -88,6 +89,8 @@ std::string errors_of(const std::string& log, const ShaderSource& shader) {
         if (is_warning(line) || error_count == max_errors ||
             message.content.find("compilation terminated") != std::string::npos)
             continue;
+
+        // A position in our own code means the call of the user's function.
         ++error_count;
         const std::string message_text = external::escape_text(message.content);
         const Function& f = shader.signature.function;

@@ -53,6 +53,8 @@ private:
         KernelHead kernel_head{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.primitive_stride),
                                batch.ends != nullptr ? 1U : 0U, batch.starts != nullptr ? 1U : 0U};
         hits_.assign(n, unwritten);
+
+        // Buffers in the order of `BufferBinding`. A column that is absent has a buffer of one number.
         const bool has_own_primitives = batch.primitive_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
         const S no_number = 0;
@@ -67,11 +69,14 @@ private:
             {batch.starts != nullptr ? bytes_at<S>(batch.starts, begin, n) : bytes_at<S>(&no_number, 0, 1)},
         }};
         device_->run(*program_, buffers, (n + group_size - 1) / group_size);
+
         // A driver may lose its device without an error. Every ray of a run writes an entry here, so an unwritten entry
         // reveals the loss.
         if (std::ranges::find(hits_, unwritten) != hits_.end())
             throw EnvironmentError(device_->description().kind +
                                    ": the device is lost: it wrote no answer; does the shader run too long?");
+
+        // A function that returns only numbers reports a miss by a number.
         const bool returns_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
             batch.hit[begin + i] = returns_hit ? hits_[i] != 0

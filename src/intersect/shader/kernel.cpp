@@ -67,6 +67,8 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
     for (std::size_t i = 0; i < tokens.size(); ++i) {
         const Token& t = tokens[i];
         if (t.kind == Token::Kind::comment) continue;
+
+        // The program has a line #version of its own.
         if (t.in_directive) {
             const bool is_version_directive = t.text == "#" && i + 1 < tokens.size() &&
                                               tokens[i + 1].text == "version" &&
@@ -76,11 +78,14 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
                 if (tokens[k].kind != Token::Kind::comment) blank(text, tokens[k]);
             }
         }
+
+        // Renames what only other stages have.
         if (t.text == "{" || t.text == "(") ++depth;
         if (t.text == "}" || t.text == ")") --depth;
         if (t.text.starts_with("gl_Frag")) text.replace(t.offset, 2, "lb");
         if (t.text == "main") text.replace(t.offset, 4, "lb_m");
         if (depth == 0 && t.text == "uniform") add_zero_initializer(text, insertions, tokens, i, initialize_uniforms);
+
         // `layout(location = 0) out vec4 color;` of the file becomes a variable.
         static const std::set<std::string_view> qualifiers{"in",   "out",    "varying", "attribute",
                                                            "flat", "smooth", "layout"};
@@ -106,6 +111,7 @@ std::string site_declarations(const std::string& text) {
         used.insert(code[i].text);
         if (i + 1 < code.size() && site_types.contains(code[i].text)) declared.insert(code[i + 1].text);
     }
+
     std::string declarations;
     for (const PredefinedName& predefined : predefined_names) {
         if (used.contains(predefined.name) && !declared.contains(predefined.name))
@@ -141,6 +147,8 @@ std::string march_code(const Signature& s, const ShaderMarch& march, const std::
 /// Code that calls the function and stores its answer.
 std::string call_code(const Signature& s, const ShaderMarch& march) {
     using Answers = Signature::Answers;
+
+    // Declares a variable for each output; one that is also an input receives the end of the ray.
     std::string code, list;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const Parameter& p = s.function.parameters[k];
@@ -150,9 +158,13 @@ std::string call_code(const Signature& s, const ShaderMarch& march) {
             code += "    " + s.arguments[k] + " = lb_tmax;\n";
         list += (k == 0 ? "" : ", ") + s.arguments[k];
     }
+
+    // Calls the function, or marches it if it is a field.
     const std::string call = s.function.name + "(" + list + ")";
     code += s.kind == Signature::Kind::field ? march_code(s, march, call)
                                              : "    " + s.function.type + " lb_says = " + call + ";\n";
+
+    // Stores the numbers of the answer, and whether it is a hit.
     const auto store = [&code](const std::string& near, const std::string& far) {
         code += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
     };
@@ -225,6 +237,8 @@ std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl
             code += std::string(k == 0 ? "" : ", ") + array + "[" + std::to_string(first + k) + "]";
         code += ");\n";
     };
+
+    // Reads the numbers of the ray and of the primitive.
     code += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
     code += "    " + real + " lb_ray[6], lb_primitive[" + count + "];\n";
     code += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
@@ -234,6 +248,7 @@ std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl
     for_each_key(s.shape, [&](const Key& key, std::size_t k) {
         if (key.count() == 3) declare_vector("lb_" + std::string(key.name), "lb_primitive", k);
     });
+
     // Infinity is written by its bits, since drivers differ in what a division by zero gives.
     code +=
         "    " + real + " lb_tmax = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
@@ -274,6 +289,7 @@ std::string to_precision(const std::string& text, bool to_doubles) {
                     replacement = to_doubles ? double_type : float_type;
             }
         }
+
         // `precision highp float;` has no counterpart for doubles.
         in_precision = in_precision || (to_doubles && token.text == "precision");
         result += text.substr(copied, token.offset - copied) + (in_precision ? "" : replacement);
@@ -293,6 +309,7 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
     Signature signature = shader.signature;
     if (shader.is_hlsl)
         return line(1) + shader.text + line(kernel_first_line) + main_code(signature, shader.march, true);
+
     std::string text = as_compute_code(shader.text);
     std::string declarations = site_declarations(text);
     if (signature.is_double != (bits == 64)) {

@@ -22,6 +22,8 @@ std::size_t end_of(std::string_view text, std::size_t begin, Token::Kind& kind) 
         return end;
     };
     const auto in_name = [&](std::size_t i) { return begins_name(text[i]) || is_digit(text[i]); };
+
+    // Comments
     if (text.substr(begin, 2) == "//") {
         kind = Token::Kind::comment;
         return std::min(text.find('\n', begin), text.size());
@@ -31,6 +33,8 @@ std::size_t end_of(std::string_view text, std::size_t begin, Token::Kind& kind) 
         const std::size_t end = text.find("*/", begin + 2);
         return end == std::string_view::npos ? text.size() : end + 2;
     }
+
+    // Names, numbers and signs
     if (begins_name(text[begin])) {
         kind = Token::Kind::name;
         return end_while(begin, in_name);
@@ -59,6 +63,7 @@ std::vector<Token> tokens_of(std::string_view text) {
         line_begin = newline + 1;
     };
     for (std::size_t position = 0; position < text.size();) {
+        // A backslash at the end of a line continues the directive on the next line.
         if (text[position] == '\n') {
             const std::string_view preceding = text.substr(0, position);
             if (!preceding.ends_with('\\') && !preceding.ends_with("\\\r")) in_directive = false;
@@ -70,6 +75,7 @@ std::vector<Token> tokens_of(std::string_view text) {
             ++position;
             continue;
         }
+
         Token token{.kind = {},
                     .text = {},
                     .offset = position,
@@ -78,9 +84,13 @@ std::vector<Token> tokens_of(std::string_view text) {
                     .in_directive = {}};
         const std::size_t end = end_of(text, position, token.kind);
         token.text = text.substr(position, end - position);
+
+        // A directive begins with a # that only comments precede in its line.
         if (first_of_line && token.text == "#") in_directive = true;
         token.in_directive = in_directive;
         if (token.kind != Token::Kind::comment) first_of_line = false;
+
+        // A comment may have several lines.
         for (std::size_t i = position; i < end; ++i) {
             if (text[i] == '\n') new_line(i);
         }
@@ -265,6 +275,8 @@ std::vector<CountedLoop> loops_of(const std::vector<Token>& tokens, const std::v
         if (code[i].text != "for") continue;
         const long long bound = bound_of(code, i, constants);
         if (bound <= 0) continue;
+
+        // A loop inside of others runs as often as they all do.
         constexpr long long max_total = 1'000'000'000'000LL;
         const auto [end, enclosing_total] =
             enclosing_loops.empty() ? std::pair(code.size(), 1LL) : enclosing_loops.back();

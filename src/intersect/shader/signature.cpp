@@ -185,13 +185,15 @@ private:
         using Kind = Signature::Kind;
         const std::size_t vectors = vectors_.size();
         const std::string name = lower_case(signature_.function.name);
-        const bool field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
-        const bool march_name = contains_any(name, {"march", "trace", "cast"});
+        const bool is_field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
+        const bool is_march_name = contains_any(name, {"march", "trace", "cast"});
+
+        // The ray of an intersector or a march is two vectors; a field takes one point.
         const bool has_primitive = vec4_ || !lengths_.empty() || vectors > 2;
         const bool from_point = vectors > 0 && role_of(signature_.function.parameters[vectors_[0]].name) != origin;
         if (has_primitive && choose_shape(2)) signature_.kind = Kind::intersector;
-        else if (!has_primitive && vectors == 2 && (is_named_by_user_ || march_name)) signature_.kind = Kind::march;
-        else if (from_point && (is_named_by_user_ || field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
+        else if (!has_primitive && vectors == 2 && (is_named_by_user_ || is_march_name)) signature_.kind = Kind::march;
+        else if (from_point && (is_named_by_user_ || is_field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
             signature_.kind = Kind::field;
         else return false;
         return true;

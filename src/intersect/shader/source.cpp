@@ -78,6 +78,8 @@ void add_comment_properties(const std::string& path, const std::vector<Token>& t
                 std::ranges::count(token.text.substr(counted_to, position - counted_to), '\n'));
             const std::size_t newline = token.text.rfind('\n', position);
             const std::size_t column = newline == std::string_view::npos ? token.column + position : position - newline;
+
+            // The properties end with the line, or with the comment.
             const std::size_t end = std::min(token.text.find('\n', position), token.text.size());
             std::string_view rest = token.text.substr(position + mark.size(), end - position - mark.size());
             if (rest.ends_with("*/")) rest.remove_suffix(2);
@@ -142,12 +144,14 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
     if (functions.empty())
         throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)" +
                          advice);
-    std::vector<Function> chosen = candidate_functions(functions);
-    if (function_property) {
-        chosen.clear();
+
+    // The functions with the stated name, or else those with the types of an intersector.
+    std::vector<Function> chosen;
+    if (function_property)
         std::ranges::copy_if(functions, std::back_inserter(chosen),
                              [&](const Function& f) { return f.name == function_property->value; });
-    }
+    else chosen = candidate_functions(functions);
+
     if (chosen.empty() && function_property)
         throw InputError(function_property->where + ": no function " + external::quote_text(function_property->value) +
                          " in " + path + "; its functions are:" + list_text(functions));
@@ -158,6 +162,8 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
     if (!function_property && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
                          path + ":" + chosen.back().name + ":" + list_text(chosen));
+
+    // A function may have overloads of other types.
     for (const Function& f : chosen) {
         if (auto signature = signature_of(f, function_property != nullptr)) return *signature;
     }
@@ -177,13 +183,15 @@ external::Contract default_contract(const std::string& path, const Signature& si
     c.direction = row_of(signature.shape).usually_takes_unit_direction ? Direction::unit : Direction::any;
     const bool has_two_roots = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
     c.roots = has_two_roots ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
+
+    // A march or a field needs a unit direction, and ends where it begins if that is inside.
     if (signature.kind != Signature::Kind::intersector) {
         c.direction = Direction::unit;
         c.roots = has_two_roots ? Roots::both : Roots::near_only;
     }
     const bool returns_zero_inside =
         signature.kind != Signature::Kind::intersector || inside_returns_zero(signature.shape);
-    if (c.roots == Roots::near_only && returns_zero_inside) c.inside = Inside::zero;  // a march ends where it begins
+    if (c.roots == Roots::near_only && returns_zero_inside) c.inside = Inside::zero;
     c.flags = LB_ONE_THREAD;
     return c;
 }
@@ -277,9 +285,13 @@ ShaderSource read_shader(const std::string& argument) {
                         .is_hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
     const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
+
+    // Reads the properties that comments and the command line state. The last of them take precedence.
     std::vector<Property> properties;
     add_comment_properties(path, tokens, properties);
     add_properties(options, ',', "--shader " + argument, properties);
+
+    // Chooses the function, and sets the usual properties of its signature.
     const auto is_function = [](const Property& property) { return property.key == "function"; };
     const auto function = std::find_if(properties.rbegin(), properties.rend(), is_function);
     shader.signature = choose_function(path, functions_of(code), function == properties.rend() ? nullptr : &*function);
@@ -291,6 +303,8 @@ ShaderSource read_shader(const std::string& argument) {
     shader.f32 = !shader.signature.is_double;
     shader.f64 = shader.signature.is_double;
     for (const Property& property : properties) apply_property(property, shader);
+
+    // Completes and checks the contract.
     if (shader.is_hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats only; leave format= out");
     if ((shader.contract.flags & LB_RANGE) != 0) require_range(path, shader.signature);
     normalize_name(shader.contract);
@@ -298,6 +312,8 @@ ShaderSource read_shader(const std::string& argument) {
     const bool form_takes_end = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
     if (form_takes_end && !shader.signature.takes_end) shader.contract.flags |= LB_NO_END;
     external::require_valid(shader.contract, path);
+
+    // The loops with a bound, or without an end. A field is marched in one more.
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
         shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});

@@ -34,6 +34,23 @@ std::size_t length_of_word(std::string_view text) {
     return n;
 }
 
+/// Length of the text in quotation marks that begins a text.
+std::size_t length_of_quotation(std::string_view text) {
+    std::size_t length = 1;
+    while (length < text.size() && text[length] != '"') length += text[length] == '\\' ? 2 : 1;
+    return std::min(length + 1, text.size());
+}
+
+/// Returns the end of the blank or the comment that begins at a position; the position itself if there is none.
+std::size_t end_of_gap(std::string_view text, std::size_t position) {
+    const std::string_view rest = text.substr(position);
+    if (std::isspace(static_cast<unsigned char>(rest[0])) != 0) return position + 1;
+    if (rest.starts_with("//")) return std::min(text.find('\n', position), text.size());
+    if (!rest.starts_with("/*")) return position;
+    const std::size_t end = text.find("*/", position + 2);
+    return end == std::string_view::npos ? text.size() : end + 2;
+}
+
 /// How tightly a binary operator binds; 0 for a sign that ends expressions.
 int precedence_of(std::string_view sign) {
     if (sign == "*" || sign == "/" || sign == "%") return 5;
@@ -54,35 +71,29 @@ bool is_keyword_before_expression(std::string_view word) {
 SourceTokens::SourceTokens(std::string_view text) : text_(text) {
     std::vector<std::size_t> open_brackets;
     for (std::size_t position = 0; position < text.size();) {
+        if (const std::size_t end = end_of_gap(text, position); end > position) {
+            position = end;
+            continue;
+        }
+
         const std::string_view rest = text.substr(position);
-        if (std::isspace(static_cast<unsigned char>(rest[0])) != 0) {
-            ++position;
-            continue;
-        }
-        if (rest.starts_with("//")) {
-            position = std::min(text.find('\n', position), text.size());
-            continue;
-        }
-        if (rest.starts_with("/*")) {
-            const std::size_t end = text.find("*/", position + 2);
-            position = end == std::string_view::npos ? text.size() : end + 2;
-            continue;
-        }
         const bool is_word = is_word_character(rest[0]) && rest[0] != '"';
-        std::size_t length = is_word ? length_of_word(rest) : length_of_sign(rest);
-        if (rest[0] == '"') {
-            while (length < rest.size() && rest[length] != '"') length += rest[length] == '\\' ? 2 : 1;
-            length = std::min(length + 1, rest.size());
-        }
+        const std::size_t length = rest[0] == '"' ? length_of_quotation(rest)
+                                   : is_word      ? length_of_word(rest)
+                                                  : length_of_sign(rest);
         tokens_.push_back({position, position + length, is_word});
         const std::size_t k = tokens_.size() - 1;
         partner_index_.push_back(k);
-        if (length == 1 && std::string_view("([{").find(rest[0]) != std::string_view::npos) open_brackets.push_back(k);
-        if (length == 1 && std::string_view(")]}").find(rest[0]) != std::string_view::npos && !open_brackets.empty()) {
-            partner_index_[k] = open_brackets.back(), partner_index_[open_brackets.back()] = k;
+        position += length;
+
+        // Matches brackets.
+        if (length != 1) continue;
+        if (std::string_view("([{").find(rest[0]) != std::string_view::npos) open_brackets.push_back(k);
+        if (std::string_view(")]}").find(rest[0]) != std::string_view::npos && !open_brackets.empty()) {
+            partner_index_[k] = open_brackets.back();
+            partner_index_[open_brackets.back()] = k;
             open_brackets.pop_back();
         }
-        position += length;
     }
 }
 
@@ -123,37 +134,43 @@ TextSpan SourceTokens::expression_at(std::size_t offset) const {
     const std::size_t k = index_at(offset);
     if (k == no_token) return {offset, offset + 1};
     const int own_precedence = precedence_of(text_of(k));
-    if (own_precedence == 0 || is_prefix(k)) {
-        const bool is_operand = tokens_[k].is_word || is_prefix(k) || text_of(k) == "(";
-        const std::size_t end = is_operand ? end_of_operand(k) : k + 1;
-        const bool is_call = end > k + 1 && text_of(end - 1) == ")";
-        if (!tokens_[k].is_word || is_call) return {tokens_[k].begin, tokens_[end - 1].end};
-        std::size_t name = k;
-        while (name + 2 < tokens_.size() && joins_names(text_of(name + 1)) && tokens_[name + 2].is_word) name += 2;
-        return {tokens_[k].begin, tokens_[name].end};
-    }
+    if (own_precedence == 0 || is_prefix(k)) return operand_at(k);
+
+    // To the left, up to an operator that binds less tightly.
     std::size_t begin = k, end = k + 1;
     for (std::size_t j = k; j-- > 0; j = begin) {
         const std::string_view text = text_of(j);
         const bool opens = text == "(" || text == "[" || text == "{";
-        const int precedence = precedence_of(text);
         if (opens || is_keyword_before_expression(text)) break;
-        if (!tokens_[j].is_word && precedence < own_precedence && partner_index_[j] == j && !joins_names(text) &&
-            !is_prefix(j))
-            break;
+        if (is_binary_sign(j) && precedence_of(text) < own_precedence) break;
         if (text == "}" || text == "=") break;
         begin = std::min(partner_index_[j], j);
     }
+
+    // To the right, up to an operator that binds no more tightly.
     while (end < tokens_.size()) {
         const std::string_view text = text_of(end);
-        const int precedence = precedence_of(text);
         if (text == ")" || text == "]" || text == "}" || text == "{") break;
-        if (!tokens_[end].is_word && partner_index_[end] == end && !joins_names(text) && !is_prefix(end) &&
-            precedence <= own_precedence)
-            break;
+        if (is_binary_sign(end) && precedence_of(text) <= own_precedence) break;
         end = index_after(end);
     }
     return {tokens_[begin].begin, tokens_[std::min(end, tokens_.size()) - 1].end};
+}
+
+/// Returns the call or the operand that begins at token k; for a name that is not called, the name with its members.
+TextSpan SourceTokens::operand_at(std::size_t k) const {
+    const bool is_operand = tokens_[k].is_word || is_prefix(k) || text_of(k) == "(";
+    const std::size_t end = is_operand ? end_of_operand(k) : k + 1;
+    const bool is_call = end > k + 1 && text_of(end - 1) == ")";
+    if (!tokens_[k].is_word || is_call) return {tokens_[k].begin, tokens_[end - 1].end};
+    std::size_t name = k;
+    while (name + 2 < tokens_.size() && joins_names(text_of(name + 1)) && tokens_[name + 2].is_word) name += 2;
+    return {tokens_[k].begin, tokens_[name].end};
+}
+
+/// True for a sign between two operands, or after an expression; false for brackets and for signs inside names.
+bool SourceTokens::is_binary_sign(std::size_t k) const {
+    return !tokens_[k].is_word && partner_index_[k] == k && !joins_names(text_of(k)) && !is_prefix(k);
 }
 
 TextSpan SourceTokens::expression_from(std::size_t offset) const {
@@ -162,9 +179,8 @@ TextSpan SourceTokens::expression_from(std::size_t offset) const {
     std::size_t end = begin;
     while (end < tokens_.size()) {
         const std::string_view text = text_of(end);
-        const bool is_sign =
-            !tokens_[end].is_word && partner_index_[end] == end && !joins_names(text) && !is_prefix(end);
-        if (text == "{" || text == ")" || text == "]" || text == "}" || (is_sign && precedence_of(text) == 0)) break;
+        const bool ends_expression = is_binary_sign(end) && precedence_of(text) == 0;
+        if (text == "{" || text == ")" || text == "]" || text == "}" || ends_expression) break;
         end = index_after(end);
     }
     return {tokens_[begin].begin, tokens_[std::max(end, begin + 1) - 1].end};

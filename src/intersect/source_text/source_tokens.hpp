@@ -45,6 +45,8 @@ private:
     }
     [[nodiscard]] std::size_t index_at(std::size_t offset) const;
     [[nodiscard]] bool is_prefix(std::size_t k) const;
+    [[nodiscard]] bool is_binary_sign(std::size_t k) const;
+    [[nodiscard]] TextSpan operand_at(std::size_t k) const;
     [[nodiscard]] std::size_t end_of_operand(std::size_t k) const;
     [[nodiscard]] std::size_t end_of_value(std::size_t k) const;
     /// Index of the token after or before token k. A group in brackets counts as one token, from its first or its last

@@ -144,27 +144,34 @@ bool Translator::translate_matrix(const SpirvInstruction& instruction) {
     const SpirvType& type = require_few(type_of(instruction.at(0), instruction));
     const TypedText a = operand(1);
     const auto b = [&] { return operand(2); };
-    Values columns;
-    if (instruction.op == "OpVectorTimesScalar") values_[instruction.result] = scale(a, b());
-    else if (instruction.op == "OpMatrixTimesVector") values_[instruction.result] = matrix_times_vector(a, b());
-    else {
-        if (instruction.op == "OpMatrixTimesScalar")
-            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(scale(extract_part(a, k), b()));
-        else if (instruction.op == "OpVectorTimesMatrix")
-            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(dot(a, extract_part(b(), k)));
-        else if (instruction.op == "OpMatrixTimesMatrix")
-            for (std::size_t k = 0; k < type.count; ++k)
-                columns.push_back(matrix_times_vector(a, extract_part(b(), k)));
-        else if (instruction.op == "OpTranspose" && type.part(0) != nullptr) {
-            for (std::size_t k = 0; k < type.count; ++k) {
-                Values lanes;
-                for (std::size_t row_index = 0; row_index < a.type->count; ++row_index)
-                    lanes.push_back(extract_part(extract_part(a, row_index), k));
-                columns.push_back(construct(*type.parts[0], lanes));
-            }
-        } else return false;
-        values_[instruction.result] = construct(type, columns);
+
+    // Products that are vectors.
+    if (instruction.op == "OpVectorTimesScalar") {
+        values_[instruction.result] = scale(a, b());
+        return true;
     }
+    if (instruction.op == "OpMatrixTimesVector") {
+        values_[instruction.result] = matrix_times_vector(a, b());
+        return true;
+    }
+
+    // Results that are made column by column, or lane by lane.
+    Values columns;
+    if (instruction.op == "OpMatrixTimesScalar")
+        for (std::size_t k = 0; k < type.count; ++k) columns.push_back(scale(extract_part(a, k), b()));
+    else if (instruction.op == "OpVectorTimesMatrix")
+        for (std::size_t k = 0; k < type.count; ++k) columns.push_back(dot(a, extract_part(b(), k)));
+    else if (instruction.op == "OpMatrixTimesMatrix")
+        for (std::size_t k = 0; k < type.count; ++k) columns.push_back(matrix_times_vector(a, extract_part(b(), k)));
+    else if (instruction.op == "OpTranspose" && type.part(0) != nullptr) {
+        for (std::size_t k = 0; k < type.count; ++k) {
+            Values lanes;
+            for (std::size_t row_index = 0; row_index < a.type->count; ++row_index)
+                lanes.push_back(extract_part(extract_part(a, row_index), k));
+            columns.push_back(construct(*type.parts[0], lanes));
+        }
+    } else return false;
+    values_[instruction.result] = construct(type, columns);
     return true;
 }
 
@@ -173,12 +180,23 @@ bool Translator::translate_arithmetic(const SpirvInstruction& instruction) {
     const SpirvType& type = type_of(instruction.at(0), instruction);
     const auto x = [&](std::size_t k) { return value(instruction.at(k), instruction); };
     TypedText& result = values_[instruction.result];
-    if (const std::string op = counterpart(binaries, instruction.op); !op.empty()) result = binary(op, x(1), x(2));
-    else if (const std::string comparison = counterpart(comparisons, instruction.op); !comparison.empty())
+
+    // Instructions with a counterpart in LLVM IR.
+    if (const std::string op = counterpart(binaries, instruction.op); !op.empty()) {
+        result = binary(op, x(1), x(2));
+        return true;
+    }
+    if (const std::string comparison = counterpart(comparisons, instruction.op); !comparison.empty()) {
         result = compare(comparison, x(1), x(2));
-    else if (const std::string conversion = counterpart(conversions, instruction.op); !conversion.empty())
+        return true;
+    }
+    if (const std::string conversion = counterpart(conversions, instruction.op); !conversion.empty()) {
         result = emit(type, conversion + " " + x(1).typed() + " to " + type.text);
-    else if (instruction.op == "OpFConvert" || instruction.op == "OpSConvert" || instruction.op == "OpUConvert") {
+        return true;
+    }
+
+    // Other instructions, by their meanings.
+    if (instruction.op == "OpFConvert" || instruction.op == "OpSConvert" || instruction.op == "OpUConvert") {
         const TypedText operand = x(1);
         const bool widens = TypedText{&type}.lane().bits > operand.lane().bits;
         const std::string instruction_name = instruction.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
@@ -230,8 +248,11 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
                                          {"NMin", "minnum"},     {"NMax", "maxnum"},        {"Pow", "pow"},
                                          {"Floor", "floor"},     {"Ceil", "ceil"},          {"Trunc", "trunc"},
                                          {"Round", "roundeven"}, {"RoundEven", "roundeven"}};
+
     if (const std::string intrinsic_name = counterpart(intrinsics, name); !intrinsic_name.empty() && !x.empty())
         return intrinsic(intrinsic_name, x);
+
+    // The message names the function as GLSL does: `sin` for Sin, `abs` for FAbs.
     const auto formula = formulas.find(name);
     if (formula == formulas.end()) {
         const bool has_type_letter =
@@ -241,6 +262,8 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
         return refuse(type, "it calls " + function_name + ", which is not followed");
     }
     if (x.size() < formula->second) instruction.fail("an operand is missing");
+
+    // The parts of which formulas consist.
     const auto choose = [&](const std::string& op, const TypedText& a, const TypedText& b) {
         return select(compare(op, a, b), a, b);
     };
@@ -250,6 +273,8 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
     const auto clamp = [&](const TypedText& a, const TypedText& lo, const TypedText& hi) {
         return smaller(larger(a, lo), hi);
     };
+
+    // Floating-point numbers
     if (name == "InverseSqrt") return binary("fdiv", constant(1), intrinsic("sqrt", x));
     if (name == "Fract") return binary("fsub", x[0], intrinsic("floor", x));
     if (name == "FMin") return smaller(x[0], x[1]);
@@ -269,6 +294,8 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
             clamp(binary("fdiv", binary("fsub", x[2], x[0]), binary("fsub", x[1], x[0])), constant(0), constant(1));
         return binary("fmul", binary("fmul", t, t), binary("fsub", constant(3), binary("fmul", constant(2), t)));
     }
+
+    // Integers
     const std::string type_letter(1, static_cast<char>(name[0] | 0x20));  // s or u
     if (name == "SAbs") {
         const TypedText zero{&type, "zeroinitializer", {}};
@@ -289,6 +316,8 @@ TypedText Translator::geometric(const std::string& name, const Values& x) {
         const bool is_vector = x[0].type->kind == Kind::vector;
         return binary("fdiv", x[0], is_vector ? construct(*x[0].type, Values(x[0].type->count, x_length)) : x_length);
     }
+
+    // N, I and Nref, or I and N, in the words of GLSL
     if (name == "FaceForward")
         return select(compare("fcmp olt", dot(x[2], x[1]), splat(0, x[0].lane())), x[0],
                       emit(*x[0].type, "fneg " + x[0].typed()));
@@ -297,6 +326,7 @@ TypedText Translator::geometric(const std::string& name, const Values& x) {
         return binary("fsub", x[0],
                       x[0].type->kind == Kind::vector ? scale(x[1], twice_dot) : binary("fmul", x[1], twice_dot));
     }
+
     // Cross: x₁y₂ − y₁x₂, x₂y₀ − y₂x₀, x₀y₁ − y₀x₁
     Values lanes;
     for (std::size_t k = 0; k < 3; ++k) {

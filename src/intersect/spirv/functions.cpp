@@ -45,11 +45,14 @@ bool Translator::is_written_first(std::size_t first, std::size_t end, const std:
 std::string Translator::parameters_of(std::size_t first, std::size_t end, const std::string& scope) {
     const SpirvType& type = type_of(instructions_[first].at(2), instructions_[first]);
     if (type.kind != Kind::function || type.parts.empty()) instructions_[first].fail("a function has no type");
+
     std::string list, type_list = metadata_of(*type.parts[0]);
     std::size_t parameter_count = 0;
     for (std::size_t k = first + 1; k < end; ++k) {
         const SpirvInstruction& instruction = instructions_[k];
         if (instruction.op != "OpFunctionParameter") continue;
+
+        // The target of a pointer is constant unless the function writes it first.
         const SpirvType& parameter_type = type_of(instruction.at(0), instruction);
         std::string type_metadata = metadata_of(parameter_type);
         if (parameter_type.kind == Kind::pointer && !is_written_first(k + 1, end, instruction.result))
@@ -57,6 +60,7 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
                                          add_metadata("!DIDerivedType(tag: DW_TAG_const_type, baseType: " +
                                                       metadata_of(*parameter_type.parts[0]) + ")") +
                                          ", size: 64)");
+
         values_[instruction.result] = {&parameter_type, "%s." + instruction.result, {}};
         list += (parameter_count++ == 0 ? "" : ", ") + values_[instruction.result].typed();
         type_list += ", " + type_metadata;
@@ -66,6 +70,7 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
             ", arg: " + std::to_string(parameter_count) + ", scope: " + scope + ", file: " + file_ +
             ", type: " + type_metadata + ")");
     }
+
     if (parameter_count + 1 != type.parts.size())
         instructions_[first].fail("the parameters of a function are not those of its type");
     metadata_.push_back("!DISubroutineType(types: " + add_metadata("!{" + type_list + "}") + ")");
@@ -80,6 +85,8 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
                     instructions_.begin() + static_cast<std::ptrdiff_t>(end),
                     [](const SpirvInstruction& instruction) { return instruction.op == "OpLabel"; });
     if (!is_defined) return;
+
+    // The debug information of the function, whose index its parameters need before its text is known.
     scope_ = add_metadata("");
     const std::size_t subprogram_index = metadata_.size() - 1;
     const std::string list = parameters_of(first, end, scope_);
@@ -89,6 +96,8 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
         "distinct !DISubprogram(name: " + quoted_name(name.empty() ? function_instruction.result : name) +
         ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) + ", type: " + types +
         ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
+
+    // The function itself.
     body_.push_back("define internal " + returned_type.text + " " + function_symbol(function_instruction.result) + "(" +
                     list + ") !dbg " + scope_ + " {");
     places_.begin_function();
@@ -147,6 +156,7 @@ void Translator::translate_instruction(const SpirvInstruction& instruction) {
         if (instruction.at(2) == "DebugLine") places_.visit(number(4), number(6));
         return;
     }
+
     if (std::ranges::find(ignored, instruction.op) != ignored.end()) return;
     if (instruction.op == "OpLabel") {
         body_.push_back(label(instruction.result).substr(1) + ":");
@@ -155,22 +165,12 @@ void Translator::translate_instruction(const SpirvInstruction& instruction) {
     place_ = debug_suffix(instruction);
     if (instruction.op == "OpUndef") return declare(instruction);
     if (translate_control(instruction)) return;
-    for (const std::string& operand : instruction.operands) {
-        const auto operand_value = values_.find(operand);
-        const bool uses_unreadable_address = operand_value != values_.end() &&
-                                             !operand_value->second.refusal_reason.empty() &&
-                                             !is_access_chain(instruction);
-        if (!uses_unreadable_address) continue;
-        const std::string reason = operand_value->second.refusal_reason;
-        const SpirvType& type =
-            instruction.result.empty() ? integer_type(Kind::integer, 32) : type_of(instruction.at(0), instruction);
-        const TypedText undefined = refuse(type, reason);
-        if (!instruction.result.empty()) values_[instruction.result] = undefined;
-        return;
-    }
+    if (refuse_unreadable_operand(instruction)) return;
     if (translate_memory(instruction) || translate_composite(instruction) || translate_matrix(instruction) ||
         translate_arithmetic(instruction))
         return;
+
+    // An instruction without a counterpart.
     if (instruction.result.empty())
         refuse(integer_type(Kind::integer, 32), "the instruction " + instruction.op + " of SPIR-V is not followed");
     else {
@@ -178,6 +178,22 @@ void Translator::translate_instruction(const SpirvInstruction& instruction) {
         values_[instruction.result] = refuse(type, "the instruction " + instruction.op + " of SPIR-V is not followed");
         values_[instruction.result].type = &type;
     }
+}
+
+/// Refuses an instruction that reads an address that cannot be read. Returns false for other instructions.
+bool Translator::refuse_unreadable_operand(const SpirvInstruction& instruction) {
+    if (is_access_chain(instruction)) return false;
+    for (const std::string& operand : instruction.operands) {
+        const auto operand_value = values_.find(operand);
+        if (operand_value == values_.end() || operand_value->second.refusal_reason.empty()) continue;
+        const std::string reason = operand_value->second.refusal_reason;
+        const SpirvType& type =
+            instruction.result.empty() ? integer_type(Kind::integer, 32) : type_of(instruction.at(0), instruction);
+        const TypedText undefined = refuse(type, reason);
+        if (!instruction.result.empty()) values_[instruction.result] = undefined;
+        return true;
+    }
+    return false;
 }
 
 /// Translates phis and the instructions that end a block. Returns false for other instructions.
@@ -308,6 +324,25 @@ TypedText Translator::construct(const SpirvType& type, const Values& parts) {
     return result;
 }
 
+/// Returns the lanes that a shuffle takes. Indices count the lanes of the first vector, then those of the second.
+Translator::Values Translator::shuffled_lanes(const SpirvInstruction& instruction) {
+    const TypedText a = value(instruction.at(1), instruction), b = value(instruction.at(2), instruction);
+    Values lanes;
+    for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
+        // Lanes have indices of one or two digits; 4294967295 stands for a lane without a value.
+        constexpr std::size_t max_digits = 2;
+        const std::size_t n = instruction.at(k).size() > max_digits
+                                  ? ~std::size_t{0}
+                                  : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
+        const bool is_in_first = n < a.type->count;
+        if (n == ~std::size_t{0}) lanes.push_back({&a.lane(), "undef", {}});
+        else if (!is_in_first && b.type->part(n - a.type->count) == nullptr)
+            instruction.fail("an index is outside of its type");
+        else lanes.push_back(extract_part(is_in_first ? a : b, is_in_first ? n : n - a.type->count));
+    }
+    return lanes;
+}
+
 bool Translator::translate_composite(const SpirvInstruction& instruction) {
     const auto type = [&]() -> const SpirvType& { return type_of(instruction.at(0), instruction); };
     const auto index = [&](const SpirvType& composite, std::size_t k) {
@@ -319,6 +354,8 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
         if (composite.part(n) == nullptr) instruction.fail("an index is outside of its type");
         return n;
     };
+
+    // Parts of composites, then lanes of vectors, then copies.
     if (instruction.op == "OpCompositeConstruct") {
         Values parts;
         for (std::size_t k = 1; k < instruction.operands.size(); ++k)
@@ -339,21 +376,7 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
         }
         values_[instruction.result] = insert_part(composite, path, 0, value(instruction.at(1), instruction));
     } else if (instruction.op == "OpVectorShuffle") {
-        const TypedText a = value(instruction.at(1), instruction), b = value(instruction.at(2), instruction);
-        Values lanes;
-        for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
-            // Lanes have indices of one or two digits; 4294967295 stands for a lane without a value.
-            constexpr std::size_t max_digits = 2;
-            const std::size_t n = instruction.at(k).size() > max_digits
-                                      ? ~std::size_t{0}
-                                      : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
-            const bool is_in_first = n < a.type->count;
-            if (n == ~std::size_t{0}) lanes.push_back({&a.lane(), "undef", {}});
-            else if (!is_in_first && b.type->part(n - a.type->count) == nullptr)
-                instruction.fail("an index is outside of its type");
-            else lanes.push_back(extract_part(is_in_first ? a : b, is_in_first ? n : n - a.type->count));
-        }
-        values_[instruction.result] = construct(type(), lanes);
+        values_[instruction.result] = construct(type(), shuffled_lanes(instruction));
     } else if (instruction.op == "OpVectorExtractDynamic") {
         values_[instruction.result] = emit(type(), "extractelement " + value(instruction.at(1), instruction).typed() +
                                                        ", " + value(instruction.at(2), instruction).typed());

@@ -36,7 +36,8 @@ double number_of(std::string_view text, int bits) {
     const bool is_infinite_or_nan = bits == 32 ? x >= 0x1p128 : text.ends_with("p+1024");
     if (is_infinite_or_nan && text.starts_with("1p")) x = std::numeric_limits<double>::infinity();
     else if (is_infinite_or_nan) x = std::numeric_limits<double>::quiet_NaN();
-    static_cast<void>(end), static_cast<void>(error);
+    static_cast<void>(end);
+    static_cast<void>(error);
     return is_negative ? -x : x;
 }
 
@@ -73,17 +74,23 @@ void Translator::collect_names() {
     };
     const auto count_write = [&](const std::string& id, const std::string& value) {
         VariableWrites& writes = variable_writes_[variable_of(id)];
-        ++writes.count, writes.value = value;
+        ++writes.count;
+        writes.value = value;
     };
     for (const SpirvInstruction& instruction : instructions_) {
+        // Names
         if (instruction.op == "OpName") names_[instruction.at(0)] = instruction.at(1);
         if (instruction.op == "OpMemberName")
             member_names_[{instruction.at(0), number_operand(instruction, 1)}] = instruction.at(2);
         if (instruction.op == "OpExtInstImport" || instruction.op == "OpString")
             strings_[instruction.result] = instruction.at(0);
         if (instruction.op == "OpFunction") functions_[instruction.result] = &instruction;
-        if (instruction.op == "OpEntryPoint")
-            names_.try_emplace(instruction.at(1), instruction.at(2)), entry = instruction.at(1);
+        if (instruction.op == "OpEntryPoint") {
+            names_.try_emplace(instruction.at(1), instruction.at(2));
+            entry = instruction.at(1);
+        }
+
+        // Writes. Only a value that the main function writes to a whole variable may be the value of the variable.
         if (instruction.op == "OpFunction") in_entry = instruction.result == entry;
         if (instruction.op == "OpAccessChain" || instruction.op == "OpInBoundsAccessChain")
             variable_of_part[instruction.result] = variable_of(instruction.at(1));
@@ -132,6 +139,8 @@ void Translator::add_type(const SpirvInstruction& instruction, SpirvType type) {
 void Translator::declare_type(const SpirvInstruction& instruction) {
     const auto part = [&](std::size_t k) { return &type_of(instruction.at(k), instruction); };
     const auto bits = [&] { return static_cast<int>(std::min<std::size_t>(number_operand(instruction, 0), 64)); };
+
+    // Scalars
     if (instruction.op == "OpTypeVoid")
         return add_type(instruction, {.kind = Kind::void_type, .id = {}, .text = "void"});
     if (instruction.op == "OpTypeBool")
@@ -149,12 +158,15 @@ void Translator::declare_type(const SpirvInstruction& instruction) {
                                       n,
                                       is_integer && instruction.at(1) == "1"});
     }
+
+    // Vectors, matrices and arrays
     if (instruction.op == "OpTypeVector") {
         const std::size_t count = number_operand(instruction, 1);
         if (count < 2 || count > 16)
             instruction.fail("a vector has fewer than 2 or more than 16 components, which is not supported");
         return add_type(instruction, vector_of(*part(0), count));
     }
+    // The number of items of an array is a constant, of a matrix a literal.
     if (instruction.op == "OpTypeMatrix" || instruction.op == "OpTypeArray") {
         const bool is_matrix = instruction.op == "OpTypeMatrix";
         const SpirvType& item = *part(0);
@@ -176,20 +188,9 @@ void Translator::declare_type(const SpirvInstruction& instruction) {
                                       {&item},
                                       count});
     }
-    if (instruction.op == "OpTypeStruct") {
-        SpirvType structure{.kind = Kind::structure, .id = {}, .text = "%T." + instruction.result};
-        std::string parts;
-        for (std::size_t k = 0; k < instruction.operands.size(); ++k) {
-            structure.parts.push_back(part(k));
-            parts += (k == 0 ? "" : ", ") + part(k)->text;
-            structure.size = (structure.size + part(k)->align - 1) / part(k)->align * part(k)->align + part(k)->size;
-            structure.align = std::max(structure.align, part(k)->align);
-            if (structure.size > max_bytes) instruction.fail("a type is too large");
-        }
-        structure.size = (structure.size + structure.align - 1) / structure.align * structure.align;
-        definitions_.push_back(structure.text + " = type { " + parts + " }");
-        return add_type(instruction, std::move(structure));
-    }
+
+    // Types that refer to other types
+    if (instruction.op == "OpTypeStruct") return declare_structure(instruction);
     if (instruction.op == "OpTypePointer" && types_.contains(instruction.at(1)))
         return add_type(instruction, pointer_to(*part(1)));
     if (instruction.op == "OpTypeFunction") {
@@ -198,6 +199,23 @@ void Translator::declare_type(const SpirvInstruction& instruction) {
         return add_type(instruction, std::move(function_type));
     }
     add_type(instruction, {.kind = Kind::other, .id = {}, .text = "i8", .size = 1, .align = 1});  // an image, a sampler
+}
+
+/// Declares a structure, whose members LLVM lays out by their alignments.
+void Translator::declare_structure(const SpirvInstruction& instruction) {
+    SpirvType structure{.kind = Kind::structure, .id = {}, .text = "%T." + instruction.result};
+    std::string parts;
+    for (std::size_t k = 0; k < instruction.operands.size(); ++k) {
+        const SpirvType& part = type_of(instruction.at(k), instruction);
+        structure.parts.push_back(&part);
+        parts += (k == 0 ? "" : ", ") + part.text;
+        structure.size = (structure.size + part.align - 1) / part.align * part.align + part.size;
+        structure.align = std::max(structure.align, part.align);
+        if (structure.size > max_bytes) instruction.fail("a type is too large");
+    }
+    structure.size = (structure.size + structure.align - 1) / structure.align * structure.align;
+    definitions_.push_back(structure.text + " = type { " + parts + " }");
+    add_type(instruction, std::move(structure));
 }
 
 std::string Translator::literal(double x, const SpirvType& type) const {
@@ -215,18 +233,10 @@ void Translator::declare_constant(const SpirvInstruction& instruction) {
     if (instruction.op.ends_with("ConstantTrue")) constant.text = "true";
     else if (instruction.op.ends_with("ConstantFalse")) constant.text = "false";
     else if (instruction.op == "OpUndef") constant.text = "undef";
-    else if (instruction.op == "OpConstantNull") constant.text = "zeroinitializer";
-    else if (instruction.op.ends_with("ConstantComposite")) {
-        const bool is_vector = type.kind == Kind::vector;
-        for (std::size_t k = 1; k < instruction.operands.size(); ++k)
-            constant.text += (k == 1 ? "" : ", ") + value(instruction.at(k), instruction).typed();
-        const char open = is_vector ? '<' : type.kind == Kind::structure ? '{' : '[';
-        const char close = is_vector ? '>' : type.kind == Kind::structure ? '}' : ']';
-        constant.text = open + constant.text + close;
-        if (constant.text.size() > max_bytes) instruction.fail("a constant is too large");
-    } else if (type.kind == Kind::floating) {
-        constant.text = literal(number_of(instruction.at(1), type.bits), type);
-    } else if (type.kind == Kind::integer && instruction.op != "OpSpecConstantOp") {
+    else if (instruction.op == "OpConstantNull") constant.text = zero_text(type);
+    else if (instruction.op.ends_with("ConstantComposite")) constant.text = composite_text(instruction, type);
+    else if (type.kind == Kind::floating) constant.text = literal(number_of(instruction.at(1), type.bits), type);
+    else if (type.kind == Kind::integer && instruction.op != "OpSpecConstantOp") {
         const std::string& digits = instruction.at(1);
         std::int64_t x = 0;
         if (std::from_chars(digits.data(), digits.data() + digits.size(), x).ptr != digits.data() + digits.size())
@@ -238,10 +248,26 @@ void Translator::declare_constant(const SpirvInstruction& instruction) {
         constant.refusal_reason =
             "it uses a constant that is computed when the shader is loaded, which is not supported";
     }
-    if (constant.text == "zeroinitializer" && type.kind == Kind::pointer) constant.text = "null";
-    if (constant.text == "zeroinitializer" && type.kind == Kind::floating) constant.text = literal(0, type);
-    if (constant.text == "zeroinitializer" && (type.kind == Kind::integer || type.kind == Kind::boolean))
-        constant.text = "0";
+}
+
+/// The constant of a type whose bits are all 0.
+std::string Translator::zero_text(const SpirvType& type) const {
+    if (type.kind == Kind::pointer) return "null";
+    if (type.kind == Kind::floating) return literal(0, type);
+    return type.kind == Kind::integer || type.kind == Kind::boolean ? "0" : "zeroinitializer";
+}
+
+/// A constant vector `<...>`, structure `{...}` or array `[...]`.
+std::string Translator::composite_text(const SpirvInstruction& instruction, const SpirvType& type) const {
+    std::string parts;
+    for (std::size_t k = 1; k < instruction.operands.size(); ++k)
+        parts += (k == 1 ? "" : ", ") + value(instruction.at(k), instruction).typed();
+    const bool is_vector = type.kind == Kind::vector;
+    const char open = is_vector ? '<' : type.kind == Kind::structure ? '{' : '[';
+    const char close = is_vector ? '>' : type.kind == Kind::structure ? '}' : ']';
+    std::string text = open + parts + close;
+    if (text.size() > max_bytes) instruction.fail("a constant is too large");
+    return text;
 }
 
 /// Declares a variable outside of functions. Its value is known if only one constant is ever written to it: at its
@@ -349,7 +375,10 @@ std::string Translator::debug_suffix(const SpirvInstruction& instruction) {
     std::string name;
     if (instruction.op == "OpExtInst") name = instruction.at(2);
     TokenPlace p = places_.place_of(instruction.op, name);
-    if (lines_.file.empty()) p.line = instruction.line, p.column = instruction.column;
+    if (lines_.file.empty()) {
+        p.line = instruction.line;
+        p.column = instruction.column;
+    }
     const std::string text = "!DILocation(line: " + std::to_string(std::max(p.line, 0)) +
                              ", column: " + std::to_string(std::clamp(p.column, 0, 65535)) + ", scope: " + scope_ + ")";
     const auto [known, is_new] = known_places_.try_emplace(text, static_cast<int>(metadata_.size()));
@@ -364,6 +393,8 @@ std::string Translator::translate_module() {
     unit_ = add_metadata("distinct !DICompileUnit(language: DW_LANG_C99, file: " + file_ +
                          ", producer: \"spirv\", isOptimized: false, runtimeVersion: 0, emissionKind: FullDebug)");
     const std::string version = add_metadata("!{i32 2, !\"Debug Info Version\", i32 3}");
+
+    // Declares types and constants, and translates functions.
     std::size_t function_count = 0, next_variable = 0;
     for (std::size_t k = 0; k < instructions_.size(); ++k) {
         const SpirvInstruction& instruction = instructions_[k];
@@ -374,6 +405,7 @@ std::string Translator::translate_module() {
         // The constants that variables hold may be declared after the variables.
         for (; next_variable < k && function_count == 0; ++next_variable)
             if (instructions_[next_variable].op == "OpVariable") declare_variable(instructions_[next_variable]);
+
         ++function_count;
         std::size_t end = k;
         while (end < instructions_.size() && instructions_[end].op != "OpFunctionEnd") ++end;
@@ -384,6 +416,8 @@ std::string Translator::translate_module() {
         k = end;
     }
     if (functions_.empty()) throw InputError("the SPIR-V cannot be read: it defines no function");
+
+    // Joins the parts of the module.
     std::string text;
     for (const std::vector<std::string>* part : {&definitions_, &body_})
         for (const std::string& text_line : *part) text += text_line + "\n";

@@ -72,12 +72,14 @@ std::string split_program(const std::string& text, device::Language language, Sh
         if (!program.empty() && program.back() != '\n') program += '\n';
         lines.tokens.push_back({std::string(t.text), static_cast<int>(t.line), static_cast<int>(t.column)});
     };
+
     const std::vector<shader::Token> tokens = shader::tokens_of(body);
     std::size_t end = 0, line = 0, line_directive = 0;
     for (const shader::Token& t : tokens) {
         if (t.kind == shader::Token::Kind::comment) continue;
         if (t.in_directive && t.text == "#" && &t != &tokens.back() && (&t)[1].text == "line") line_directive = t.line;
         if (t.in_directive && t.line == line_directive) continue;  // lines are counted in the file itself
+
         // A directive is one line; a backslash at the end of a line joins the next line to it.
         if (t.in_directive) {
             if (t.line != line) begin_line(t);
@@ -87,6 +89,8 @@ std::string split_program(const std::string& text, device::Language language, Sh
             end = t.offset + t.text.size();
             continue;
         }
+
+        // Signs that form an operator stay together; every other token begins a line.
         line = 0;
         std::string& last_text = lines.tokens.empty() ? program : lines.tokens.back().text;
         const bool continues_operator =
@@ -137,22 +141,24 @@ bool PlaceFinder::take_last(char sign, std::size_t& token) {
     return false;
 }
 
+/// Place of an operator in the current line of the text. The column is 0 if the line does not have exactly one of it.
+TokenPlace PlaceFinder::place_in_line(char sign) const {
+    TokenPlace place = current_place_;
+    if (place.column > 0 || place.line < 1 || static_cast<std::size_t>(place.line) > lines_.lines.size()) return place;
+    const std::string& line = lines_.lines[static_cast<std::size_t>(place.line) - 1];
+    const std::size_t position = sign == 0 ? std::string::npos : line.find(sign);
+    const bool is_only_one = position != std::string::npos && line.find(sign, position + 1) == std::string::npos;
+    place.column = is_only_one ? static_cast<int>(position) + 1 : 0;
+    return place;
+}
+
 TokenPlace PlaceFinder::place_of(std::string_view op, std::string_view extended) {
     const char sign = sign_of(op);
-    if (lines_.tokens.empty()) {
-        TokenPlace place = current_place_;
-        if (place.column > 0 || place.line < 1 || static_cast<std::size_t>(place.line) > lines_.lines.size())
-            return place;
-        const std::string& line = lines_.lines[static_cast<std::size_t>(place.line) - 1];
-        std::size_t position = sign == 0 ? std::string::npos : line.find(sign);
-        // If the line has more than one such operator, the column is unknown.
-        if (position != std::string::npos && line.find(sign, position + 1) != std::string::npos)
-            position = std::string::npos;
-        place.column = position == std::string::npos ? 0 : static_cast<int>(position) + 1;
-        return place;
-    }
+    if (lines_.tokens.empty()) return place_in_line(sign);
+
     std::size_t token = token_;
     if (sign != 0 && take_last(sign, token)) return lines_.tokens[token];
+
     // glslang gives a call of one argument the place of that argument, which stands in the brackets of the call.
     for (std::size_t k = token_; k > 0 && !extended.empty(); --k) {
         if (lines_.tokens[k].text == ")") k = std::max<std::size_t>(opening_[k], 1);

@@ -46,6 +46,7 @@ public:
     [[nodiscard]] TokenPlace last_visited() const;
 
 private:
+    [[nodiscard]] TokenPlace place_in_line(char sign) const;
     [[nodiscard]] std::size_t name_of(std::size_t token) const;
     [[nodiscard]] bool take_last(char sign, std::size_t& token);
 

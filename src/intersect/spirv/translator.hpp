@@ -75,7 +75,10 @@ private:
     void collect_names();
     void declare(const SpirvInstruction& instruction);
     void declare_type(const SpirvInstruction& instruction);
+    void declare_structure(const SpirvInstruction& instruction);
     void declare_constant(const SpirvInstruction& instruction);
+    [[nodiscard]] std::string zero_text(const SpirvType& type) const;
+    [[nodiscard]] std::string composite_text(const SpirvInstruction& instruction, const SpirvType& type) const;
     void declare_variable(const SpirvInstruction& instruction);
     void add_type(const SpirvInstruction& instruction, SpirvType type);
     const SpirvType& type_of(const std::string& id, const SpirvInstruction& instruction) const;
@@ -100,8 +103,10 @@ private:
     [[nodiscard]] bool is_written_first(std::size_t first, std::size_t end, const std::string& id) const;
     void resolve_phis();
     void translate_instruction(const SpirvInstruction& instruction);
+    bool refuse_unreadable_operand(const SpirvInstruction& instruction);
     bool translate_control(const SpirvInstruction& instruction);
     bool translate_memory(const SpirvInstruction& instruction);
+    Values shuffled_lanes(const SpirvInstruction& instruction);
     bool translate_composite(const SpirvInstruction& instruction);
     bool translate_arithmetic(const SpirvInstruction& instruction);
     bool translate_matrix(const SpirvInstruction& instruction);
