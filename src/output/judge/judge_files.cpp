@@ -66,6 +66,7 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     const scene::dump::Layout& layout = dump.layout();
     Table<R> table{
         {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.band_ray.i; }}};
+
     // Numbers of a file of floats are written with only the digits that a float needs.
     const bool is_f32 = dump.format().engine == Format::Engine::native32;
     const auto number = [is_f32](double x) { return is_f32 ? Cell(static_cast<float>(x)) : Cell(x); };
@@ -77,6 +78,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.band_ray.i)); });
     };
+
+    // The ray and its range.
     for (int k = 0; k < 6; ++k)
         add_number(slot::origin + static_cast<std::size_t>(k), "number of the ray, as it was judged",
                    [k](const Chunk& c, std::size_t i) {
@@ -86,6 +89,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     add_number(slot::tmin, "beginning of the ray's range",
                [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
     add_number(slot::tmax, "end of the ray's range", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
+
+    // The primitive and its matrix.
     for (std::size_t s = slot::primitive; s < slot::t; ++s)
         add_number(
             s, "number of the ray's primitive, as it was judged",
@@ -93,6 +98,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
         add_number(s, "number of the primitive's matrix, as it was judged",
                    [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
+
+    // The answer.
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_file_hit);
     add(slot::t, "number", "the file's answer; missing if it has no hit",
         [number](const R& r) { return has_file_hit(r) ? number(r.chunk->t[r.band_ray.i]) : Cell(); });
@@ -107,6 +114,8 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     answer_columns.add_exact({"answer", "t", "the answer that was judged, in its own unit",
                               [has_no_t](const AnswerRay& r) { return table::when(r.has_hit() && !has_no_t, r.t()); }});
     answer_columns.add(map::truth_and_metric_columns(metrics));
+
+    // Columns that the file holds beside rays and answers get names that no other column has.
     Table<JudgedRay> table = file_columns(dump);
     const std::size_t kept_count = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
@@ -175,6 +184,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     p.scene = make_scene(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
     const std::size_t ulp_error_index = measure::metric::index_of(request.metrics, "ulp_error");
+
+    // The files of each series.
     std::vector<file::DataResource> tables;
     for (const TestedForm& tested_form : request.rows) {
         p.series.push_back(
@@ -183,6 +194,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
         tables.push_back(p.series.back()->table()->about());
     }
+
     p.map.emplace(
         p.map_request,
         map::MapFilesOptions{.folder = p.options.folder,
@@ -195,6 +207,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                              .keep_piece = p.keep_map_piece(),
                              .group_column = request.group_column ? dump.layout().kept()[*request.group_column] : ""});
     if (p.options.worst_count > 0 && !p.options.keep_piece) p.worst_file.emplace(p.options.folder / "worst.toml");
+
     for (std::size_t r = 0; r < p.series.size(); ++r)
         p.series[r]->connect_map(
             [show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
@@ -232,6 +245,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
         }
         p.series[r]->close();
     }
+
     const bool has_cases = p.worst_file && !cases.empty();
     if (has_cases) {
         p.worst_file->write(sweep::case_file_head("The worst rays of " + p.options.title, p.options.command) + cases);
