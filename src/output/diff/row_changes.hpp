@@ -52,9 +52,9 @@ struct RowVerdict {
 };
 
 struct RowChanges {
-    std::uint64_t rows = 0, changed = 0;      ///< rows in both tables, and how many of them differ
-    std::vector<std::string> only_a, only_b;  ///< rows without a partner
-    std::vector<OutcomeChange> outcomes;      ///< changed outcomes, the row with the most rays first
+    std::uint64_t compared_count = 0, changed = 0;  ///< rows in both tables, and how many of them differ
+    std::vector<std::string> only_a, only_b;        ///< rows without a partner
+    std::vector<OutcomeChange> outcomes;            ///< changed outcomes, the row with the most rays first
     /// Changed values other than outcomes and references: bits first, then the largest change first.
     std::vector<CellChange> cells;
     std::uint64_t count = 0;           ///< number of cells that differ, in all kinds of columns
