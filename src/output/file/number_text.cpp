@@ -29,11 +29,14 @@ std::string short_decimal(double value, int digits) {
     const auto write = [&text](double x, auto... format) {
         return std::string(text, std::to_chars(text, text + sizeof text, x, format...).ptr);
     };
+
     // A negative zero is 0.
     const std::string scientific = write(value + 0.0, std::chars_format::scientific, digits - 1);
     const double rounded = parse_number(scientific).value_or(value), magnitude = std::fabs(rounded);
     if (magnitude == 0 || (magnitude >= 1e-4 && magnitude < std::pow(10, std::max(digits, 6))))
         return write(rounded, std::chars_format::fixed);
+
+    // Very small and large numbers: a factor and a power of ten.
     const auto exponent_mark = scientific.find('e');
     const std::string power = "10^" + std::to_string(std::atoi(scientific.c_str() + exponent_mark + 1));
     std::string factor = scientific.substr(0, exponent_mark);

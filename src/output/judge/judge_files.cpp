@@ -119,7 +119,7 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     Table<JudgedRay> table = file_columns(dump);
     const std::size_t kept_count = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
-        std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
+        std::string name = file::escape_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || answer_columns.find(name)) name = "file_" + name;
         table.add({name, "this column of the file, unchanged",
                    [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
