@@ -235,7 +235,7 @@ CellValue read_cell(std::string_view cell) {
     if (!parse_digits(cell, is_hexadecimal, value.digits, value.exponent)) return {text, false, {}, 0};
     if (is_hexadecimal) convert_to_decimal(value.digits, value.exponent);
 
-    // Equal numbers have equal digits: without zeros at either end.
+    // Removes zeros at both ends, so that equal numbers have equal digits.
     const std::size_t last_nonzero = value.digits.find_last_not_of('0');
     if (last_nonzero == std::string::npos) return {number, is_negative, {}, 0};
     value.exponent += static_cast<int>(value.digits.size() - 1 - last_nonzero);

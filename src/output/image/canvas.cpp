@@ -29,11 +29,11 @@ std::size_t character_end(std::string_view text, std::size_t n) {
 }
 
 /// Largest number of bytes of `text` that fit in `width`, at least one character.
-std::size_t fitting_prefix(std::string_view text, int size, bool bold, int width) {
+std::size_t fitting_prefix(std::string_view text, int size, FontWeight weight, int width) {
     std::size_t lo = 1, hi = text.size();
     while (lo < hi) {
         const std::size_t middle = (lo + hi + 1) / 2;
-        if (image_backend().render_text(text.substr(0, character_end(text, middle)), size, bold).width <= width) {
+        if (image_backend().render_text(text.substr(0, character_end(text, middle)), size, weight).width <= width) {
             lo = middle;
         } else {
             hi = middle - 1;
@@ -222,13 +222,13 @@ void Stroke::area(std::span<const Point> above, std::span<const Point> below) {
 namespace {
 
 /// Text of each line of `wrap_text`.
-std::vector<std::string_view> wrapped_lines(std::string_view text, int size, bool bold, int width) {
+std::vector<std::string_view> wrapped_lines(std::string_view text, int size, FontWeight weight, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         // A letter has at most four bytes and is at least a pixel wide. Without this limit, cutting lines off a
         // long text would take quadratic time.
         const auto max_bytes = 4 * static_cast<std::size_t>(std::max(width, 1));
-        std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, bold, width);
+        std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, weight, width);
         if (length < text.size()) {
             const std::size_t space = text.substr(0, length + 1).rfind(' ');
             if (space != std::string_view::npos && space > 0) length = space;
@@ -244,29 +244,29 @@ std::vector<std::string_view> wrapped_lines(std::string_view text, int size, boo
 
 }  // namespace
 
-std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width) {
+std::vector<TextBitmap> wrap_text(std::string_view text, int size, FontWeight weight, int width) {
     std::vector<TextBitmap> lines;
-    for (const std::string_view line : wrapped_lines(text, size, bold, width))
-        lines.push_back(image_backend().render_text(line, size, bold));
+    for (const std::string_view line : wrapped_lines(text, size, weight, width))
+        lines.push_back(image_backend().render_text(line, size, weight));
     return lines;
 }
 
 std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t max_lines) {
     std::vector<TextBitmap> lines;
-    const auto line_texts = wrapped_lines(text, size, false, width);
+    const auto line_texts = wrapped_lines(text, size, FontWeight::regular, width);
     for (std::size_t i = 0; i < std::min(max_lines, line_texts.size()); ++i) {
         // The last line takes the whole rest of the text.
         const auto begin = static_cast<std::size_t>(line_texts[i].data() - text.data());
         const bool is_last = i + 1 == max_lines;
-        lines.push_back(fit_text(is_last ? text.substr(begin) : line_texts[i], size, false, width));
+        lines.push_back(fit_text(is_last ? text.substr(begin) : line_texts[i], size, FontWeight::regular, width));
     }
     return lines;
 }
 
-TextBitmap fit_text(std::string_view text, int size, bool bold, int width) {
-    TextBitmap out = image_backend().render_text(text, size, bold);
+TextBitmap fit_text(std::string_view text, int size, FontWeight weight, int width) {
+    TextBitmap out = image_backend().render_text(text, size, weight);
     for (int s = size - 1; out.width > width && s >= style::smallest_size; --s) {
-        out = image_backend().render_text(text, s, bold);
+        out = image_backend().render_text(text, s, weight);
     }
     const int smallest = std::min(size, style::smallest_size);
     for (std::size_t kept_bytes = text.size(); out.width > width && kept_bytes > 1;) {
@@ -274,7 +274,7 @@ TextBitmap fit_text(std::string_view text, int size, bool bold, int width) {
         std::string shorter(text.substr(0, character_end(text, (kept_bytes + 1) / 2)));
         shorter += "…";
         shorter += text.substr(character_end(text, text.size() - kept_bytes / 2));
-        out = image_backend().render_text(shorter, smallest, bold);
+        out = image_backend().render_text(shorter, smallest, weight);
     }
     return out;
 }
@@ -287,17 +287,17 @@ Canvas heading(std::string_view title, std::span<const std::string> subtitle, in
     };
     std::vector<Line> lines;
     int height = 0;
-    const auto add = [&](std::string text, int size, bool bold, Rgb8 colour) {
+    const auto add = [&](std::string text, int size, FontWeight weight, Rgb8 colour) {
         // Titles in files may contain line breaks or tabs, which would be drawn as boxes.
         std::ranges::replace_if(
             text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
-        for (auto& line : wrap_text(text, size, bold, width)) {
+        for (auto& line : wrap_text(text, size, weight, width)) {
             lines.push_back({std::move(line), style::line_height(size), colour});
             height += style::line_height(size);
         }
     };
-    add(std::string(title), style::title_size, true, style::ink);
-    for (const auto& text : subtitle) add(text, style::text_size, false, style::soft_ink);
+    add(std::string(title), style::title_size, FontWeight::bold, style::ink);
+    for (const auto& text : subtitle) add(text, style::text_size, FontWeight::regular, style::soft_ink);
     Canvas out(width, height);
     int y = 0;
     for (const auto& line : lines) {
@@ -323,7 +323,8 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
     Canvas out(width, height);
     out.text(0, 0, unit_text, style::ink);
     std::vector<Rgb8> ramp;
-    for (int y = 0; y < bar_height; ++y) ramp.push_back(scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
+    for (int y = 0; y < bar_height; ++y)
+        ramp.push_back(scale.colour_at_position(1 - static_cast<double>(y) / (bar_height - 1)));
     out.field({1, top, ramp_width, bar_height}, 1, std::move(ramp));
     out.frame(1, top, ramp_width, bar_height, style::line);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -359,8 +360,8 @@ Canvas Legend::draw(std::span<const LegendEntry> entries) const {
         out.fill(x + 1, y + 3, swatch_size, swatch_size, entries[i].colour);
         out.frame(x + 1, y + 3, swatch_size, swatch_size, style::line);
         const int text_x = x + swatch_size + 2 + swatch_gap;
-        const auto text =
-            fit_text(entry_text(entries[i]), style::text_size, false, column_width_ - (swatch_size + 2 + swatch_gap));
+        const auto text = fit_text(entry_text(entries[i]), style::text_size, FontWeight::regular,
+                                   column_width_ - (swatch_size + 2 + swatch_gap));
         out.text(text_x, y + 3 + swatch_size - text.baseline, text, style::ink);
     }
     return out;

@@ -29,12 +29,12 @@ constexpr int zoom_radius = 4;                // samples on each side of the mid
 /// `FORM^BOX@TRANSFORM`, gets a line for each part, because two such names shortened in the middle look alike.
 std::vector<TextBitmap> name_lines(std::string_view name, int width) {
     std::vector<TextBitmap> lines;
-    if (image_backend().render_text(name, style::smallest_size, true).width > width) {
+    if (image_backend().render_text(name, style::smallest_size, FontWeight::bold).width > width) {
         for (std::size_t next; (next = name.find_first_of("^@~+", 1)) != std::string_view::npos;
              name.remove_prefix(next))
-            lines.push_back(fit_text(name.substr(0, next), style::text_size, true, width));
+            lines.push_back(fit_text(name.substr(0, next), style::text_size, FontWeight::bold, width));
     }
-    lines.push_back(fit_text(name, style::text_size, true, width));
+    lines.push_back(fit_text(name, style::text_size, FontWeight::bold, width));
     return lines;
 }
 
@@ -56,7 +56,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
                                                               : (spec_.forms.size() + blocks - 1) / blocks);
     for (const auto& format : spec_.formats) {
         row_label_width_ =
-            std::max(row_label_width_, image_backend().render_text(format, style::text_size, true).width);
+            std::max(row_label_width_, image_backend().render_text(format, style::text_size, FontWeight::bold).width);
     }
     for (const auto& form : spec_.forms)
         column_head_height_ = std::max(
@@ -119,7 +119,7 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
         page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
         if (cell.zoom && !cell.samples.empty()) draw_zoom(page, x + 1, y + 1, cell);
     } else {
-        const auto text = fit_text("not in this format", style::small_size, false, thumb_width_ - 4);
+        const auto text = fit_text("not in this format", style::small_size, FontWeight::regular, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }
@@ -166,7 +166,7 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
     std::string_view remaining = note;
     while (!remaining.empty()) {
         const auto line = remaining.substr(0, remaining.find('\n'));
-        for (auto& text : wrap_text(line, style::small_size, false, cell_width_)) {
+        for (auto& text : wrap_text(line, style::small_size, FontWeight::regular, cell_width_)) {
             lines.push_back(std::move(text));
         }
         remaining.remove_prefix(std::min(line.size() + 1, remaining.size()));
@@ -179,7 +179,7 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
     for (const std::string_view half : {note.substr(0, cut), note.substr(cut)}) {
         std::string flat(half.substr(std::min(half.find_first_not_of(" \n"), half.size())));
         std::ranges::replace(flat, '\n', ' ');
-        lines.push_back(fit_text(flat, style::small_size, false, cell_width_));
+        lines.push_back(fit_text(flat, style::small_size, FontWeight::regular, cell_width_));
     }
     return lines;
 }
@@ -300,7 +300,7 @@ void ContactSheet::draw_column(Canvas& page, int x, int y, const FormGroup& form
         if (image_backend().render_text(same_forms, style::smallest_size).width > cell_width_)
             same_forms = "same: " + std::to_string(forms.size() - 1) + " more forms";
         page.text(x, y + static_cast<int>(names.size()) * name_line,
-                  fit_text(same_forms, style::small_size, false, cell_width_), style::soft_ink);
+                  fit_text(same_forms, style::small_size, FontWeight::regular, cell_width_), style::soft_ink);
     }
     for (std::size_t format = 0; format < spec_.formats.size(); ++format)
         draw_cell(page, x, y + column_head_height_ + static_cast<int>(format) * row_height_,
@@ -332,7 +332,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         draw_column(page, style::margin + row_label_width_ + style::gap + column_in_block * (cell_width_ + style::gap),
                     y, columns[position]);
         for (std::size_t format = 0; format < spec_.formats.size() && column_in_block == 0; ++format) {
-            const auto label = image_backend().render_text(spec_.formats[format], style::text_size, true);
+            const auto label = image_backend().render_text(spec_.formats[format], style::text_size, FontWeight::bold);
             page.text(
                 style::margin,
                 y + column_head_height_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2,

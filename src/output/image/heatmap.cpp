@@ -36,7 +36,8 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     page_width_ = content + 2 * style::margin;
     const Canvas head = heading(spec_.title, spec_.subtitle, content);
     legend_.emplace(spec_.legend, content);
-    caption_lines_ = static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, false, content).size());
+    caption_lines_ =
+        static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, FontWeight::regular, content).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     top_ = Canvas(page_width_, head_height);
     top_.draw_canvas(style::margin, style::margin, head);

@@ -57,9 +57,9 @@ private:
 };
 
 /// DejaVu Sans at the paths of Debian, Fedora or Arch.
-FT_Face open_font(bool bold) {
+FT_Face open_font(FontWeight weight) {
     static FT_Library library = nullptr;
-    const std::string file = bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
+    const std::string file = weight == FontWeight::bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
     FT_Face face = nullptr;
     if (library != nullptr || FT_Init_FreeType(&library) == 0) {
         for (const char* folder :
@@ -75,7 +75,7 @@ FT_Face open_font(bool bold) {
 std::mutex font_mutex;  // FreeType's faces are not safe for threads
 
 /// FreeType's own hinting in greys, which is crisper at 9 to 18 pixels. Lives as long as the module.
-cairo_scaled_font_t* make_font(int size, bool bold) {
+cairo_scaled_font_t* make_font(int size, FontWeight weight) {
     cairo_font_options_t* options = cairo_font_options_create();
     cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
     cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_FULL);
@@ -83,7 +83,7 @@ cairo_scaled_font_t* make_font(int size, bool bold) {
     cairo_matrix_t identity, scale;
     cairo_matrix_init_identity(&identity);
     cairo_matrix_init_scale(&scale, size, size);
-    cairo_font_face_t* face = cairo_ft_font_face_create_for_ft_face(open_font(bold), 0);
+    cairo_font_face_t* face = cairo_ft_font_face_create_for_ft_face(open_font(weight), 0);
     cairo_scaled_font_t* font = cairo_scaled_font_create(face, &scale, &identity, options);
     cairo_font_face_destroy(face);
     cairo_font_options_destroy(options);
@@ -91,11 +91,11 @@ cairo_scaled_font_t* make_font(int size, bool bold) {
     return font;
 }
 
-cairo_scaled_font_t* cached_font(int size, bool bold) {
-    static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
-    const auto entry = fonts.find({size, bold});
+cairo_scaled_font_t* cached_font(int size, FontWeight weight) {
+    static std::map<std::pair<int, FontWeight>, cairo_scaled_font_t*> fonts;
+    const auto entry = fonts.find({size, weight});
     return entry != fonts.end() ? entry->second
-                                : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
+                                : fonts.emplace(std::pair(size, weight), make_font(size, weight)).first->second;
 }
 
 /// Glyphs of one size with their positions.
@@ -167,7 +167,7 @@ void draw_figures(cairo_t* pen, std::span<const Figure> figures) {
 
 }  // namespace
 
-TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
+TextBitmap cairo_text(std::string_view utf8, int size, FontWeight weight) {
     const FloatingPointGuard guard;
     const std::lock_guard lock(font_mutex);
     // Line box of DejaVu Sans in em, the same for every text, which keeps the baselines of different texts level.
@@ -176,12 +176,12 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
     const int exponent_size = std::max(size * 3 / 4, style::smallest_size - 1), exponent_rise = size * 2 / 5;
-    out.is_bold = bold;
+    out.is_bold = weight == FontWeight::bold;
     std::vector<GlyphRun> glyph_runs;
     double pen_x = 0;
     const auto add_run = [&](std::string_view text, int letter_size, double raised_by) {
         if (text.empty()) return;
-        glyph_runs.push_back(lay_out(cached_font(letter_size, bold), text, {pen_x, out.baseline - raised_by}));
+        glyph_runs.push_back(lay_out(cached_font(letter_size, weight), text, {pen_x, out.baseline - raised_by}));
         pen_x += glyph_runs.back().run.width;
         out.runs.push_back(glyph_runs.back().run);
         out.runs.back().size = letter_size;
@@ -321,13 +321,14 @@ private:
             cairo_translate(pen_, 0, line.text.height);
             cairo_rotate(pen_, -std::acos(0.0));
         }
-        for (const TextRun& run : line.text.runs) paint_run(run, line.text.is_bold);
+        for (const TextRun& run : line.text.runs)
+            paint_run(run, line.text.is_bold ? FontWeight::bold : FontWeight::regular);
     }
 
     /// Letters without hinting are some percent narrower or wider, so they get the positions that they have in the PNG.
     /// The first letter of an exponent stands for itself and a `^`, so that copied text reads `2^-10` and not `2-10`.
-    void paint_run(const TextRun& run, bool bold) {
-        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(cached_font(style::text_size, bold)));
+    void paint_run(const TextRun& run, FontWeight weight) {
+        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(cached_font(style::text_size, weight)));
         cairo_set_font_size(pen_, run.size);
         cairo_glyph_t* glyphs = nullptr;
         cairo_text_cluster_t* clusters = nullptr;

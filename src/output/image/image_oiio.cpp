@@ -197,7 +197,9 @@ public:
         return out;
     }
 
-    TextBitmap render_text(std::string_view utf8, int size, bool bold) override { return cairo_text(utf8, size, bold); }
+    TextBitmap render_text(std::string_view utf8, int size, FontWeight weight) override {
+        return cairo_text(utf8, size, weight);
+    }
     std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
         return cairo_coverage(figures, box);
     }

@@ -24,7 +24,7 @@ namespace lostbits::output::image {
 using intersect::process::FloatingPointGuard;
 
 /// Implementations of ImageBackend::render_text, cover and write_pdf.
-[[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
+[[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, FontWeight weight);
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
 void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata);
 

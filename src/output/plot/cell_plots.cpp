@@ -74,7 +74,8 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
         row_label_width = std::max(row_label_width, row_labels.back().width);
     }
     for (const auto& g : spec.groups) {
-        group_labels.push_back(image::image_backend().render_text(g.label, image::style::text_size, true));
+        group_labels.push_back(
+            image::image_backend().render_text(g.label, image::style::text_size, image::FontWeight::bold));
         for (const auto& c : g.columns) {
             column_labels.push_back(rotate_left(image::image_backend().render_text(c, image::style::text_size)));
             column_label_height = std::max(column_label_height, column_labels.back().height);
@@ -250,7 +251,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
             const int y0 = std::min(row(j + 1) - frame.y, frame.height - 1);
             const int w = std::max(column(i + 1) - frame.x - x0, 1), h = std::max(row(j) - frame.y - y0, 1);
             if (cell.colour || !std::isnan(cell.value)) {
-                field.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->map(cell.value));
+                field.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->colour_of_value(cell.value));
             } else {
                 draw_hatching(field, {x0, y0, w, h}, frame.x + frame.y);
             }

@@ -251,11 +251,11 @@ PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height
     left_margin_ = std::max(1 + tick_length + label_gap + widest, right_margin_);
     bottom_margin_ = 1 + tick_length + label_gap + highest;
     if (!x.title().empty()) {
-        x_title_ = image::fit_text(x.title(), image::style::text_size, false, width);
+        x_title_ = image::fit_text(x.title(), image::style::text_size, image::FontWeight::regular, width);
         bottom_margin_ += title_gap + x_title_.height;
     }
     if (!y.title().empty()) {
-        y_title_ = rotate_left(image::fit_text(y.title(), image::style::text_size, false, height));
+        y_title_ = rotate_left(image::fit_text(y.title(), image::style::text_size, image::FontWeight::regular, height));
         left_margin_ += title_gap + y_title_.width;
     }
 }
