@@ -71,6 +71,7 @@ PixelBox figure_bounds(const std::vector<Figure>& figures, const PixelBox& clip)
             foot = std::max(foot, p.y + radius);
         }
     }
+
     PixelBox box{std::max(clip.x, static_cast<int>(std::floor(left))),
                  std::max(clip.y, static_cast<int>(std::floor(top)))};
     box.width = std::min(clip.x + clip.width, static_cast<int>(std::ceil(right))) - box.x;
@@ -229,10 +230,13 @@ std::vector<std::string_view> wrapped_lines(std::string_view text, int size, Fon
         // long text would take quadratic time.
         const auto max_bytes = 4 * static_cast<std::size_t>(std::max(width, 1));
         std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, weight, width);
+
+        // Breaks between words if possible.
         if (length < text.size()) {
             const std::size_t space = text.substr(0, length + 1).rfind(' ');
             if (space != std::string_view::npos && space > 0) length = space;
         }
+
         std::string_view line = text.substr(0, length);
         while (line.ends_with(' ')) line.remove_suffix(1);
         if (!line.empty()) lines.push_back(line);
@@ -268,6 +272,8 @@ TextBitmap fit_text(std::string_view text, int size, FontWeight weight, int widt
     for (int s = size - 1; out.width > width && s >= style::smallest_size; --s) {
         out = image_backend().render_text(text, s, weight);
     }
+
+    // Leaves letters out of the middle, one after the other.
     const int smallest = std::min(size, style::smallest_size);
     for (std::size_t kept_bytes = text.size(); out.width > width && kept_bytes > 1;) {
         --kept_bytes;
@@ -298,6 +304,7 @@ Canvas heading(std::string_view title, std::span<const std::string> subtitle, in
     };
     add(std::string(title), style::title_size, FontWeight::bold, style::ink);
     for (const auto& text : subtitle) add(text, style::text_size, FontWeight::regular, style::soft_ink);
+
     Canvas out(width, height);
     int y = 0;
     for (const auto& line : lines) {
@@ -312,6 +319,7 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
     const int label_half = image_backend().render_text("0", style::text_size).height / 2;
     // The frame and half a label stay inside the strip at the lower end.
     const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
+
     const TextBitmap unit_text = image_backend().render_text(unit, style::text_size);
     const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
     std::vector<TextBitmap> labels;
@@ -320,6 +328,7 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
         labels.push_back(image_backend().render_text(tick.label, style::text_size));
         width = std::max(width, 1 + ramp_width + 9 + labels.back().width);
     }
+
     Canvas out(width, height);
     out.text(0, 0, unit_text, style::ink);
     std::vector<Rgb8> ramp;
@@ -327,6 +336,7 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
         ramp.push_back(scale.colour_at_position(1 - static_cast<double>(y) / (bar_height - 1)));
     out.field({1, top, ramp_width, bar_height}, 1, std::move(ramp));
     out.frame(1, top, ramp_width, bar_height, style::line);
+
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const int y = top + static_cast<int>((1 - ticks[i].position) * (bar_height - 1) + 0.5);
         out.fill(1 + ramp_width, y, 5, 1, style::soft_ink);
@@ -344,6 +354,7 @@ Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), 
         column_width_ = std::max(column_width_, entry_width);
     }
     column_width_ = std::min(column_width_, width);
+
     const int count = static_cast<int>(widest.size());
     columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
     const int rows = (count + columns_ - 1) / columns_;

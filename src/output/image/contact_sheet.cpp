@@ -54,6 +54,8 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     const std::size_t blocks = (spec_.forms.size() + max_columns - 1) / max_columns;
     columns_ = static_cast<int>(spec_.collapses && blocks > 1 ? first_block_forms
                                                               : (spec_.forms.size() + blocks - 1) / blocks);
+
+    // Sizes of a cell, a line and a block of the grid.
     for (const auto& format : spec_.formats) {
         row_label_width_ =
             std::max(row_label_width_, image_backend().render_text(format, style::text_size, FontWeight::bold).width);
@@ -68,8 +70,17 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     block_height_ = column_head_height_ + static_cast<int>(spec_.formats.size()) * row_height_;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
+    draw_colour_bars();
     content_width_ = grid_width_;
-    int bar_width = 0;
+    if (!bars_.empty()) content_width_ += style::gap + std::ranges::max(bars_, {}, &Canvas::width).width();
+    content_width_ = std::max(content_width_, style::min_content_width);
+    heading_ = heading(spec_.title, spec_.subtitle, content_width_);
+    files_ = std::make_unique<FigureFiles>(path);
+}
+
+/// Draws a bar for each scale, in memory.
+void ContactSheet::draw_colour_bars() {
+    const bool has_bar_per_line = spec_.scales.size() > 1;
     for (const ColourScale& scale : spec_.scales) {
         const int single_bar_height =
             std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
@@ -77,12 +88,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
         bars_.push_back(
             colour_bar(scale, spec_.unit,
                        has_bar_per_line ? std::max(line_bar_height, thumb_height_ + unit_height) : single_bar_height));
-        bar_width = std::max(bar_width, bars_.back().width());
     }
-    if (!bars_.empty()) content_width_ += style::gap + bar_width;
-    content_width_ = std::max(content_width_, style::min_content_width);
-    heading_ = heading(spec_.title, spec_.subtitle, content_width_);
-    files_ = std::make_unique<FigureFiles>(path);
 }
 
 ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
@@ -123,6 +129,7 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }
+
     const auto lines = wrapped_note(cell.note);
     for (std::size_t i = 0; i < lines.size(); ++i) {
         page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
@@ -141,11 +148,14 @@ void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const
         const auto begin = cell.samples.begin() + std::ptrdiff_t{row} * spec_.field_width + left;
         samples.insert(samples.end(), begin, begin + columns);
     }
+
     // A light line inside a dark one is visible on every colour.
     const auto draw_box = [&page](int x0, int y0, int width, int height) {
         page.frame(x0 - 1, y0 - 1, width + 2, height + 2, style::ink);
         page.frame(x0, y0, width, height, style::page);
     };
+
+    // Marks the samples in the thumbnail, and shows them enlarged in the corner farthest from there.
     const auto to_thumbnail = [](int sample, int field, int thumb) {
         return static_cast<int>(std::int64_t{sample} * thumb / field);
     };
@@ -172,6 +182,7 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
         remaining.remove_prefix(std::min(line.size() + 1, remaining.size()));
     }
     if (lines.size() <= spec_.note_lines) return lines;
+
     // The note is too long. Cut it in two near the middle; each half is made smaller or shortened.
     const auto space = note.find_last_of(" \n", note.size() / 2);
     const auto cut = space == std::string_view::npos ? note.size() / 2 : space;
@@ -250,6 +261,7 @@ void ContactSheet::move_most_different_first(std::vector<FormGroup>& columns) co
         for (std::size_t i = 0; i < columns.size(); ++i)
             distance[i] = is_chosen[i] ? 0 : std::min(distance[i], difference(columns[i].front(), columns[k].front()));
     };
+
     choose(0);
     choose(columns.size() - 1);
     for (std::size_t n = 2; n < first_block_forms; ++n) {
@@ -258,6 +270,7 @@ void ContactSheet::move_most_different_first(std::vector<FormGroup>& columns) co
         choose(*next > 0 ? static_cast<std::size_t>(next - distance.begin())
                          : static_cast<std::size_t>(std::ranges::find(is_chosen, false) - is_chosen.begin()));
     }
+
     std::vector<FormGroup> reordered;
     for (const bool chosen : {true, false})
         for (std::size_t k = 0; k < columns.size(); ++k)
@@ -315,6 +328,8 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
         heading_ = heading(headline, spec_.subtitle, content_width_);
     }
+
+    // Forms with equal pictures share a column.
     const Legend classes(legend, content_width_);
     auto columns = columns_of(order);
     has_two_parts_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
@@ -323,9 +338,18 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         column_head_height_ += name_line;
         block_height_ += name_line;
     }
+
     Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
     page.draw_canvas(style::margin, style::margin, heading_);
     if (has_two_parts_) draw_parts(page, columns.size());
+    draw_grid(page, columns);
+    draw_bars(page, columns.size());
+    page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
+    files_->save(page);
+}
+
+/// Draws the columns, and the names of the formats at the left of each block.
+void ContactSheet::draw_grid(Canvas& page, const std::vector<FormGroup>& columns) {
     for (std::size_t position = 0; position < columns.size(); ++position) {
         const int column_in_block = static_cast<int>(position) % columns_,
                   y = block_y(static_cast<int>(position) / columns_);
@@ -339,9 +363,6 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
                 label, style::ink);
         }
     }
-    draw_bars(page, columns.size());
-    page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
-    files_->save(page);
 }
 
 }  // namespace lostbits::output::image

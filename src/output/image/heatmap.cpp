@@ -21,6 +21,8 @@ int choose_factor(int width, int height) {
 
 HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec) : spec_(std::move(spec)) {
     if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
+
+    // Sizes of the field with its frame, and of the bar beside it.
     enlargement_ = choose_factor(spec_.width, spec_.height);
     field_width_ = spec_.width * enlargement_;
     field_height_ = spec_.height * enlargement_;
@@ -34,6 +36,8 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     }
     content = std::max(content, style::min_content_width);
     page_width_ = content + 2 * style::margin;
+
+    // The head of the page is drawn now, and the foot at the end.
     const Canvas head = heading(spec_.title, spec_.subtitle, content);
     legend_.emplace(spec_.legend, content);
     caption_lines_ =
@@ -41,10 +45,13 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     top_ = Canvas(page_width_, head_height);
     top_.draw_canvas(style::margin, style::margin, head);
+
     auto kinds = file::figure_kinds(path);
     const bool has_png = std::erase(kinds, "png") > 0;
     if (!kinds.empty()) other_files_ = std::make_unique<FigureFiles>(path, kinds);
     if (!has_png) return;
+
+    // A PNG is written row by row, beginning with the head and the upper line of the frame.
     png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
     png_->write_rows(top_.height(), top_.pixels());
     bar_pixels_ = bar_.pixels();
@@ -64,6 +71,7 @@ void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
     } else {
         out += field_width_ + 2;
     }
+
     if (body_y_ < bar_.height())
         std::copy_n(bar_pixels_.begin() + std::ptrdiff_t{body_y_} * bar_.width(), bar_.width(), out + style::gap);
     png_->write_rows(1, page_row_);
@@ -94,6 +102,7 @@ int HeatmapWriter::caption_height() const {
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
     if (written_rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
+
     Canvas foot(page_width_, foot_height());
     const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
                                       static_cast<std::size_t>(caption_lines_));
@@ -103,6 +112,8 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
     foot.draw_canvas(style::margin, style::gap + caption_height(), legend_->draw(legend));
     if (other_files_) save_other_files(foot);
     if (!png_) return;
+
+    // The lower line of the frame, empty rows beside a longer bar, and the foot.
     const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
     write_body_row(frame_row);
     while (body_y_ < body_height_) write_body_row({});
