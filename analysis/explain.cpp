@@ -200,7 +200,7 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
         pixel = {selected.scene.get(), selected.pixel->first, selected.pixel->second, {.stop = common.stop}};
     const measure::attribution::Explanation explanation =
         measure::attribution::explain(*selected.form, format, ray, forms_beside, pixel);
-    const auto march = output::attribution::end_of_march(form, format, ray);
+    const auto march = output::attribution::find_march_end(form, format, ray);
     for (const std::string& failure : explanation.failures)
         fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(failure));
     if (options.json) fmt::print("{}", output::attribution::explain_json(explanation, march));

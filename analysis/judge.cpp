@@ -163,21 +163,21 @@ LOSTBITS_FIELDS(JudgeFindings, result, worst, stages)
 
 /// Judges the rays of a file. A shard judges its part of them and returns nothing; a run that joins shards adds up
 /// their findings.
-std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
+std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeWriter& writer,
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
     request.pieces = division.units_of_shard([&] { return measure::judge::count_pieces(*open_again(), request); });
     auto findings = shard::result_with_files(
-        JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
+        JudgeFindings{.worst = writer.worst()}, writer, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
-                dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
-                    files.add_piece(row_index, chunk, band);
+                dump, request, [&writer](std::size_t row_index, const auto& chunk, const auto& band) {
+                    writer.add_piece(row_index, chunk, band);
                 });
-            return {std::move(result), files.worst(), *request.stages};
+            return {std::move(result), writer.worst(), *request.stages};
         });
     if (!findings) return std::nullopt;
     if (division.joins()) {
-        files.append(std::move(findings->worst));
+        writer.append(std::move(findings->worst));
         measure::judge::check_whole(dump, request, findings->result);
     }
     *request.stages = findings->stages;
@@ -264,17 +264,17 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     division.expect({"judge"});
     const auto folder = std::filesystem::path(options.out) / stem;
     const auto result_folder = take_folder(run_division, folder, common, output::attribution::shell_word(options.file));
-    output::judge::JudgeFiles files(request, *dump,
-                                    {.folder = folder,
-                                     .id = stem,
-                                     .title = "rays of " + std::filesystem::path(options.file).filename().string(),
-                                     .command = common.typed_command.text(),
-                                     .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
-                                     .single_pictures = options.pictures == "all",
-                                     .writes_rows = options.writes_rows,
-                                     .worst_count = options.worst_count,
-                                     .keep_piece = shard::piece_recorder(division, "judge")});
-    const auto judgement = judge_rays(*dump, request, files, division, [&] {
+    output::judge::JudgeWriter writer(request, *dump,
+                                      {.folder = folder,
+                                       .id = stem,
+                                       .title = "rays of " + std::filesystem::path(options.file).filename().string(),
+                                       .command = common.typed_command.text(),
+                                       .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
+                                       .single_pictures = options.pictures == "all",
+                                       .writes_rows = options.writes_rows,
+                                       .worst_count = options.worst_count,
+                                       .keep_piece = shard::piece_recorder(division, "judge")});
+    const auto judgement = judge_rays(*dump, request, writer, division, [&] {
         return selection::open_file(options, options.file, selection::shared_shape(options, scene),
                                     options.writes_rows || !options.by.empty());
     });
@@ -284,7 +284,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
         return Exit::done;
     }
     const JudgeResult& result = *judgement;
-    const bool wrote_worst_rays = files.finish(result);
+    const bool wrote_worst_rays = writer.finish(result);
     complete_folder(result_folder);
     progress.finish();
 

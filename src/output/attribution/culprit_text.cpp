@@ -173,7 +173,7 @@ std::string error_fraction_clause(const Explanation& explanation, const Operatio
 }
 
 /// `accounts for 3940 ulp in t`, and the operations that contribute the same.
-std::string shares_text(const Explanation& explanation, const OperationView& view) {
+std::string contributions_text(const Explanation& explanation, const OperationView& view) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const std::string target = is_decision(explanation.tape[attribution.subject].op)
                                    ? fmt::format("in {}", view.text().expression(attribution.subject))
@@ -231,10 +231,11 @@ std::string culprit_sentence(const Explanation& explanation) {
     if (measure::attribution::is_on_purpose(node.op))
         return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
                            is_blamed ? "No rounding is to blame" : "The largest contribution is not a rounding",
-                           culprit_definition, culprit_error_phrase(explanation, view), shares_text(explanation, view));
+                           culprit_definition, culprit_error_phrase(explanation, view),
+                           contributions_text(explanation, view));
     return fmt::format("{}{} {}: its {} {}", amplifier_text(explanation, view),
                        is_blamed ? "The culprit is" : "The largest contribution is that of", culprit_definition,
-                       culprit_error_phrase(explanation, view), shares_text(explanation, view));
+                       culprit_error_phrase(explanation, view), contributions_text(explanation, view));
 }
 
 std::string counterfactual_sentence(const Explanation& explanation) {

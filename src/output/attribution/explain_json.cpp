@@ -150,7 +150,7 @@ std::string explain_json(const Explanation& explanation, const std::optional<Mar
               {"primitives", explanation.primitive_count}};
     add_inputs(json, explanation);
     add_answer(json, explanation);
-    add_verdict(json, explanation, verdict_of(explanation, march), text);
+    add_verdict(json, explanation, make_verdict(explanation, march), text);
 
     json["attribution"] = attribution_json(explanation, text);
     json["operations"] = Json::array();

@@ -23,7 +23,7 @@ std::size_t character_count(const std::string& text) {
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-std::string padded(std::string text, std::size_t width) {
+std::string pad_text(std::string text, std::size_t width) {
     if (const auto w = character_count(text); w < width) text.append(width - w, ' ');
     return text;
 }
@@ -54,12 +54,12 @@ std::string inputs_block(const Explanation& explanation) {
 
 constexpr std::size_t widest_expression = 54;
 
-/// Returns the mark, the name and the formula, `* c       = b·b`, padded to the first column of numbers. A formula
+/// Returns the mark, the name and the formula, `* c       = b·b`, pad to the first column of numbers. A formula
 /// that is too wide gets a line of its own.
 std::string name_and_formula_column(const char* mark, const OperationRow& operation_row) {
-    std::string text = mark + padded(operation_row.name, 7) + " = " + operation_row.formula;
+    std::string text = mark + pad_text(operation_row.name, 7) + " = " + operation_row.formula;
     if (character_count(text) > widest_expression) text += "\n" + std::string(widest_expression, ' ');
-    return padded(std::move(text), widest_expression) + " ";
+    return pad_text(std::move(text), widest_expression) + " ";
 }
 
 /// Width of the columns of values, whose widest header is "without rounding".
@@ -94,7 +94,7 @@ std::string table_line(const Explanation& explanation, const OperationRow& opera
 
 std::string operation_table_text(const Explanation& explanation, const OperationView& view, bool show_all) {
     const int width = number_column_width(explanation);
-    std::string text = padded("  operation", widest_expression) +
+    std::string text = pad_text("  operation", widest_expression) +
                        fmt::format(" {:>{}}  {:>{}}  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}\n", "computed", width,
                                    "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
                                    fmt::format("share of {}, ulp", view.subject()));
@@ -339,7 +339,7 @@ bool does_another_form_better(const Explanation& explanation) {
 }
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
-std::string within_envelope(const Explanation& explanation) {
+std::string within_envelope_text(const Explanation& explanation) {
     const bool is_placed = explanation.form->of(explanation.shape).is_placed;
     const char* const losing_part = is_placed                      ? "transform and form lose"
                                     : explanation.is_generated_ray ? "making the ray and the form lose"
@@ -374,7 +374,7 @@ std::string envelope_sentence(const Explanation& explanation) {
     const std::string envelope = fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(explanation.condition),
                                              perturbation_phrase(explanation), explanation.inherent_bits);
     if (explanation.result.lost_bits < 1) return envelope + ". Less than one bit is lost.";
-    if (explanation.excess_bits < 1) return envelope + within_envelope(explanation);
+    if (explanation.excess_bits < 1) return envelope + within_envelope_text(explanation);
     if (explanation.inherent_bits >= explanation.format.parameters.precision)
         return envelope +
                fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", explanation.excess_bits);
@@ -432,7 +432,7 @@ std::string table_legend(const Explanation& explanation) {
 std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", explanation.form->info->name, explanation.format.name,
                                    explanation.form->info->title);
-    text += verdict_of(explanation, march).text() + better_sentences(explanation) + "\n";
+    text += make_verdict(explanation, march).text() + better_sentences(explanation) + "\n";
 
     // The source line is also quoted for an operation that is not to blame if its result is not finite, because the
     // errors after it follow from that.

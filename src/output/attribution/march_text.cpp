@@ -46,8 +46,8 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 
 }  // namespace
 
-std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
-                                     const measure::answer::OneRay& ray) {
+std::optional<MarchEnd> find_march_end(const intersect::table::Intersector& form, const Format& format,
+                                       const measure::answer::OneRay& ray) {
     if (!form.log) return {};
     return MarchEnd{measure::answer::march_log(form, format, ray),
                     ray.inputs(form, format).format_inputs.march.value()};

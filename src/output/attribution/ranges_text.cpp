@@ -20,7 +20,7 @@ using file::json_number;
 constexpr std::size_t operations_shown = 8;
 
 /// Operations that round, those with the largest share of the bound first.
-std::vector<NodeId> nodes_by_share(const RangesBound& bound) {
+std::vector<NodeId> nodes_by_contribution(const RangesBound& bound) {
     std::vector<NodeId> nodes;
     for (std::size_t i = 0; i < bound.node_contributions.size(); ++i)
         if (bound.node_contributions[i] > 0) nodes.push_back(static_cast<NodeId>(i));
@@ -63,7 +63,7 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
 std::string operations_block(const RangesBound& bound) {
     const TapeText tape_text(bound.tape, bound.names, TapeText::Style::pretty);
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
-    const auto nodes = nodes_by_share(bound);
+    const auto nodes = nodes_by_contribution(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
         text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[static_cast<std::size_t>(nodes[k])],
                             tape_text.definition(nodes[k]));
@@ -101,8 +101,8 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
                         100 * (bound.undecided_share + bound.unknown_share));
 
     text += "Where rays may hit, rounding puts t off by at most\n";
-    for (const auto& [share, error, ulps] : bound.quantiles)
-        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
+    for (const auto& [fraction, error, ulps] : bound.quantiles)
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * fraction);
     if (bound.unknown_share < 1 - bound.missed_share)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", bound.largest, bound.largest_ulps);
 
@@ -123,12 +123,12 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
     }
 
     Json quantiles = Json::array();
-    for (const auto& [share, error, ulps] : bound.quantiles)
-        quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
+    for (const auto& [fraction, error, ulps] : bound.quantiles)
+        quantiles.push_back({{"share", fraction}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
 
     Json operations = Json::array();
     const TapeText tape_text(bound.tape, bound.names, TapeText::Style::plain);
-    for (const NodeId i : nodes_by_share(bound))
+    for (const NodeId i : nodes_by_contribution(bound))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},
                               {"ulps", json_number(bound.node_contributions[static_cast<std::size_t>(i)])}});

@@ -422,7 +422,7 @@ std::string mesh_sentence(const Explanation& explanation) {
 
 std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
 
-ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<MarchEnd>& march) {
+ExplainedVerdict make_verdict(const Explanation& explanation, const std::optional<MarchEnd>& march) {
     std::string answer = outcome_sentence(explanation) + range_sentence(explanation) + "\n" +
                          (explanation.missed_primitive ? wrong_primitive_sentence(explanation) : "") +
                          mesh_sentence(explanation);

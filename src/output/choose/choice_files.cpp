@@ -192,7 +192,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     return plot::scatter_plot(spec);
 }
 
-ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
+ChoiceWriter::ChoiceWriter(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder, "choose.csv", "One row per form and format, cheapest first; times vary from run to run",
                   candidate_table()),
@@ -232,7 +232,7 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
     return rows;
 }
 
-void ChoiceFiles::finish(const ChoiceResult& result) {
+void ChoiceWriter::finish(const ChoiceResult& result) {
     candidates_.add_all(candidate_rows(result));
     margins_.add_all(result.margins);
     if (result.requirement_map) {

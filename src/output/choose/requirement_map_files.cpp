@@ -17,19 +17,19 @@ using measure::answer::Outcome;
 
 table::Table<RequirementRow> requirement_table() {
     using R = RequirementRow;
-    const auto share_of = [](std::uint64_t R::*count) {
+    const auto pixel_fraction = [](std::uint64_t R::*count) {
         return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
     };
     return {{"form", "form under test; any: any of the forms; none: no form in any format", &R::form},
             {"format", "format of its inputs and answers; for any: the format in which the form computes", &R::format},
             {"time_ns", "ns", "per ray and primitive, median of this run; missing for an emulated format", &R::time_ns},
             {"met", "pixels on which it meets the requirement", &R::met},
-            {"met_fraction", "1", "met/pixels", share_of(&R::met)},
+            {"met_fraction", "1", "met/pixels", pixel_fraction(&R::met)},
             {"required",
              "for a form: pixels on which it is the cheapest that meets the requirement; for a format: pixels on which "
              "it is the narrowest in which any form does; for none: pixels on which nothing does",
              &R::required},
-            {"required_fraction", "1", "required/pixels", share_of(&R::required)}};
+            {"required_fraction", "1", "required/pixels", pixel_fraction(&R::required)}};
 }
 
 namespace {

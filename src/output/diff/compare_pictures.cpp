@@ -20,7 +20,7 @@ void compare_attributes(const ExrImage& a, const ExrImage& b, Ledger& ledger) {
     for (const auto& [name, value] : a.attributes) value_pairs[name].first = value;
     for (const auto& [name, value] : b.attributes) value_pairs[name].second = value;
     const auto quoted_text = [](const std::optional<std::string>& value) {
-        return value ? in_quotes(*value) : std::string("(absent)");
+        return value ? escape_and_quote(*value) : std::string("(absent)");
     };
 
     for (const auto& entry : value_pairs) {

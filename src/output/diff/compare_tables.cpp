@@ -19,7 +19,7 @@ namespace {
 std::string cell_text(std::string_view cell) {
     using Kind = file::CellValue::Kind;
     const Kind kind = file::read_cell(cell).kind;
-    return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
+    return kind == Kind::missing ? "(empty)" : kind == Kind::text ? escape_and_quote(cell) : std::string(cell);
 }
 
 /// Marks the numbers that are in one longest increasing subsequence of a list of distinct numbers. The others are the
@@ -133,7 +133,7 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
     const auto column_pairs = match_headers(a, b, ledger);
     const RowPairs row_pairs = pair_rows(a, b);
     const auto row_prefix = [&](std::size_t r) {
-        return row_pairs.id_column == nullptr ? "" : in_quotes(row_pairs.id_column->cells[r]) + ": ";
+        return row_pairs.id_column == nullptr ? "" : escape_and_quote(row_pairs.id_column->cells[r]) + ": ";
     };
 
     // The cells of the rows and columns that both tables have.
@@ -162,7 +162,7 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
     for (const std::size_t r : row_pairs.only_a)
         ledger.add(a.lines[r], [&] { return row_prefix(r) + "missing in the second"; });
     for (const std::size_t r : row_pairs.only_b)
-        ledger.add(0, [&] { return in_quotes(b.find("id")->cells[r]) + ": added in the second"; });
+        ledger.add(0, [&] { return escape_and_quote(b.find("id")->cells[r]) + ": added in the second"; });
     if (row_pairs.id_column == nullptr && a.rows() != b.rows())
         ledger.add(0, [&] {
             return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), row_pairs.pairs.size());

@@ -185,7 +185,7 @@ bool is_ignored(const CompareOptions& options, const std::string& name) {
                                [&](const std::string& pattern) { return names_column(pattern, name); });
 }
 
-std::string in_quotes(std::string_view text) {
+std::string escape_and_quote(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         if (c == '\n') out += "\\n";

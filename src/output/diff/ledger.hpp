@@ -33,7 +33,7 @@ const Tolerance* tolerance_of(const std::string& name, const CompareOptions& opt
 bool is_ignored(const CompareOptions& options, const std::string& name);
 
 /// Quotes text for a message, and escapes what would break the line or the terminal.
-std::string in_quotes(std::string_view text);
+std::string escape_and_quote(std::string_view text);
 
 /// Collects the differences of a comparison.
 struct Ledger {

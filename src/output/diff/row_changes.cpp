@@ -118,7 +118,7 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
     RowVerdict verdict;
     const double rays = number_in_column(rows.a, rows.row_in_a, "rays"),
                  other_rays = number_in_column(rows.b, rows.row_in_b, "rays");
-    const bool compares_shares = rays > 0 && other_rays > 0 && rays != other_rays;
+    const bool compares_fractions = rays > 0 && other_rays > 0 && rays != other_rays;
     double more_wrong = 0, more_bits = 0;  // excess of the second row over the first: wrong decisions, lost bits
     double first_wrong = 0;                // wrong decisions of the first row
     bool is_one_sided = false;
@@ -130,15 +130,15 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
         const double before = cell_number(x->cells[rows.row_in_a]), after = cell_number(y->cells[rows.row_in_b]);
         if (is_decision && before > 0) first_wrong += before;
         const bool differs = judge_cells(x->cells[rows.row_in_a], y->cells[rows.row_in_b], tolerance, false).differs;
-        if (!differs && (!compares_shares || tolerance != nullptr)) continue;
-        if (is_decision && compares_shares) more_wrong += after * rays - before * other_rays;  // exact below 2^53
+        if (!differs && (!compares_fractions || tolerance != nullptr)) continue;
+        if (is_decision && compares_fractions) more_wrong += after * rays - before * other_rays;  // exact below 2^53
         else if (std::isnan(after - before)) is_one_sided |= is_lost_bits && std::isnan(after) != std::isnan(before);
         else (is_decision ? more_wrong : more_bits) += after - before;
     }
     if (!verdict.by_decisions && !verdict.by_bits) return verdict;
 
     // Wrong decisions count before lost bits.
-    verdict.by_shares = compares_shares && verdict.by_decisions;
+    verdict.by_fractions = compares_fractions && verdict.by_decisions;
     const double more_errors = more_wrong != 0 ? more_wrong : more_bits;
     if (compares_two_forms && rows.has_other_truth()) ++verdict.with_other_truth;
     else if (more_wrong == 0 && is_one_sided) ++verdict.with_one_sided_bits;
@@ -159,7 +159,7 @@ void RowVerdict::add(const RowVerdict& other) {
     with_other_hits += other.with_other_hits;
     by_decisions |= other.by_decisions;
     by_bits |= other.by_bits;
-    by_shares |= other.by_shares;
+    by_fractions |= other.by_fractions;
 }
 
 std::string RowVerdict::text(const std::string& second) const {
@@ -181,7 +181,7 @@ std::string RowVerdict::text(const std::string& second) const {
     if (better + worse + equal > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {} (compared by {}{}{}{})", second,
                                     scene::toml::count_with_noun(better, "row"), worse, equal,
-                                    by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
+                                    by_fractions ? "the share of " : "", by_decisions ? "wrong decisions" : "",
                                     by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));
 }

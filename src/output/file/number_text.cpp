@@ -10,7 +10,7 @@ namespace lostbits::output::file {
 namespace {
 
 template <class F>
-std::string shortest(F value) {
+std::string shortest_text(F value) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return std::signbit(value) ? "-inf" : "inf";
     char text[64];
@@ -20,8 +20,8 @@ std::string shortest(F value) {
 
 }  // namespace
 
-std::string decimal(double value) { return shortest(value); }
-std::string decimal(float value) { return shortest(value); }
+std::string decimal(double value) { return shortest_text(value); }
+std::string decimal(float value) { return shortest_text(value); }
 
 std::string short_decimal(double value, int digits) {
     if (!std::isfinite(value)) return decimal(value);
@@ -53,7 +53,7 @@ std::string kept_bits_text(double bits, int decimals) {
 }
 
 std::string hex(double value) {
-    if (!std::isfinite(value)) return shortest(value);
+    if (!std::isfinite(value)) return shortest_text(value);
     char text[64];
     const auto end = std::to_chars(text, text + sizeof text, std::fabs(value), std::chars_format::hex).ptr;
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);

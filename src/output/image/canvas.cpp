@@ -52,7 +52,7 @@ PixelBox intersection(const PixelBox& a, const PixelBox& b) {
             std::max(std::min(a.y + a.height, b.y + b.height) - y, 0)};
 }
 
-PixelBox moved(PixelBox box, int x, int y) {
+PixelBox move_box(PixelBox box, int x, int y) {
     box.x += x;
     box.y += y;
     return box;
@@ -189,7 +189,7 @@ void move(CanvasMark::FigureGroup& group, int x, int y) {
         for (Point& point : figure.points) point = {point.x + x, point.y + y};
 }
 
-void move(CanvasMark::Field& field, int x, int y) { field.box = moved(field.box, x, y); }
+void move(CanvasMark::Field& field, int x, int y) { field.box = move_box(field.box, x, y); }
 
 }  // namespace
 
@@ -201,7 +201,7 @@ void Canvas::draw_canvas(int x, int y, const Canvas& other) {
             continue;
         }
         CanvasMark& moved_mark = marks_.emplace_back(mark);
-        moved_mark.clip = intersection(moved(mark.clip, x, y), bounds());
+        moved_mark.clip = intersection(move_box(mark.clip, x, y), bounds());
         std::visit(
             [&](auto& shape) {
                 if constexpr (requires { move(shape, x, y); }) move(shape, x, y);

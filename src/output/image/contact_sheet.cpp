@@ -75,7 +75,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     if (!bars_.empty()) content_width_ += style::gap + std::ranges::max(bars_, {}, &Canvas::width).width();
     content_width_ = std::max(content_width_, style::min_content_width);
     heading_ = heading(spec_.title, spec_.subtitle, content_width_);
-    files_ = std::make_unique<FigureFiles>(path);
+    figure_writer_ = std::make_unique<FigureWriter>(path);
 }
 
 /// Draws a bar for each scale, in memory.
@@ -219,7 +219,7 @@ bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {
     return true;
 }
 
-std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const std::size_t> order) const {
+std::vector<ContactSheet::FormGroup> ContactSheet::group_columns(std::span<const std::size_t> order) const {
     std::vector<FormGroup> columns;
     for (std::size_t position = 0; position < spec_.forms.size(); ++position) {
         const std::size_t form = order.empty() ? position : order[position];
@@ -331,7 +331,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
 
     // Forms with equal pictures share a column.
     const Legend classes(legend, content_width_);
-    auto columns = columns_of(order);
+    auto columns = group_columns(order);
     has_two_parts_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
     if (has_two_parts_) move_most_different_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
@@ -345,7 +345,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     draw_grid(page, columns);
     draw_bars(page, columns.size());
     page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
-    files_->save(page);
+    figure_writer_->save(page);
 }
 
 /// Draws the columns, and the names of the formats at the left of each block.

@@ -118,7 +118,7 @@ private:
     using FormGroup = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
     [[nodiscard]] bool look_alike(std::size_t form_a, std::size_t form_b) const;
-    [[nodiscard]] std::vector<FormGroup> columns_of(std::span<const std::size_t> order) const;
+    [[nodiscard]] std::vector<FormGroup> group_columns(std::span<const std::size_t> order) const;
     [[nodiscard]] std::uint64_t difference(std::size_t form_a, std::size_t form_b) const;
     void move_most_different_first(std::vector<FormGroup>& columns) const;
     [[nodiscard]] int block_y(int block) const;
@@ -141,7 +141,7 @@ private:
     bool has_two_parts_ = false;  ///< the first block has the six forms that differ most
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
-    std::unique_ptr<FigureFiles> files_;
+    std::unique_ptr<FigureWriter> figure_writer_;
 };
 
 }  // namespace lostbits::output::image

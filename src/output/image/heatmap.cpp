@@ -48,7 +48,7 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
 
     auto kinds = file::figure_kinds(path);
     const bool has_png = std::erase(kinds, "png") > 0;
-    if (!kinds.empty()) other_files_ = std::make_unique<FigureFiles>(path, kinds);
+    if (!kinds.empty()) other_figure_writer_ = std::make_unique<FigureWriter>(path, kinds);
     if (!has_png) return;
 
     // A PNG is written row by row, beginning with the head and the upper line of the frame.
@@ -84,7 +84,7 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     if (samples.size() / width > static_cast<std::size_t>(spec_.height - written_rows_)) {
         throw std::logic_error("heatmap: more rows than the field has");
     }
-    if (other_files_) field_.insert(field_.end(), samples.begin(), samples.end());
+    if (other_figure_writer_) field_.insert(field_.end(), samples.begin(), samples.end());
     for (; !samples.empty(); samples = samples.subspan(width)) {
         for (int i = 0; i < enlargement_ && png_; ++i) write_body_row(samples.first(width));
         ++written_rows_;
@@ -110,7 +110,7 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
                   style::ink);
     foot.draw_canvas(style::margin, style::gap + caption_height(), legend_->draw(legend));
-    if (other_files_) save_other_files(foot);
+    if (other_figure_writer_) save_other_files(foot);
     if (!png_) return;
 
     // The lower line of the frame, empty rows beside a longer bar, and the foot.
@@ -129,7 +129,7 @@ void HeatmapWriter::save_other_files(const Canvas& foot) {
     page.field(box, spec_.width, std::move(field_));
     page.draw_canvas(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
     page.draw_canvas(0, top_.height() + body_height_, foot);
-    other_files_->save(page);
+    other_figure_writer_->save(page);
 }
 
 }  // namespace lostbits::output::image

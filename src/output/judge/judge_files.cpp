@@ -26,7 +26,7 @@ namespace slot = scene::dump::slot;
 namespace {
 
 /// Makes the scene that a map needs: a name, a size, the shapes of the primitives, and the mesh if there is one.
-scene::file::Scene make_scene(const JudgeRequest& request, const Dump& dump, const JudgeFilesOptions& options) {
+scene::file::Scene make_scene(const JudgeRequest& request, const Dump& dump, const JudgeWriterOptions& options) {
     scene::file::Scene scene;
     scene.id = options.id;
     scene.title = options.title;
@@ -128,9 +128,10 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
 }
 
 /// Files of one series: its table of rays, its worst rays, and its part of the map.
-class SeriesFiles {
+class SeriesWriter {
 public:
-    SeriesFiles(const TestedForm& tested_form, WorstRays worst) : tested_form_(tested_form), worst_(std::move(worst)) {}
+    SeriesWriter(const TestedForm& tested_form, WorstRays worst)
+        : tested_form_(tested_form), worst_(std::move(worst)) {}
     void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         table_.emplace(
             folder, map::row_name(tested_form_) + ".csv",
@@ -159,14 +160,14 @@ private:
 
 }  // namespace
 
-struct JudgeFiles::Parts {
+struct JudgeWriter::Parts {
     const JudgeRequest& request;
-    JudgeFilesOptions options;
+    JudgeWriterOptions options;
     scene::file::Scene scene;
     measure::evaluate::MapStudy map_request = {};
     std::optional<map::MapFiles> map = {};
     std::optional<file::AtomicFile> worst_file = {};
-    std::vector<std::unique_ptr<SeriesFiles>> series = {};
+    std::vector<std::unique_ptr<SeriesWriter>> series = {};
 
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
     [[nodiscard]] pixel::PieceReceiver keep_map_piece() {
@@ -178,7 +179,7 @@ struct JudgeFiles::Parts {
     }
 };
 
-JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFilesOptions options) {
+JudgeWriter::JudgeWriter(const JudgeRequest& request, const Dump& dump, JudgeWriterOptions options) {
     parts_.reset(new Parts{.request = request, .options = std::move(options), .scene = {}});
     Parts& p = *parts_;
     p.scene = make_scene(request, dump, p.options);
@@ -189,7 +190,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     std::vector<file::DataResource> tables;
     for (const TestedForm& tested_form : request.rows) {
         p.series.push_back(
-            std::make_unique<SeriesFiles>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
+            std::make_unique<SeriesWriter>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
         if (!p.options.writes_rows) continue;
         p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
         tables.push_back(p.series.back()->table()->about());
@@ -213,30 +214,30 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
             [show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
 }
 
-JudgeFiles::~JudgeFiles() = default;
+JudgeWriter::~JudgeWriter() = default;
 
-void JudgeFiles::add_piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+void JudgeWriter::add_piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
     parts_->series[row_index]->add_piece(chunk, result);
 }
 
-void JudgeFiles::put(std::size_t row_index, pixel::Piece&& piece) {
+void JudgeWriter::put(std::size_t row_index, pixel::Piece&& piece) {
     if (auto& table = parts_->series.at(row_index)->table()) table->add_lines(piece.lines);
     piece.lines.clear();
     parts_->map->put(row_index, std::move(piece));
 }
 
-std::vector<WorstRays> JudgeFiles::worst() const {
+std::vector<WorstRays> JudgeWriter::worst() const {
     std::vector<WorstRays> worst_rays;
-    for (const auto& files : parts_->series) worst_rays.push_back(files->worst());
+    for (const auto& series : parts_->series) worst_rays.push_back(series->worst());
     return worst_rays;
 }
 
-void JudgeFiles::append(std::vector<WorstRays>&& later_rays) {
+void JudgeWriter::append(std::vector<WorstRays>&& later_rays) {
     for (std::size_t r = 0; r < parts_->series.size(); ++r)
         parts_->series[r]->worst().append(std::move(later_rays.at(r)));
 }
 
-bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
+bool JudgeWriter::finish(const measure::judge::JudgeResult& result) {
     Parts& p = *parts_;
     std::string cases;
     for (std::size_t r = 0; r < p.series.size(); ++r) {

@@ -143,7 +143,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                       }});
 }
 
-MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
+MeshAnswerWriter::MeshAnswerWriter(MeshAnswerWriterOptions options)
     : options_(std::move(options)),
       summary_(options_.folder, summary_file, "The answers of the file", mesh_summary_table(options_.kind)),
       faults_(options_.folder, faults_file,
@@ -154,12 +154,12 @@ MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
                       std::string("One row per ") + record_noun(options_.kind), mesh_answer_table(options_.kind));
 }
 
-void MeshAnswerFiles::add(std::span<const JudgedAnswer> answers) {
+void MeshAnswerWriter::add(std::span<const JudgedAnswer> answers) {
     if (!rows_) return;
     for (const JudgedAnswer& answer : answers) rows_->add(answer);
 }
 
-void MeshAnswerFiles::finish(const MeshAnswersResult& result) {
+void MeshAnswerWriter::finish(const MeshAnswersResult& result) {
     faults_.add_all(mesh_fault_rows(result));
     summary_.add({options_.name, options_.format, &result});
     table::close_tables(options_.folder, options_.title, summary_, faults_, rows_);
