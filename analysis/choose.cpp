@@ -182,7 +182,7 @@ using ResultFolderPointer = std::unique_ptr<output::file::ResultFolder>;
 
 /// Chooses a form and writes the results, for a scene or for files of rays. For files, the accuracy on their rays is
 /// known already.
-Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const ResultFolderPointer& result_folder,
+Exit choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer, const ResultFolderPointer& result_folder,
             output::file::Progress& progress, const CommonOptions& common,
             std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
     measure::choose::TimedRays timed_rays;
@@ -198,12 +198,11 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
     if (choice.cheapest_index && request.scene)
         choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
                                                        request.limit);
-
-    files.finish(choice);
+    writer.finish(choice);
     complete_folder(result_folder);
     progress.finish();
     fmt::print("{}", output::choose::choice_text(choice));
-    if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
+    if (!common.quiet) fmt::print("{}\n", (writer.folder() / "choose.csv").string());
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
 
@@ -229,19 +228,19 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
 
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder = lock_folder(folder, common, selection::name_of_scene(scene, data));
-    output::choose::ChoiceFiles files(folder);
+    output::choose::ChoiceWriter writer(folder);
     output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.tested_forms);
-    if (!options.mend) return choose(request, files, result_folder, progress, common);
+    if (!options.mend) return choose(request, writer, result_folder, progress, common);
 
     // The repaired forms take part in the choice.
     LoadedRepairs repairs = load_repairs(request, {options.compiler, selection::form_flags_folder()}, folder,
                                          common.typed_command.for_subject(selection::name_of_scene(scene, data)));
     for (const auto& repair : repairs.forms)
         request.tested_forms.push_back({.form = &repair.formula.intersector, .format = repair.format});
-    return choose(request, files, result_folder, progress, common, std::move(repairs.candidates));
+    return choose(request, writer, result_folder, progress, common, std::move(repairs.candidates));
 }
 
 /// Drops the rows in emulated formats, which only the requirement map of a scene shows.
@@ -267,7 +266,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
 
     const auto folder = std::filesystem::path(options.out) / id;
     const auto result_folder = lock_folder(folder, common, opened_rays.quoted_files);
-    output::choose::ChoiceFiles files(folder);
+    output::choose::ChoiceWriter writer(folder);
     const bool counts_bytes = opened_rays.dump->bytes() > 0;
     output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
                                     common.progress, common.quiet);
@@ -278,7 +277,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     const measure::choose::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.terms, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
-    return choose(request, files, result_folder, progress, common);
+    return choose(request, writer, result_folder, progress, common);
 }
 
 Exit run(const ChooseOptions& options, const CommonOptions& common) {

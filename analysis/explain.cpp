@@ -225,7 +225,7 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
         selection::find_ray(options.ray_options, tested_form, selection::data_folder(common.data));
     if (!common.quiet) note_odd_ray(selected, options.ray_options, tested_form);
     const auto explanation = explain_ray(selected, tested_form.format, options.forms_beside, common.stop);
-    const auto march = output::attribution::end_of_march(*tested_form.form, tested_form.format, selected.ray);
+    const auto march = output::attribution::find_march_end(*tested_form.form, tested_form.format, selected.ray);
 
     for (const std::string& failure : explanation.failures)
         fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(failure));

@@ -132,7 +132,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     const std::string stem = scene::toml::result_name(options.file), name = measure::judge::name_of_answers(stem);
     const auto folder = std::filesystem::path(options.out) / stem;
     const auto result_folder = lock_folder(folder, common, text::shell_word(options.file));
-    output::judge::MeshAnswerFiles files(
+    output::judge::MeshAnswerWriter writer(
         {.folder = folder,
          .name = name,
          .format = std::string(dump.format().name),
@@ -140,8 +140,8 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
          .kind = kind,
          .writes_rows = options.writes_rows});
     const MeshAnswersResult result =
-        measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { files.add(answers); });
-    files.finish(result);
+        measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { writer.add(answers); });
+    writer.finish(result);
     complete_folder(result_folder);
     progress.finish();
 

@@ -55,8 +55,8 @@ public:
         return colours;
     }
     /// A letter is a block as dark as its code.
-    TextBitmap render_text(std::string_view utf8, int size, bool bold) override {
-        const int wide = std::max(1, size / 2 + bold), high = size + size / 4;
+    TextBitmap render_text(std::string_view utf8, int size, FontWeight weight) override {
+        const int wide = std::max(1, size / 2 + (weight == FontWeight::bold)), high = size + size / 4;
         TextBitmap out{wide * static_cast<int>(utf8.size()), high, size, {}};
         out.runs.push_back({std::string(utf8), size, 0, size * 1.0, out.width * 1.0});
         for (int y = 0; y < high; ++y)

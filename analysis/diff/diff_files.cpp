@@ -38,7 +38,7 @@ std::string extension_of(const fs::path& path) {
     return extension;
 }
 
-void print_largest(const char* name, const output::diff::Largest& largest) {
+void print_largest(const char* name, const output::diff::LargestDifference& largest) {
     if (!largest.position.empty())
         fmt::print(", largest {} {:.4g} at {}", name, largest.value, terminal_line(largest.position));
 }

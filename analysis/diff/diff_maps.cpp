@@ -145,10 +145,10 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
                       b = sides.compares_two_forms() ? sides.form_b : sides.b.string();
 
     // Tables without such rows, such as those of judge without forms, are compared as files.
-    if (difference.rows.rows + difference.rows.only_a.size() + difference.rows.only_b.size() > 0)
-        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, count_with_noun(difference.rows.rows, "row"),
-                   difference.rows.changed, difference.rows.changed == 1 ? "differs" : "differ",
-                   count_with_noun(difference.tables, "table"));
+    if (difference.rows.compared_count + difference.rows.only_a.size() + difference.rows.only_b.size() > 0)
+        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b,
+                   count_with_noun(difference.rows.compared_count, "row"), difference.rows.changed,
+                   difference.rows.changed == 1 ? "differs" : "differ", count_with_noun(difference.tables, "table"));
     print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_a.size(), "row"), a),
                 difference.rows.only_a, verbose);
     print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_b.size(), "row"), b),

@@ -68,7 +68,7 @@ std::unique_ptr<lostbits_result> make_explanation_result(const scene::file::Scen
     const measure::answer::OneRay ray(generated, x, y);
     const auto explanation = measure::attribution::explain(*tested_form.form, tested_form.format, ray, {},
                                                            measure::attribution::ScenePixel{&generated, x, y});
-    const auto march = output::attribution::end_of_march(*tested_form.form, tested_form.format, ray);
+    const auto march = output::attribution::find_march_end(*tested_form.form, tested_form.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::attribution::explain_text(explanation, false, march),
                      output::attribution::explain_json(explanation, march)};

@@ -57,7 +57,7 @@ TEST_CASE("picture, EXR, pixels and table of bits needed agree") {
             CHECK(samples<float>(exr, "bits.needed")[i] == static_cast<float>(needed));
             CHECK(samples<std::uint32_t>(exr, "class.truth")[i] == (hit ? 1 : 0));
             CHECK((samples<std::uint32_t>(exr, "class.truth_object")[i] == 1) == hit);
-            CHECK(preview(exr, i) == (std::isinf(needed) ? beyond_colour : scale.map(needed)));
+            CHECK(preview(exr, i) == (std::isinf(needed) ? beyond_colour : scale.colour_of_value(needed)));
             if (std::isinf(needed)) {
                 CHECK(pixels[i].at("needed") == "inf");
                 ++(hit ? hits_beyond : misses_beyond);
@@ -156,7 +156,7 @@ TEST_CASE("the envelope makes lost bits paler exactly where the problem explains
     must(what + (scratch / "without").string() + "'");
     // Half of the bits of a format, by its square root.
     const ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24, Spacing::root);
-    const Rgb8 swatch = make_paler(scale.map(12));
+    const Rgb8 swatch = make_paler(scale.colour_of_value(12));
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
         const std::string stem = std::string("grazing/sphere.schoolbook.") + format;

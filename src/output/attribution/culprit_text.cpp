@@ -39,6 +39,8 @@ std::string amplifier_text(const Explanation& explanation, const OperationView& 
     std::string text =
         fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
                     view.error_of(amplifier).cancelled_bits, explanation.tape.format_of(amplifier).precision);
+
+    // The cancellation amplifies the errors that its operands already have.
     const auto& operands = amplifier_node.operands;
     for (auto position = operands.begin(); position != operands.end(); ++position) {
         const NodeId operand = *position;
@@ -113,10 +115,13 @@ std::string remaining_error_text(const Explanation& explanation, const Operation
     const std::string undo_clause =
         attribution.equal_culprits.size() == 1 ? ". The two undo each other" : ". They undo each other";
     if (attribution.error == 0) return undo_clause + ", and no error is left";
-    double smallest_share = std::fabs(view.error_of(attribution.culprit).contribution);
+
+    // The other operations are those that contribute less than the culprit and its equals.
+    double smallest_contribution = std::fabs(view.error_of(attribution.culprit).contribution);
     for (const NodeId i : attribution.equal_culprits)
-        smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
-    const auto other_operations = largest_contributions(explanation.tape, attribution, smallest_share);
+        smallest_contribution = std::min(smallest_contribution, std::fabs(view.error_of(i).contribution));
+    const auto other_operations = largest_contributions(explanation.tape, attribution, smallest_contribution);
+
     const std::string remaining_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
     if (remaining_ulps.empty()) return undo_clause;
     if (other_operations.empty()) return fmt::format("{}, and an error of {} is left", undo_clause, remaining_ulps);
@@ -139,80 +144,103 @@ std::string culprit_error_phrase(const Explanation& explanation, const Operation
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);
 }
 
+/// `has no finite share in t, which is off by 12 ulp`: clause for a culprit whose contribution is not finite.
+std::string no_finite_share_text(const Explanation& explanation, const OperationView& view, const std::string& target,
+                                 const EqualContributions& equals) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    const std::string others_clause = attribution.equal_culprits.empty() ? "" : fmt::format(", as {}", equals.names());
+    const std::string error_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
+    return fmt::format("has no finite share {}{}{}.", target, others_clause,
+                       error_ulps.empty() ? "" : fmt::format(", which is off by {}", error_ulps));
+}
+
+/// Compares the sum of the culprit and its equals with the whole error: `, 73 % of the error`. Empty if the two cannot
+/// be compared.
+std::string error_fraction_clause(const Explanation& explanation, const OperationView& view, double sum) {
+    const double error = explanation.attribution.error, fraction = sum * view.ulp() / error;
+    // The text has as many digits as that of `counterfactual_sentence`, which often repeats the number.
+    const double remaining_ulps = std::fabs(error / view.ulp());
+    if (fraction > 1 && std::isfinite(remaining_ulps))
+        return fmt::format("; the other roundings cancel all but {:.4g} ulp of that", remaining_ulps);
+    if (fraction < 0 && std::isfinite(remaining_ulps))
+        return fmt::format(
+            "; the other roundings together have the opposite sign and are larger: the error is "
+            "{:.4g} ulp",
+            remaining_ulps);
+    if (std::isfinite(fraction) && fraction >= 0 && fraction <= 1)
+        return fmt::format(", {:.0f} % of the error", 100 * fraction);
+    return "";
+}
+
 /// `accounts for 3940 ulp in t`, and the operations that contribute the same.
-std::string shares_text(const Explanation& explanation, const OperationView& view) {
+std::string contributions_text(const Explanation& explanation, const OperationView& view) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const std::string target = is_decision(explanation.tape[attribution.subject].op)
                                    ? fmt::format("in {}", view.text().expression(attribution.subject))
                                    : "in t";
     const EqualContributions equals(explanation, view);
     const std::string assigned_ulps = ulps_or_nothing(std::fabs(view.contribution(attribution.culprit)));
-    if (assigned_ulps.empty()) {
-        const std::string others_clause =
-            attribution.equal_culprits.empty() ? "" : fmt::format(", as {}", equals.names());
-        const std::string error_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
-        return fmt::format("has no finite share {}{}{}.", target, others_clause,
-                           error_ulps.empty() ? "" : fmt::format(", which is off by {}", error_ulps));
-    }
+    if (assigned_ulps.empty()) return no_finite_share_text(explanation, view, target, equals);
+
     std::string text = fmt::format("accounts for {} {}{}", assigned_ulps, target, equals.clause());
     if (equals.cancels_culprit()) return text + remaining_error_text(explanation, view) + ".";
     if (!attribution.equal_culprits.empty())
         text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
-    const double share = equals.sum() * view.ulp() / attribution.error;
-    // The text has as many digits as that of `counterfactual_sentence`, which often repeats the number.
-    const double remaining_ulps = std::fabs(attribution.error / view.ulp());
-    if (share > 1 && std::isfinite(remaining_ulps))
-        text += fmt::format("; the other roundings cancel all but {:.4g} ulp of that", remaining_ulps);
-    else if (share < 0 && std::isfinite(remaining_ulps))
-        text += fmt::format(
-            "; the other roundings together have the opposite sign and are larger: the error is "
-            "{:.4g} ulp",
-            remaining_ulps);
-    else if (std::isfinite(share) && share >= 0 && share <= 1)
-        text += fmt::format(", {:.0f} % of the error", 100 * share);
-    return text + ".";
+    return text + error_fraction_clause(explanation, view, equals.sum()) + ".";
+}
+
+/// Sentence for a ray without a subject: rounding changed no decision, or no comparison shows why it changed one.
+std::string no_subject_sentence(const Explanation& explanation) {
+    const bool exact_hit = explanation.attribution.exact_hit;
+    if (explanation.hit == exact_hit) return "Rounding changed no decision of the form, so no operation is to blame.";
+    return fmt::format("No single operation is to blame: without rounding the form {}, and no comparison shows why.",
+                       exact_hit ? "hits" : "misses");
+}
+
+/// Sentence on a culprit whose value is infinite or NaN.
+std::string not_finite_culprit_sentence(const Explanation& explanation, const OperationView& view, bool is_blamed) {
+    const NodeId culprit = explanation.attribution.culprit;
+    const std::string definition = view.text().definition(culprit);
+    const double value = explanation.tape[culprit].value;
+    if (!is_blamed && explanation.result.outcome == measure::answer::Outcome::agree_hit)
+        return fmt::format("{} is {}, and so is the rounded true t.", definition, number_phrase(value));
+    if (std::isnan(value) && std::isnan(view.error_of(culprit).exact) && !is_blamed)
+        return fmt::format(
+            "No operation is to blame: the formula itself gives NaN in {}, even without rounding; all later operations "
+            "inherit it.",
+            definition);
+    return fmt::format("{} is {}. Everything after it follows from that.", definition, number_phrase(value));
 }
 
 }  // namespace
 
 std::string culprit_sentence(const Explanation& explanation) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
-    if (attribution.subject == no_node) {
-        if (explanation.hit == attribution.exact_hit)
-            return "Rounding changed no decision of the form, so no operation is to blame.";
-        return fmt::format(
-            "No single operation is to blame: without rounding the form {}, and no comparison shows why.",
-            attribution.exact_hit ? "hits" : "misses");
-    }
+    if (attribution.subject == no_node) return no_subject_sentence(explanation);
     if (measure::attribution::is_plain_miss(explanation.tape, attribution))
         return "Rounding changed no decision of the form, so no operation is to blame.";
+
     const OperationView view(explanation);
     if (attribution.culprit == no_node)
         return not_finite_input_sentence(explanation).value_or("No operation rounded on the way to the answer.");
     const TapeNode& node = explanation.tape[attribution.culprit];
-    const std::string culprit_definition = view.text().definition(attribution.culprit);
     const bool is_blamed = culprit_operation(explanation) != no_node;
-    if (!std::isfinite(node.value) && !is_blamed && explanation.result.outcome == measure::answer::Outcome::agree_hit)
-        return fmt::format("{} is {}, and so is the rounded true t.", culprit_definition, number_phrase(node.value));
-    if (std::isnan(node.value) && std::isnan(view.error_of(attribution.culprit).exact) && !is_blamed)
-        return fmt::format(
-            "No operation is to blame: the formula itself gives NaN in {}, even without rounding; all later operations "
-            "inherit it.",
-            culprit_definition);
-    if (!std::isfinite(node.value))
-        return fmt::format("{} is {}. Everything after it follows from that.", culprit_definition,
-                           number_phrase(node.value));
+    if (!std::isfinite(node.value)) return not_finite_culprit_sentence(explanation, view, is_blamed);
+
+    const std::string culprit_definition = view.text().definition(attribution.culprit);
     if (measure::attribution::is_on_purpose(node.op))
         return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
                            is_blamed ? "No rounding is to blame" : "The largest contribution is not a rounding",
-                           culprit_definition, culprit_error_phrase(explanation, view), shares_text(explanation, view));
+                           culprit_definition, culprit_error_phrase(explanation, view),
+                           contributions_text(explanation, view));
     return fmt::format("{}{} {}: its {} {}", amplifier_text(explanation, view),
                        is_blamed ? "The culprit is" : "The largest contribution is that of", culprit_definition,
-                       culprit_error_phrase(explanation, view), shares_text(explanation, view));
+                       culprit_error_phrase(explanation, view), contributions_text(explanation, view));
 }
 
 std::string counterfactual_sentence(const Explanation& explanation) {
     if (!explanation.culprit_alone || explanation.attribution.subject == no_node) return "";
+
     const OperationView view(explanation);
     const auto& [only_exact, only_rounded] = *explanation.culprit_alone;
     const NodeId culprit = explanation.attribution.culprit;
@@ -222,15 +250,19 @@ std::string counterfactual_sentence(const Explanation& explanation) {
                           is_step ? "Without " + culprit_name + "," : "If " + culprit_name + " alone were exact,",
                       if_only_rounded =
                           is_step ? "With " + culprit_name + " alone," : "If " + culprit_name + " alone were rounded,";
+
+    // If the subject is a decision, the sentence says hit or miss.
     if (explanation.attribution.subject != explanation.tape.outputs.t) {
         const auto verb_of = [](bool hit) { return hit ? "hit" : "miss"; };
         return fmt::format("{} the form would {}{}. {} it would {}.", if_only_exact,
                            only_exact.hit == explanation.hit ? "still " : "", verb_of(only_exact.hit), if_only_rounded,
                            verb_of(only_rounded.hit));
     }
+
     const auto ulps_off = [&view](const measure::attribution::Counterfactual& c) {
         return fmt::format("{:.4g} ulp", std::fabs(c.error / view.ulp()));
     };
+
     // A reader of the first half would conclude that the repair of this operation is enough.
     const bool hardly_helps = !is_step && only_exact.hit && std::isfinite(only_exact.error) &&
                               std::fabs(only_exact.error) > std::fabs(explanation.attribution.error) / 2;

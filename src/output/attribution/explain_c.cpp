@@ -52,6 +52,7 @@ private:
     std::string statement(NodeId i) {
         const TapeNode& node = explanation_.tape[i];
         if (!is_decision(node.op) && slice_.is_constant(i)) return "";
+
         const std::string comment = node.op == TapeOp::input || (node.label.empty() && node.op != TapeOp::select)
                                         ? ""
                                         : fmt::format("  /* {}{} */", file::c_comment(text_.definition(i)),
@@ -67,6 +68,7 @@ private:
         if (computes_in_double_ && !text.missing_in_c.empty()) refuse(text.missing_in_c);
         const bool is_rounded = computes_in_double_ && !text.c_wide.empty();
         if (is_rounded && needs_remainders_) require_safe_remainder(i);
+
         const std::string value = measure::attribution::fill_pattern(
             is_rounded && needs_remainders_ ? text.c_wide : text.c.text,
             [&](std::size_t k, int) { return operand(node.operands[k]); },
@@ -90,6 +92,7 @@ private:
         const auto check_range = [&](double v) {
             is_safe = is_safe && std::fabs(v) >= 0x1p-960 && std::fabs(v) <= 0x1p+1000;
         };
+
         for (const NodeId operand_id : node.operands) {
             if (operand_id == no_node) continue;
             const double v = explanation_.tape[operand_id].value;
@@ -99,6 +102,7 @@ private:
         const bool is_sum = node.op == TapeOp::add || node.op == TapeOp::sub;
         if (is_sum) is_safe = std::fabs(node.value) <= 0x1p+1000;
         else check_range(node.value);
+
         if (is_exact || is_safe) return;
         throw InputError(
             fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
@@ -118,6 +122,8 @@ private:
             "k == 0.5 && (rest > 0 || (rest == 0 && fmod(k, 2) != 0)))) k += 1;\n"
             "    m = ldexp(k, e);\n    return copysign(m >= ldexp(1.0, {2}) * 2 ? INFINITY : m, r);\n}}\n",
             f.precision, f.emin, f.emax);
+
+        // Operations whose rounding needs the sign of the double's remainder.
         const auto add_if_used = [&](const std::string& name, const std::string& function) {
             if (needs_remainders_ && body.find(" " + name + "(") != std::string::npos) text += function;
         };
@@ -144,6 +150,7 @@ private:
             explanation_.form->info->name, explanation_.format.name, file::c_comment(explanation_.form->info->title),
             file::c_comment(explanation_.form->info->source));
         if (computes_in_double_) text += rounding_functions(body);
+
         text +=
             "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", "
             "what, hit ? \"hit\" : \"miss\");\n"

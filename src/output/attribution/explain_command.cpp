@@ -16,6 +16,8 @@ std::string explain_pixel_arguments(const std::string& scene, int x, int y) {
 
 std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     if (group == nullptr) return "";
+
+    // The primitives, each with its matrix.
     std::string text;
     for (const Primitive<double>& primitive : group->primitives) {
         text += fmt::format("--{}={}", lostbits::name_of(primitive.shape),
@@ -25,6 +27,8 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
                 fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::number_list(placed->matrix, file::hex, ","));
         text += ' ';
     }
+
+    // The ray, and the ends of its range that are not the usual ones.
     const Ray<double> ray = group->rays[0];
     text += "--ray=" + file::number_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x,
                                                     ray.direction.y, ray.direction.z},
@@ -33,6 +37,8 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     if (range.tmin != 0) text += " --tmin=" + file::hex(range.tmin);
     if (!std::isinf(range.tmax)) text += " --tmax=" + file::hex(range.tmax);
     if (range.open.tmin || range.open.tmax) text += fmt::format(" --open-ends {}", lostbits::name_of(range.open));
+
+    // The constants of a march, in the order of their names.
     if (!group->march) return text;
     std::size_t constant_index = 0;
     transformed(*group->march, [&](double x) {

@@ -23,7 +23,7 @@ std::string precision_name(const FloatFormat& f) {
 }
 
 /// A double as an exact rational, built from integers of at most 53 bits and powers of two.
-std::string rational(double x) {
+std::string rational_text(double x) {
     if (std::isnan(x)) return "NAN";
     if (std::isinf(x)) return x < 0 ? "(- INFINITY)" : "INFINITY";
     if (x == 0 || (x == std::floor(x) && std::fabs(x) < 0x1p53)) return fmt::format("{:.0f}", x);
@@ -68,7 +68,7 @@ private:
     [[nodiscard]] std::string operand(NodeId i) const {
         if (is_decision(explanation_.tape[i].op))
             return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : expression(i);
-        return slice_.is_constant(i) ? rational(explanation_.tape[i].value) : text_.identifier(i);
+        return slice_.is_constant(i) ? rational_text(explanation_.tape[i].value) : text_.identifier(i);
     }
     [[nodiscard]] std::string expression(NodeId i) const {
         const TapeNode& node = explanation_.tape[i];
@@ -81,7 +81,7 @@ private:
         return measure::attribution::fill_pattern(
             measure::attribution::text_of(node.op).fpcore.text,
             [&](std::size_t k, int) { return operand(node.operands[k]); },
-            [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });
+            [&](char) { return rational_text(std::ldexp(1.0, f.emin - f.precision + 1)); });
     }
     [[nodiscard]] std::string typed_expression(NodeId i) const {
         const std::string text = expression(i);
@@ -104,8 +104,8 @@ private:
             if (!is_input(i) || !slice_.is_needed(i)) continue;
             const double v = explanation_.tape[i].value, radius = std::fabs(v) * 0x1p-12;
             const std::string name = text_.identifier(i);
-            if (v == 0 || !std::isfinite(v)) text += fmt::format("\n    (== {} {})", name, rational(v));
-            else text += fmt::format("\n    (<= {} {} {})", rational(v - radius), name, rational(v + radius));
+            if (v == 0 || !std::isfinite(v)) text += fmt::format("\n    (== {} {})", name, rational_text(v));
+            else text += fmt::format("\n    (<= {} {} {})", rational_text(v - radius), name, rational_text(v + radius));
         }
         return text + ")";
     }

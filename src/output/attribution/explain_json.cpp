@@ -18,7 +18,7 @@ Json number_or_null(double x) { return std::isnan(x) ? Json(nullptr) : json_numb
 Json exact_number(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
-Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
+Json tape_operation_json(const Explanation& explanation, const TapeText& text, NodeId i) {
     const TapeNode& node = explanation.tape[i];
     const measure::attribution::OperationError& operation_error = explanation.attribution[i];
     Json operands = Json::array();
@@ -27,21 +27,28 @@ Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
               {"operation", std::string(name_of(node.op))},
               {"operands", operands},
               {"expression", text.expression(i)}};
+
     if (!node.label.empty()) json["label"] = std::string(node.label);
     json["turned"] = operation_error.decision_changed;
+
+    // A decision has only its value.
     if (is_decision(node.op)) {
         json["computed"] = node.value != 0;
         json["exact"] = operation_error.exact != 0;
         return json;
     }
+
     json["precision"] = explanation.tape.format_of(i).precision;
     json["computed"] = exact_number(node.value);
     json["exact"] = json_number(operation_error.exact);
     json["error"] = json_number(operation_error.error);
+
     json["cancelled_bits"] = operation_error.cancelled_bits;
     if (operation_error.cancelled_bits > 0)
         json["cancellation"] = operation_error.operands_have_error ? "catastrophic" : "benign";
     json["local_error_bits"] = json_number(operation_error.local_bits);
+
+    // The rounding of the operation itself, and what it adds to the error of the subject.
     json["rounding"] = json_number(operation_error.rounding);
     json["live"] = operation_error.is_live;
     json["on_purpose"] = measure::attribution::is_on_purpose(node.op);
@@ -51,54 +58,57 @@ Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
     return json;
 }
 
+std::string name_of_outcome(Outcome outcome) {
+    return std::string(measure::answer::outcome_names[static_cast<std::size_t>(outcome)]);
+}
+
 Json form_result_json(const measure::attribution::FormResult& result) {
     return {{"form", std::string(result.form->info->name)},
-            {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(result.outcome)])},
+            {"outcome", name_of_outcome(result.outcome)},
             {"t", json_number(result.t)},
             {"ulp_error", number_or_null(result.ulps)},
             {"lost_bits", number_or_null(result.lost_bits)},
             {"lost_bits_around", number_or_null(result.mean_lost_nearby)}};
 }
 
-}  // namespace
-
-std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march) {
-    const TapeText text(explanation.tape, explanation.input_names, TapeText::Style::plain);
-    const measure::attribution::Attribution& attribution = explanation.attribution;
-    const ExplainedVerdict verdict = verdict_of(explanation, march);
-    Json json{{"schema", "lostbits-explanation/1"},
-              {"form", std::string(explanation.form->info->name)},
-              {"format", explanation.format.name},
-              {"convention", std::string(intersect::convention_name(explanation.touching))},
-              {"primitive", explanation.primitive_index},
-              {"primitives", explanation.primitive_count}};
+/// Adds the numbers that the form gets, and the direction before it was normalised.
+void add_inputs(Json& json, const Explanation& explanation) {
     for (std::size_t i = 0; i < explanation.input_values.size(); ++i)
         json["inputs"][explanation.input_names[i]] = exact_number(explanation.input_values[i]);
     json["open_ends"] = std::string(name_of(explanation.range.open));
     json["inputs_rounded"] = explanation.rounded_inputs;
+
+    const auto& direction = explanation.given_direction;
     json["given_direction"] =
-        explanation.given_direction
-            ? Json({json_number(explanation.given_direction->x), json_number(explanation.given_direction->y),
-                    json_number(explanation.given_direction->z)})
-            : Json(nullptr);
+        direction ? Json({json_number(direction->x), json_number(direction->y), json_number(direction->z)})
+                  : Json(nullptr);
+}
+
+/// Adds the answer, the truth, and how far they are apart.
+void add_answer(Json& json, const Explanation& explanation) {
     json["hit"] = explanation.hit;
     json["t"] = exact_number(explanation.result.t);
     json["truth"] = explanation.true_t ? Json(exact_number(*explanation.true_t)) : Json(nullptr);
-    json["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(explanation.result.outcome)]);
-    if (explanation.mesh_outcome)
-        json["in_mesh"] =
-            std::string(measure::answer::outcome_names[static_cast<std::size_t>(*explanation.mesh_outcome)]);
+    json["outcome"] = name_of_outcome(explanation.result.outcome);
+    if (explanation.mesh_outcome) json["in_mesh"] = name_of_outcome(*explanation.mesh_outcome);
+
     json["ulp_error"] = number_or_null(explanation.result.ulps);
     json["lost_bits"] = number_or_null(explanation.result.lost_bits);
     json["wrong_root"] = is_wrong_root(explanation);
     json["condition"] = number_or_null(explanation.condition);
     json["inherent_bits"] = number_or_null(explanation.inherent_bits);
+}
+
+/// Adds the sentences of the verdict, and the operations that they name.
+void add_verdict(Json& json, const Explanation& explanation, const ExplainedVerdict& verdict, const TapeText& text) {
     json["answer"] = verdict.answer;
     json["verdict"] = verdict.loss;
     json["sentence"] = verdict.blame;
     json["culprit"] = node_or_null(text, verdict.culprit);
-    json["largest"] = node_or_null(text, attribution.culprit);
+    json["largest"] = node_or_null(text, explanation.attribution.culprit);
     json["largest_sentence"] = explanation.has_tape() ? Json(culprit_sentence(explanation)) : Json(nullptr);
+
+    // The answers if only the culprit were exact, and if only the culprit rounded.
     const auto counterfactual = [](const measure::attribution::Counterfactual& c) {
         return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
@@ -107,21 +117,46 @@ std::string explain_json(const Explanation& explanation, const std::optional<Mar
         has_counterfactuals ? counterfactual(explanation.culprit_alone->only_exact) : Json(nullptr);
     json["culprit_alone_rounded"] =
         has_counterfactuals ? counterfactual(explanation.culprit_alone->only_rounded) : Json(nullptr);
+
     json["equals"] = Json::array();
-    for (const NodeId i : attribution.equal_culprits) json["equals"].push_back(text.name(i));
+    for (const NodeId i : explanation.attribution.equal_culprits) json["equals"].push_back(text.name(i));
+}
+
+/// The error of the subject and the sums of its contributions; null if there is no subject.
+Json attribution_json(const Explanation& explanation, const TapeText& text) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
     const auto of_subject = [&attribution](double v) {
         return attribution.subject == no_node ? Json(nullptr) : json_number(v);
     };
-    json["attribution"] = {{"subject", node_or_null(text, attribution.subject)},
-                           {"exact_hit", attribution.exact_hit},
-                           {"cut_short", attribution.loop_was_cut_short},
-                           {"error", of_subject(attribution.error)},
-                           {"explained", of_subject(attribution.contribution_sum)},
-                           {"first_order", of_subject(attribution.first_order_sum)},
-                           {"ulp", number_or_null(explanation.ulp_of_subject())},
-                           {"shadow_bits", attribution.exact_bits}};
+    return {{"subject", node_or_null(text, attribution.subject)},
+            {"exact_hit", attribution.exact_hit},
+            {"cut_short", attribution.loop_was_cut_short},
+            {"error", of_subject(attribution.error)},
+            {"explained", of_subject(attribution.contribution_sum)},
+            {"first_order", of_subject(attribution.first_order_sum)},
+            {"ulp", number_or_null(explanation.ulp_of_subject())},
+            {"shadow_bits", attribution.exact_bits}};
+}
+
+}  // namespace
+
+std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march) {
+    const TapeText text(explanation.tape, explanation.input_names, TapeText::Style::plain);
+    Json json{{"schema", "lostbits-explanation/1"},
+              {"form", std::string(explanation.form->info->name)},
+              {"format", explanation.format.name},
+              {"convention", std::string(intersect::convention_name(explanation.touching))},
+              {"primitive", explanation.primitive_index},
+              {"primitives", explanation.primitive_count}};
+    add_inputs(json, explanation);
+    add_answer(json, explanation);
+    add_verdict(json, explanation, make_verdict(explanation, march), text);
+
+    json["attribution"] = attribution_json(explanation, text);
     json["operations"] = Json::array();
-    for (NodeId i = 0; i < explanation.tape.size(); ++i) json["operations"].push_back(operation(explanation, text, i));
+    for (NodeId i = 0; i < explanation.tape.size(); ++i)
+        json["operations"].push_back(tape_operation_json(explanation, text, i));
+
     json["lost_bits_around"] = number_or_null(explanation.result.mean_lost_nearby);
     json["better"] = Json::array();
     for (const measure::attribution::FormResult& form_result : explanation.better_forms)

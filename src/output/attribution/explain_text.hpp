@@ -22,8 +22,8 @@ struct MarchEnd {
 };
 
 /// The end of a form's march along a ray; nothing for a form that does not march.
-std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
-                                     const measure::answer::OneRay& ray);
+std::optional<MarchEnd> find_march_end(const intersect::table::Intersector& form, const Format& format,
+                                       const measure::answer::OneRay& ray);
 
 /// Conclusions on an explained ray. Text, JSON and page show these sentences word for word.
 struct ExplainedVerdict {
@@ -36,7 +36,7 @@ struct ExplainedVerdict {
     /// The three texts, one per line.
     [[nodiscard]] std::string text() const;
 };
-ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<MarchEnd>& march);
+ExplainedVerdict make_verdict(const Explanation& explanation, const std::optional<MarchEnd>& march);
 
 /// Forms that do better on the ray and around it, one sentence per line.
 std::string better_sentences(const Explanation& explanation);

@@ -19,6 +19,7 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
     const Outcome outcome = measure::answer::classify(truth.decision, log.hit.hit, log.hit.t);
     const std::string decision_line = decision_text("The form", outcome, log.hit.t, true_t);
     if (!decision_line.empty()) return decision_line;
+
     const measure::truth::Certified& t = ray.true_t(*form.info);
     const double ulps = measure::truth::ulp_error(log.hit.t, t, format.parameters);
     return fmt::format(
@@ -45,8 +46,8 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 
 }  // namespace
 
-std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
-                                     const measure::answer::OneRay& ray) {
+std::optional<MarchEnd> find_march_end(const intersect::table::Intersector& form, const Format& format,
+                                       const measure::answer::OneRay& ray) {
     if (!form.log) return {};
     return MarchEnd{measure::answer::march_log(form, format, ray),
                     ray.inputs(form, format).format_inputs.march.value()};
@@ -59,6 +60,7 @@ std::string march_samples(const MarchEnd& march, const Format& format) {
         "hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
         file::decimal(constants.hit_eps), constants.max_steps, file::decimal(constants.max_dist),
         file::decimal(constants.relative_eps), file::decimal(constants.cone), file::decimal(constants.over_relaxation));
+
     text += fmt::format("{0:>4} {2:>{1}} {3:>{1}} {4:>{1}} {5:>{1}} {6:>{1}} {7:>{1}}  {8}\n", "i", width, "t", "x",
                         "y", "z", "|p|", "d", "action");
     for (std::size_t i = 0; i < log.steps.size(); ++i) {

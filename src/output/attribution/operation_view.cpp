@@ -38,8 +38,12 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
     const auto mark = [&on_path](NodeId i) {
         if (i != no_node) on_path[static_cast<std::size_t>(i)] = true;
     };
+
+    // Begins with the outputs. In a miss, t is not an answer.
     mark(explanation.tape.outputs.hit);
     if (explanation.hit || explanation.tape.outputs.hit == no_node) mark(explanation.tape.outputs.t);
+
+    // Visits every operation after all operations that use it.
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
         if (explanation.attribution[i].is_live) mark(i);
         if (!on_path[static_cast<std::size_t>(i)]) continue;
@@ -120,6 +124,20 @@ int digits_of(const FloatFormat& format) { return 1 + static_cast<int>(std::ceil
 
 namespace {
 
+/// Fills in the texts on the error of an operation that is not a decision.
+void add_error_texts(OperationRow& operation_row, const OperationView& view) {
+    const NodeId i = operation_row.node;
+    const measure::attribution::OperationError& operation_error = view.error_of(i);
+    const auto text_or_empty = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
+    operation_row.error_ulps = text_or_empty(view.ulps_of_value(i, operation_error.error));
+    operation_row.cancelled = view.cancellation(i);
+    if (operation_error.local_bits != 0) operation_row.local_bits = fmt::format("{:.1f}", operation_error.local_bits);
+
+    if (operation_error.rounding == 0) return;
+    operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, operation_error.rounding));
+    if (operation_error.is_live) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
+}
+
 OperationRow table_row(const Explanation& explanation, const OperationView& view, NodeId i, bool shows_errors) {
     const measure::attribution::OperationError& operation_error = view.error_of(i);
     const TapeNode& node = explanation.tape[i];
@@ -132,20 +150,14 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
                                .exact = operation_error.exact,
                                .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
     if (!shows_errors) return operation_row;
+
     operation_row.is_culprit = i == culprit_operation(explanation);
     operation_row.is_branch_flipped =
         operation_error.decision_changed && (is_decision_row || operation_error.rounding != 0);
     operation_row.is_off_path = !is_decision_row && !view.is_on_path(i);
     operation_row.is_on_purpose = measure::attribution::is_on_purpose(node.op) && operation_error.rounding != 0;
-    if (is_decision_row) return operation_row;
-    const auto text_or_empty = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    operation_row.error_ulps = text_or_empty(view.ulps_of_value(i, operation_error.error));
-    operation_row.cancelled = view.cancellation(i);
-    if (operation_error.local_bits != 0) operation_row.local_bits = fmt::format("{:.1f}", operation_error.local_bits);
-    if (operation_error.rounding != 0)
-        operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, operation_error.rounding));
-    if (operation_error.is_live && operation_error.rounding != 0)
-        operation_row.contribution_ulps = text_or_empty(view.contribution(i));
+
+    if (!is_decision_row) add_error_texts(operation_row, view);
     return operation_row;
 }
 
@@ -169,6 +181,7 @@ OperationTable operation_table(const Explanation& explanation, const OperationVi
         if (!shows_errors[index]) continue;
         for (const NodeId named : view.operations_named_in(i)) has_row[static_cast<std::size_t>(named)] = true;
     }
+
     for (NodeId i = 0; i < explanation.tape.size(); ++i) {
         const auto index = static_cast<std::size_t>(i);
         if (has_row[index]) table.rows.push_back(table_row(explanation, view, i, shows_errors[index]));

@@ -20,7 +20,7 @@ using file::json_number;
 constexpr std::size_t operations_shown = 8;
 
 /// Operations that round, those with the largest share of the bound first.
-std::vector<NodeId> nodes_by_share(const RangesBound& bound) {
+std::vector<NodeId> nodes_by_contribution(const RangesBound& bound) {
     std::vector<NodeId> nodes;
     for (std::size_t i = 0; i < bound.node_contributions.size(); ++i)
         if (bound.node_contributions[i] > 0) nodes.push_back(static_cast<NodeId>(i));
@@ -63,7 +63,7 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
 std::string operations_block(const RangesBound& bound) {
     const TapeText tape_text(bound.tape, bound.names, TapeText::Style::pretty);
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
-    const auto nodes = nodes_by_share(bound);
+    const auto nodes = nodes_by_contribution(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
         text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[static_cast<std::size_t>(nodes[k])],
                             tape_text.definition(nodes[k]));
@@ -92,16 +92,21 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
             bound.rays);
+
+    // The parts of the ranges without hits, with a bound, and without one.
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
                         100 * bound.missed_share, 100 * (1 - bound.missed_share - bound.unknown_share),
                         100 * bound.unknown_share);
     text += fmt::format("In {:.3g} % rounding may change hit or miss.\n",
                         100 * (bound.undecided_share + bound.unknown_share));
+
     text += "Where rays may hit, rounding puts t off by at most\n";
-    for (const auto& [share, error, ulps] : bound.quantiles)
-        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
+    for (const auto& [fraction, error, ulps] : bound.quantiles)
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * fraction);
     if (bound.unknown_share < 1 - bound.missed_share)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", bound.largest, bound.largest_ulps);
+
+    // Errors of rays, for comparison with the bound.
     text += observed_errors_text(bound.errors_of_given_rays,
                                  request.is_step() ? "the rays of the step" : "the rays of the scene");
     text += observed_errors_text(bound.errors_of_drawn_rays, "rays drawn where the bounds are largest");
@@ -109,20 +114,25 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
 }
 
 std::string ranges_json(const RangesRequest& request, const RangesBound& bound) {
-    Json ranges = Json::array(), quantiles = Json::array(), operations = Json::array();
+    Json ranges = Json::array();
     for (const InputBox& box : bound.ranges) {
         Json box_json = Json::object();
         for (std::size_t k = 0; k < bound.names.size(); ++k)
             box_json[bound.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
         ranges.push_back(box_json);
     }
-    for (const auto& [share, error, ulps] : bound.quantiles)
-        quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
+
+    Json quantiles = Json::array();
+    for (const auto& [fraction, error, ulps] : bound.quantiles)
+        quantiles.push_back({{"share", fraction}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
+
+    Json operations = Json::array();
     const TapeText tape_text(bound.tape, bound.names, TapeText::Style::plain);
-    for (const NodeId i : nodes_by_share(bound))
+    for (const NodeId i : nodes_by_contribution(bound))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},
                               {"ulps", json_number(bound.node_contributions[static_cast<std::size_t>(i)])}});
+
     const Json document{
         {"form", std::string(request.form->info->name)},
         {"format", request.format.name},

@@ -42,6 +42,8 @@ std::string outcome_sentence(const Explanation& explanation) {
                            form, number_phrase(t), number_phrase(true_t));
     const std::string decision_line = decision_text(form, explanation.result.outcome, t, true_t);
     if (!decision_line.empty()) return decision_line;
+
+    // Both hit.
     if (!std::isfinite(explanation.result.ulps))
         return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_phrase(t), number_phrase(true_t),
                            explanation.format.parameters.precision);
@@ -130,6 +132,8 @@ std::string march_sentence(const Explanation& explanation, const MarchEnd& march
     const auto& [log, constants] = march;
     const std::size_t samples = log.steps.size();
     const double d = samples > 0 ? log.steps.back().d : NAN;
+
+    // A hit beside the surface.
     if (explanation.result.outcome == Outcome::agree_hit) {
         const double t_error = explanation.result.t - explanation.true_t.value_or(NAN);
         return fmt::format(
@@ -138,6 +142,8 @@ std::string march_sentence(const Explanation& explanation, const MarchEnd& march
             samples, constants.max_steps, size_phrase(d), size_phrase(std::fabs(t_error)),
             t_error < 0 ? "short of" : "behind", explanation.form->info->title);
     }
+
+    // A march that ended before it reached the surface.
     if (explanation.result.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
         case Stop::max_steps:
@@ -183,26 +189,8 @@ std::string turned_order_sentence(const Explanation& explanation) {
                 : " " + culprit_sentence(explanation));
 }
 
-/// Reason why no operation is to blame for the decision or the loss.
-std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
-    const measure::attribution::Attribution& attribution = explanation.attribution;
-    const bool agrees_on_hit = explanation.result.outcome == Outcome::agree_hit,
-               is_right = explanation.result.is_right();
-    const bool decision_changed = explanation.hit != attribution.exact_hit && !attribution.loop_was_cut_short;
-    if (is_right && decision_changed)
-        return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
-                           attribution.exact_hit ? "hit" : "miss");
-    if (!explanation.returns_t() && is_right) return "No operation is to blame: the decision is right.";
-    if (attribution.subject == no_node || attribution.culprit == no_node) return culprit_sentence(explanation);
-    if (explanation.result.outcome == Outcome::not_a_number && std::isnan(explanation.tape[attribution.culprit].value))
-        return culprit_sentence(explanation);
-    if (explanation.hit != attribution.exact_hit && attribution.loop_was_cut_short)
-        return "No single operation is to blame: without rounding the march would have gone on.";
-    if (!agrees_on_hit && decision_changed) return "The true answer is not proved, so no operation is to blame.";
-    if (!agrees_on_hit) return "The decision is the same without rounding, so no operation is to blame.";
-    if (!std::isfinite(explanation.tape[attribution.culprit].value)) return culprit_sentence(explanation);
-    if (explanation.result.lost_bits < least_notable_bits) return "No operation is to blame: less than a bit is lost.";
-    if (!rounding_costs_little(explanation)) return "No operation is to blame: none of the roundings reaches t.";
+/// Sentence for a loss of a bit or more of which rounding causes only a small part.
+std::string other_cause_sentence(const Explanation& explanation, bool is_march) {
     const bool has_lossy_inputs = explanation.rounded_inputs && !(explanation.excess_bits >= least_notable_bits);
     const char* const other_cause = explanation.missed_primitive ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
@@ -212,6 +200,37 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
     return fmt::format("No operation is to blame: rounding inside the form causes {}{}, and {}.",
                        short_number(rounding_ulps(explanation)), total_ulps.empty() ? " ulp" : " of the " + total_ulps,
                        other_cause);
+}
+
+/// Reason why no operation is to blame for the decision or the loss.
+std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    const bool agrees_on_hit = explanation.result.outcome == Outcome::agree_hit,
+               is_right = explanation.result.is_right();
+    const bool decision_changed = explanation.hit != attribution.exact_hit && !attribution.loop_was_cut_short;
+
+    // The decision is right.
+    if (is_right && decision_changed)
+        return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
+                           attribution.exact_hit ? "hit" : "miss");
+    if (!explanation.returns_t() && is_right) return "No operation is to blame: the decision is right.";
+
+    // No operation contributes, or the value of the culprit is NaN.
+    if (attribution.subject == no_node || attribution.culprit == no_node) return culprit_sentence(explanation);
+    if (explanation.result.outcome == Outcome::not_a_number && std::isnan(explanation.tape[attribution.culprit].value))
+        return culprit_sentence(explanation);
+
+    // Rounding is not known to have made the decision wrong.
+    if (explanation.hit != attribution.exact_hit && attribution.loop_was_cut_short)
+        return "No single operation is to blame: without rounding the march would have gone on.";
+    if (!agrees_on_hit && decision_changed) return "The true answer is not proved, so no operation is to blame.";
+    if (!agrees_on_hit) return "The decision is the same without rounding, so no operation is to blame.";
+
+    // Form and truth hit, and the loss is small or has another cause than rounding.
+    if (!std::isfinite(explanation.tape[attribution.culprit].value)) return culprit_sentence(explanation);
+    if (explanation.result.lost_bits < least_notable_bits) return "No operation is to blame: less than a bit is lost.";
+    if (!rounding_costs_little(explanation)) return "No operation is to blame: none of the roundings reaches t.";
+    return other_cause_sentence(explanation, is_march);
 }
 
 /// The culprit, or the reason why there is none.
@@ -260,6 +279,7 @@ std::string beside_sentences(const Explanation& explanation,
                             result.mean_lost_nearby < explanation.result.mean_lost_nearby ? ", by a bit or more" : "",
                             outcome_text(result));
     }
+
     for (const auto* form : explanation.incomparable_forms)
         text += !(form->shapes() == explanation.form->shapes())
                     ? fmt::format("{} is a form for another shape, so it was not tried.\n", form->info->name)
@@ -268,22 +288,30 @@ std::string beside_sentences(const Explanation& explanation,
     return text;
 }
 
+/// True if a form is worth a mention. If the answer is right, the form must keep a bit more around the ray.
+bool is_notably_better(const Explanation& explanation, const measure::attribution::FormResult& result) {
+    return !explanation.result.is_right() ||
+           explanation.result.mean_lost_nearby - result.mean_lost_nearby >= least_notable_bits;
+}
+
+/// Rays over which the loss around a ray is averaged.
+std::string neighbourhood_phrase(const Explanation& explanation) {
+    return explanation.nearby_pixel_count > 0
+               ? fmt::format("{} pixels around it", explanation.nearby_pixel_count)
+               : fmt::format("{} rays around it, with each number within an ulp of its own value",
+                             measure::attribution::neighbour_count);
+}
+
 }  // namespace
 
 std::string better_sentences(const Explanation& explanation) {
-    std::string text;
+    // Lists the best forms, and in any case those that the user asked for.
+    std::string list;
     constexpr std::size_t max_forms = 6;
     std::vector<const intersect::table::Intersector*> listed;
     std::size_t unlisted_count = 0;
-    const std::string neighbourhood =
-        explanation.nearby_pixel_count > 0
-            ? fmt::format("{} pixels around it", explanation.nearby_pixel_count)
-            : fmt::format("{} rays around it, with each number within an ulp of its own value",
-                          measure::attribution::neighbour_count);
     for (const measure::attribution::FormResult& result : explanation.better_forms) {
-        if (explanation.result.is_right() &&
-            !(explanation.result.mean_lost_nearby - result.mean_lost_nearby >= least_notable_bits))
-            continue;
+        if (!is_notably_better(explanation, result)) continue;
         const bool is_requested =
             std::ranges::find(explanation.compared_forms, result.form, &measure::attribution::FormResult::form) !=
             explanation.compared_forms.end();
@@ -291,20 +319,22 @@ std::string better_sentences(const Explanation& explanation) {
             ++unlisted_count;
             continue;
         }
-        text += fmt::format("{} {} ({}, {:.1f} around)", listed.empty() ? "" : ",", result.form->info->name,
+        list += fmt::format("{} {} ({}, {:.1f} around)", listed.empty() ? "" : ",", result.form->info->name,
                             outcome_text(result), result.mean_lost_nearby);
         listed.push_back(result.form);
     }
+
     if (listed.empty())
-        text = fmt::format("No other form that was tried does better on this ray in this format and around it{}.\n",
-                           explanation.better_forms.empty() ? "" : ", by a bit or more");
-    else
-        text = fmt::format(
-            "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
-            "as all {}.\n",
-            text, unlisted_count > 0 ? fmt::format(" and {} more", unlisted_count) : "", neighbourhood,
-            explanation.form->info->name, explanation.result.mean_lost_nearby, explanation.format.parameters.precision);
-    return text + beside_sentences(explanation, listed);
+        return fmt::format("No other form that was tried does better on this ray in this format and around it{}.\n",
+                           explanation.better_forms.empty() ? "" : ", by a bit or more") +
+               beside_sentences(explanation, listed);
+    return fmt::format(
+               "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision "
+               "counts as all {}.\n",
+               list, unlisted_count > 0 ? fmt::format(" and {} more", unlisted_count) : "",
+               neighbourhood_phrase(explanation), explanation.form->info->name, explanation.result.mean_lost_nearby,
+               explanation.format.parameters.precision) +
+           beside_sentences(explanation, listed);
 }
 
 std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t) {
@@ -338,12 +368,15 @@ NodeId culprit_operation(const Explanation& explanation) {
     if (attribution.subject == no_node || attribution.culprit == no_node ||
         measure::attribution::is_plain_miss(explanation.tape, attribution))
         return no_node;
+
     const Outcome outcome = explanation.result.outcome;
     const bool is_about_decision = is_decision(explanation.tape[attribution.subject].op),
                lost_a_bit = explanation.result.lost_bits >= least_notable_bits;
     const bool is_not_finite = !std::isfinite(explanation.tape[attribution.culprit].value);
     if (outcome == Outcome::unresolved || (attribution[attribution.culprit].contribution == 0 && !is_not_finite))
         return no_node;
+
+    // A culprit is to blame for a wrong decision, a lost bit, a wrong order of primitives, or a NaN.
     bool is_blamed = false;
     if (is_about_decision) is_blamed = !explanation.result.is_right();
     else if (outcome == Outcome::agree_hit)
@@ -389,7 +422,7 @@ std::string mesh_sentence(const Explanation& explanation) {
 
 std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
 
-ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<MarchEnd>& march) {
+ExplainedVerdict make_verdict(const Explanation& explanation, const std::optional<MarchEnd>& march) {
     std::string answer = outcome_sentence(explanation) + range_sentence(explanation) + "\n" +
                          (explanation.missed_primitive ? wrong_primitive_sentence(explanation) : "") +
                          mesh_sentence(explanation);

@@ -74,6 +74,7 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
     const auto is_about_march = [](const Claim* claim) {
         return claim->subject_if<SceneSubject>() && claim->subject_if<SceneSubject>()->step;
     };
+
     if (std::ranges::all_of(shown.claims, is_about_march)) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.request.stop});
         std::string text;
@@ -81,15 +82,16 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
             text += fmt::format("```\n{}```\n", attribution::march_table(*tested_form.form, tested_form.format, ray));
         return text;
     }
+
     const measure::evaluate::MapStudy request{.scene = &scene,
-                                              .tested_forms = tested_forms,
+                                              .rows = tested_forms,
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
-    map::MapWriter sheet(request, {.folder = {},
-                                   .drawn_metrics = request.metrics,
-                                   .scene_arguments = scene.id,
-                                   .sheet_only_file = picture_path(shown, file)});
+    map::MapFiles sheet(request, {.folder = {},
+                                  .drawn_metrics = request.metrics,
+                                  .scene_arguments = scene.id,
+                                  .sheet_only_file = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }
@@ -98,7 +100,7 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
 std::string draw_picture(const StudySubject& subject, const ShownSubject& shown) {
     const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
     measure::check::StudyQuestion question{
-        .scene = scene, .tested_forms = claimed_forms(shown.claims), .stop = shown.request.stop};
+        .scene = scene, .rows = claimed_forms(shown.claims), .stop = shown.request.stop};
     for (const Claim* const claim : shown.claims) {
         for (const auto& [option, value] : claim->subject_if<StudySubject>()->options) {
             auto& values = question.options[option];
@@ -133,69 +135,81 @@ SweepPlots needed_plots(const std::vector<const Claim*>& claims) {
     return plots;
 }
 
-/// Markdown that shows the pictures of a sweep.
-std::string draw_picture(const scene::check::SweepSubject& subject, const ShownSubject& shown) {
-    const auto& claims = shown.claims;
-    const auto& claim_request = shown.request;
-    const std::vector<TestedForm> tested_forms = claimed_forms(claims);
-    const auto path = scene::sweep::find_sweep(subject.name, claim_request.data_dir);
-    // The claims are about small ranges, but a picture would need the whole axis.
-    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
-    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
-        const scene::sweep::CaseFile file(path);
-        const measure::sweep::CaseRequest request{.file = file,
-                                                  .tested_forms = tested_forms,
-                                                  .metrics = drawn_metrics(),
-                                                  .limit = {.stop = claim_request.stop}};
-        const auto cases = measure::sweep::run_cases(request);
-        std::string text;
-        for (const std::optional<Touching> touching :
-             {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
-            if (std::ranges::none_of(tested_forms, [&](const TestedForm& r) { return r.touching == touching; }))
-                continue;
-            const std::string picture =
-                touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
-            image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
-            text += picture_link(shown, file.title, picture);
-        }
-        return text;
-    }
-    const scene::sweep::SweepFile sweep(path, claim_request.data_dir, {}, claim_request.stop);
-    measure::sweep::SweepRequest request{.sweep = sweep,
-                                         .tested_forms = tested_forms,
-                                         .metrics = drawn_metrics(),
-                                         .limit = {.stop = claim_request.stop}};
-    for (TestedForm& tested_form : request.tested_forms)
-        tested_form.touching = tested_form.touching ? tested_form.touching : sweep.convention;
-    const auto steps = measure::sweep::run_sweep(request);
+/// Draws the matrix of a list of cases, once for each convention of the forms.
+std::string draw_cases(const scene::sweep::CaseFile& file, const ShownSubject& shown) {
+    const std::vector<TestedForm> tested_forms = claimed_forms(shown.claims);
+    const measure::sweep::CaseRequest request{
+        .file = file, .rows = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = shown.request.stop}};
+    const auto cases = measure::sweep::run_cases(request);
+
     std::string text;
-    if (sweep.axes.size() == 2) {
-        for (std::size_t r = 0; r < tested_forms.size(); ++r) {
-            const std::string file =
-                fmt::format("{}.{}.{}.png", sweep.id, tested_forms[r].form->info->name, tested_forms[r].format.name);
-            image::save_figure(picture_path(shown, file), sweep::plane_picture(request, steps, r));
-            text += picture_link(
-                shown, fmt::format("{} in {}", tested_forms[r].form->info->name, tested_forms[r].format.name), file);
-        }
-        return text;
+    for (const std::optional<Touching> touching :
+         {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
+        if (std::ranges::none_of(tested_forms, [&](const TestedForm& r) { return r.touching == touching; })) continue;
+        const std::string picture =
+            touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
+        image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
+        text += picture_link(shown, file.title, picture);
     }
-    const auto onsets = measure::sweep::find_onsets(request, steps);
-    const sweep::MeasuredSweep measured{request, steps, onsets};
-    const SweepPlots plots = needed_plots(claims);
-    for (const Format& format : sweep::list_formats(measured)) {
+    return text;
+}
+
+/// Draws a sweep with two axes as a picture for each form and format.
+std::string draw_planes(const measure::sweep::SweepRequest& request,
+                        const std::vector<measure::sweep::SweepStep>& steps, const ShownSubject& shown) {
+    std::string text;
+    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
+        const std::string_view form = request.tested_forms[r].form->info->name;
+        const std::string& format = request.tested_forms[r].format.name;
+        const std::string file = fmt::format("{}.{}.{}.png", request.sweep.id, form, format);
+        image::save_figure(picture_path(shown, file), sweep::plane_picture(request, steps, r));
+        text += picture_link(shown, fmt::format("{} in {}", form, format), file);
+    }
+    return text;
+}
+
+/// Draws the plots of a sweep with one axis that show the quantities of its claims, for each format.
+std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject& shown) {
+    const scene::sweep::SweepFile& sweep = measured.request.sweep;
+    const SweepPlots plots = needed_plots(shown.claims);
+    std::string text;
+    for (const Format& format : sweep::formats_of(measured)) {
         const auto add_plot = [&](std::string_view name, const image::Canvas& plot) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, name, format.name);
             text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, name, format.name), file);
             image::save_figure(picture_path(shown, file), plot);
         };
+
         if (plots.has_median) add_plot("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
         if (plots.has_tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
             add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
-                     sweep::outcome_plot(measured, format, outcome));
+                     sweep::wrong_plot(measured, format, outcome));
     }
     return text;
+}
+
+/// Markdown that shows the pictures of a sweep.
+std::string draw_picture(const scene::check::SweepSubject& subject, const ShownSubject& shown) {
+    const auto path = scene::sweep::find_sweep(subject.name, shown.request.data_dir);
+    // The claims are about small ranges, but a picture would need the whole axis.
+    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
+    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases)
+        return draw_cases(scene::sweep::CaseFile(path), shown);
+
+    const scene::sweep::SweepFile sweep(path, shown.request.data_dir, {}, shown.request.stop);
+    measure::sweep::SweepRequest request{.sweep = sweep,
+                                         .rows = claimed_forms(shown.claims),
+                                         .metrics = drawn_metrics(),
+                                         .limit = {.stop = shown.request.stop}};
+    for (TestedForm& tested_form : request.tested_forms)
+        tested_form.touching = tested_form.touching ? tested_form.touching : sweep.convention;
+
+    const auto steps = measure::sweep::run_sweep(request);
+    if (sweep.axes.size() == 2) return draw_planes(request, steps, shown);
+    const auto onsets = measure::sweep::find_onsets(request, steps);
+    return draw_plots({request, steps, onsets}, shown);
 }
 
 }  // namespace

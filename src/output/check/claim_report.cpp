@@ -87,6 +87,7 @@ std::string claim_row_text(const Claim& claim, const ClaimResult& result) {
             ? (claim.verdict == Claim::Verdict::refuted ? "**refuted**" : std::string(name_of(claim.verdict)))
         : result.state == State::skipped ? "skipped"
                                          : fmt::format("**{}**", disagreement_text(claim, result));
+
     // Expressions have stars, which Markdown would interpret.
     const std::string evidence = result.state == State::agrees ? evidence_text(claim, result) : "";
     const std::string scope = floats_text(result) + (evidence.empty() ? "" : file::markdown_text(evidence)),
@@ -94,10 +95,12 @@ std::string claim_row_text(const Claim& claim, const ClaimResult& result) {
     const std::string quantity_cell = claim.operations.empty()
                                           ? file::markdown_text(quantity_text(claim))
                                           : fmt::format("{} of {}", claim.metric, expression_list(claim.operations));
+
     const std::string position = subject_texts(claim).position;
     const std::string quotation =
         claim.quotation.empty() ? "" : " <br> \"" + file::markdown_text(claim.quotation) + "\"";
     const std::string criterion = claim.criterion ? "; says " + file::markdown_text(claim.criterion->text) : "";
+
     return fmt::format("| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, scope.empty() ? "" : ": " + scope,
                        file::markdown_text(claim.statement), quotation,
                        claim.note.empty() ? "" : " <br> *" + file::markdown_text(claim.note) + "*",
@@ -107,15 +110,13 @@ std::string claim_row_text(const Claim& claim, const ClaimResult& result) {
                        file::markdown_code(claim.id));
 }
 
-}  // namespace
-
-void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
-                        const std::vector<ClaimResult>& results, const ClaimRequest& request) {
-    file::AtomicFile readme(folder / "README.md");
+/// Title of the document, and the paragraphs on how to read it.
+std::string introduction(const std::filesystem::path& folder, const std::vector<Claim>& claims,
+                         const std::vector<ClaimResult>& results) {
     const CountsBySource counts = count_verdicts(claims, results);
     const std::size_t unconfirmed_count = claims.size() - counts.all.confirmed();
     const auto quoted_count = std::ranges::count_if(claims, [](const Claim& c) { return !c.quotation.empty(); });
-    std::string text = fmt::format(
+    return fmt::format(
         "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. "
         "{} claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition "
         "that its source does not state. Words of the source, found there by a second person, stand below {} of the "
@@ -128,22 +129,38 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         draws_option(results), claims.size(),
         unconfirmed_count == 0 ? "" : fmt::format(", of which {} failed or could not be measured", unconfirmed_count),
         counts.text(), quoted_count, counts.all.with_criterion, screenshots_in(folder));
+}
+
+/// Tables of the claims about a subject: one for each run of claims from the same source.
+std::string subject_tables(const ClaimSubject& subject, const std::vector<Claim>& claims,
+                           const std::vector<ClaimResult>& results) {
+    std::string text, source;
+    for (const std::size_t i : subject.claims) {
+        if (claims[i].source != source) {
+            source = claims[i].source;
+            text += fmt::format(
+                "{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n",
+                i == subject.claims.front() ? "" : "\n", source == "-" ? "our own" : file::markdown_text(source));
+        }
+        text += claim_row_text(claims[i], results[i]);
+    }
+    return text;
+}
+
+}  // namespace
+
+void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
+                        const std::vector<ClaimResult>& results, const ClaimRequest& request) {
+    file::AtomicFile readme(folder / "README.md");
+    std::string text = introduction(folder, claims, results);
     for (const ClaimSubject& subject : group_by_subject(claims)) {
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));
         ShownSubject shown{folder, {}, request};
         for (const std::size_t i : subject.claims) shown.claims.push_back(&claims[i]);
         text += draw_subject_pictures(shown) + samples_text(subject, results);
-        std::string source;
-        for (const std::size_t i : subject.claims) {
-            if (claims[i].source != source) {
-                source = claims[i].source;
-                text += fmt::format(
-                    "{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n",
-                    i == subject.claims.front() ? "" : "\n", source == "-" ? "our own" : file::markdown_text(source));
-            }
-            text += claim_row_text(claims[i], results[i]);
-        }
+        text += subject_tables(subject, claims, results);
     }
+
     readme.write(text);
     write_claims_csv(folder / "claims.csv", claims, results);
     readme.commit();

@@ -113,6 +113,8 @@ std::string expected_and_measured(const Claim& claim, const ClaimResult& result)
                            1 + result.further_measured.size());
     if (result.state == State::unmeasurable || result.state == State::skipped)
         return fmt::format("{}, but {}", expected, result.reason);
+
+    // The measured number, with what it rests on.
     if (result.evaluations > 0)
         return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(result.measured),
                            result.evaluations);

@@ -77,6 +77,7 @@ KindTexts kind_texts(const Claim& claim, const SweepSubject& subject) {
         texts.axis_values = file::number_list(at_values->values, file::decimal, ", ");
     if (const auto* const tested_case = subject.part_if<SweepSubject::Case>())
         texts.name_suffix = ": " + (texts.position = tested_case->name);
+
     if (const auto* const every_float = subject.part_if<SweepSubject::EveryFloat>()) {
         texts.command = checking_command(claim, "", " --measure");
         if (!every_float->ray.empty()) texts.name_suffix = ": " + (texts.position = every_float->ray);
@@ -98,11 +99,13 @@ KindTexts kind_texts(const Claim& claim, const StudySubject& subject) {
         named_values.push_back(value);
         position += fmt::format("{}{} {}", position.empty() ? "" : ", ", name, value);
     };
+
     for (const auto& option : subject.options) {
         options += fmt::format(" --{} {}", option.first, shell_word(option.second));
         add(option);
     }
     for (const auto& value : subject.where) add(value);
+
     return {.command = measuring_command(claim, subject.study.c_str(), options),
             .heading_suffix = ", " + subject.study,
             .name_suffix = fmt::format(", {}{}{}", subject.study, position.empty() ? "" : ", ", position),

@@ -21,11 +21,8 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     measure::choose::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
-    if (result.cheapest_index)
-        result.margins = margins_of(quiet_request, candidates[*result.cheapest_index].tested_form);
-    else
-        result.obstacle =
-            find_obstacle(quiet_request, candidates[*nearest(candidates, request.requirement)].tested_form);
+    if (result.cheapest_index) result.margins = margins_of(quiet_request, candidates[*result.cheapest_index].row);
+    else result.obstacle = find_obstacle(quiet_request, candidates[*nearest(candidates, request.requirement)].row);
     return result;
 }
 
@@ -83,6 +80,8 @@ Table<GrowthMargin> margin_table() {
 
 namespace {
 
+constexpr int chosen_marker = 3;  ///< marker of the chosen candidate in the plot, see `plot::draw_marker`
+
 Table<SafeOffsetRow> offset_table() {
     using R = SafeOffsetRow;
     return {
@@ -105,34 +104,57 @@ std::vector<SafeOffsetRow> offset_rows(const measure::choose::SafeOffsets& offse
 
 Table<InputRow> input_table() {
     using R = InputRow;
+    Table<R> table;
+
+    // The format of each kind of input.
     const auto format_column = [](Input input) {
         return [input](const R& r) {
             if (!r.trial->is_wide(input)) return input_format_name(r.obstacle->base_format);
             return r.obstacle->wide_inputs_are_exact ? std::string("exact") : input_format_name(binary64);
         };
     };
-    const auto exact_quality = [](const R& r) -> const FormQuality& { return r.trial->exact; };
-    const auto form_quality = [](const R& r) -> const std::optional<FormQuality>& { return r.trial->form; };
+    table.add({{"origin", "format of the ray origins; exact: not rounded", format_column(Input::origin)},
+               {"direction", "format of the ray directions", format_column(Input::direction)},
+               {"place", "format of the centres of spheres and the corners of boxes", format_column(Input::place)},
+               {"radius", "format of the radii of spheres", format_column(Input::radius)}});
+
+    // What exact arithmetic keeps on these inputs.
     const auto kept_bits = or_missing(&FormQuality::kept_bits);
-    Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_column(Input::origin)},
-                   {"direction", "format of the ray directions", format_column(Input::direction)},
-                   {"place", "format of the centres of spheres and the corners of boxes", format_column(Input::place)},
-                   {"radius", "format of the radii of spheres", format_column(Input::radius)}};
-    return table
-        .add<FormQuality>(
-            {{"rays", "rays whose truth is known", &FormQuality::rays},
-             {"exact_wrong", "rays on which the truth of these inputs decides differently from that of the ideal ones",
-              &FormQuality::wrong},
-             {"exact_kept_bits", "bits",
-              "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
-              "the hits",
-              kept_bits}},
-            exact_quality)
-        .add<FormQuality>(
-            {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
-              &FormQuality::wrong},
-             {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
-            form_quality);
+    const auto exact_quality = [](const R& r) -> const FormQuality& { return r.trial->exact; };
+    table.add<FormQuality>(
+        {{"rays", "rays whose truth is known", &FormQuality::rays},
+         {"exact_wrong", "rays on which the truth of these inputs decides differently from that of the ideal ones",
+          &FormQuality::wrong},
+         {"exact_kept_bits", "bits",
+          "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
+          "the hits",
+          kept_bits}},
+        exact_quality);
+
+    // What the form nearest to the requirement keeps on them in f64.
+    const auto form_quality = [](const R& r) -> const std::optional<FormQuality>& { return r.trial->form; };
+    table.add<FormQuality>(
+        {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
+          &FormQuality::wrong},
+         {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
+        form_quality);
+    return table;
+}
+
+/// Points of the plot: every candidate, with the chosen one marked.
+std::vector<trade::KernelPoint> candidate_points(const ChoiceResult& result) {
+    std::vector<trade::KernelPoint> points;
+    for (std::size_t k = 0; k < result.candidates.size(); ++k) {
+        const Candidate& c = result.candidates[k];
+        const bool is_chosen = result.cheapest_index == k;
+        points.push_back({.tested_form = c.row,
+                          .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
+                          .time = c.time,
+                          .marker = is_chosen ? chosen_marker : 0,
+                          .is_named = is_chosen,
+                          .is_hollow = !c.quality.decides_as_required(result.request.requirement)});
+    }
+    return points;
 }
 
 }  // namespace
@@ -143,38 +165,34 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     spec.title = fmt::format("Time against kept bits on {}", result.request.id());
     spec.subtitle = {
         fmt::format("Required: {}. {}.", requirement_text(requirement),
-                    result.cheapest_index
-                        ? fmt::format("Chosen: {} in {}",
-                                      result.candidates[*result.cheapest_index].tested_form.form->info->name,
-                                      result.candidates[*result.cheapest_index].tested_form.format.name)
-                        : "Nothing meets the requirement"),
+                    result.cheapest_index ? fmt::format("Chosen: {} in {}",
+                                                        result.candidates[*result.cheapest_index].row.form->info->name,
+                                                        result.candidates[*result.cheapest_index].row.format.name)
+                                          : "Nothing meets the requirement"),
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
                     result.timed.rays, result.timed.primitives,
                     text::count_with_noun(result.request.plan.repetitions, "repetition"))};
-    spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
-    spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
-    std::vector<trade::KernelPoint> points;
-    for (std::size_t k = 0; k < result.candidates.size(); ++k) {
-        const Candidate& c = result.candidates[k];
-        points.push_back({.tested_form = c.tested_form,
-                          .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
-                          .time = c.time,
-                          .marker = result.cheapest_index == k ? 3 : 0,
-                          .is_named = result.cheapest_index == k,
-                          .is_hollow = !c.quality.decides_as_required(requirement)});
-    }
-    trade::add_kernel_points(spec, points);
-    spec.keys = {{"f32", 0, 0},
-                 {"f64", 0, 1},
-                 {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
-                 {"not on the Pareto front", 0, 0, true}};
-    if (result.cheapest_index) spec.keys.push_back({"chosen", 3, plot::ink_colour});
+
+    spec.x.title = "time per ray and primitive, ns";
+    spec.x.scale = plot::AxisSpec::Scale::log2;
+    spec.x.has_decimal_ticks = true;
+    spec.y.title = "bits kept";
+    spec.y.low = 0;
+    trade::add_kernel_points(spec, candidate_points(result));
+
+    spec.keys = {
+        {.label = "f32", .marker = 0, .colour = 0},
+        {.label = "f64", .marker = 0, .colour = 1},
+        {.label = "decides more rays wrongly than allowed", .marker = 0, .colour = plot::ink_colour, .is_hollow = true},
+        {.label = "not on the Pareto front", .marker = 0, .colour = 0, .is_faint = true}};
+    if (result.cheapest_index)
+        spec.keys.push_back({.label = "chosen", .marker = chosen_marker, .colour = plot::ink_colour});
     return plot::scatter_plot(spec);
 }
 
-ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
+ChoiceWriter::ChoiceWriter(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder, "choose.csv", "One row per form and format, cheapest first; times vary from run to run",
                   candidate_table()),
@@ -193,21 +211,28 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
     std::vector<CandidateRow> rows;
     for (const std::size_t k : order_by_price(result.candidates)) {
         const Candidate& c = result.candidates[k];
-        const std::string_view form = c.tested_form.form->info->name;
-        rows.push_back({{form, c.tested_form.format.name, c.isa},
-                        &c.time,
-                        &c.quality,
-                        c.quality.meets(requirement),
-                        result.cheapest_index == k,
-                        result.repair_of(form)});
+        const std::string_view form = c.row.form->info->name;
+        rows.push_back({.kernel = {form, c.row.format.name, c.isa},
+                        .time = &c.time,
+                        .quality = &c.quality,
+                        .meets_requirement = c.quality.meets(requirement),
+                        .is_chosen = result.cheapest_index == k,
+                        .repair = result.repair_of(form)});
     }
+
+    // The answers of the files have no time.
     if (!result.request.rays || !result.request.rays->answers) return rows;
     const auto& [name, format, quality] = *result.request.rays->answers;
-    rows.push_back({{name, format.name, ""}, nullptr, &quality, quality.meets(requirement), false, nullptr});
+    rows.push_back({.kernel = {name, format.name, ""},
+                    .time = nullptr,
+                    .quality = &quality,
+                    .meets_requirement = quality.meets(requirement),
+                    .is_chosen = false,
+                    .repair = nullptr});
     return rows;
 }
 
-void ChoiceFiles::finish(const ChoiceResult& result) {
+void ChoiceWriter::finish(const ChoiceResult& result) {
     candidates_.add_all(candidate_rows(result));
     margins_.add_all(result.margins);
     if (result.requirement_map) {
@@ -217,6 +242,7 @@ void ChoiceFiles::finish(const ChoiceResult& result) {
     if (result.offsets) offsets_.add_all(offset_rows(*result.offsets));
     if (result.obstacle)
         for (const auto& trial : result.obstacle->trials) inputs_.add({&*result.obstacle, &trial});
+
     image::save_figure(folder_ / "front.png", pareto_plot(result));
     file::write_file(folder_ / "choose.txt", choice_text(result));
     table::close_tables(folder_,

@@ -136,9 +136,9 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
                           const RequirementMap& requirement_map);
 
 /// Files of a choice. They are opened before the measurement and get their final names when they are complete.
-class ChoiceFiles {
+class ChoiceWriter {
 public:
-    explicit ChoiceFiles(const std::filesystem::path& folder);
+    explicit ChoiceWriter(const std::filesystem::path& folder);
     void finish(const ChoiceResult& result);
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 

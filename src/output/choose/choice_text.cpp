@@ -21,10 +21,9 @@ namespace {
 double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
 
 std::string candidate_name(const Candidate& c) {
-    const Format inner_format = measure::choose::computing_format(c.tested_form);
-    return fmt::format(
-        "{} in {}{}", c.tested_form.form->info->name, c.tested_form.format.name,
-        inner_format == c.tested_form.format ? "" : fmt::format(", which computes in {}", inner_format.name));
+    const Format inner_format = measure::choose::computing_format(c.row);
+    return fmt::format("{} in {}{}", c.row.form->info->name, c.row.format.name,
+                       inner_format == c.row.format ? "" : fmt::format(", which computes in {}", inner_format.name));
 }
 
 std::string register_phrase(const Candidate& c) {
@@ -73,9 +72,10 @@ std::string kept_bits_phrase(const FormQuality& quality, int precision, const Re
 
 std::string decisions_phrase(const FormQuality& quality) {
     if (quality.wrong == 0) return fmt::format("no wrong decision in {}", text::count_with_noun(quality.rays, "ray"));
-    const auto share = quality.wrong_fraction();
-    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong, text::count_with_noun(quality.rays, "ray"),
-                       share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
+    const double fraction = quality.wrong_fraction();
+    return fmt::format(
+        "{} of {} decided wrongly ({}%)", quality.wrong, text::count_with_noun(quality.rays, "ray"),
+        fraction < 0.001 ? fmt::format("{:.2g}", fraction * 100) : fmt::format("{:.3g}", fraction * 100));
 }
 
 /// Assumptions of the form about its rays and inputs; empty if there are none.
@@ -173,42 +173,62 @@ std::string file_answers_text(const ChoiceResult& result) {
         quality.meets(result.request.requirement) ? "they meet" : "they do not meet");
 }
 
-std::string cost_text(const ChoiceResult& result, const Candidate& cheapest) {
+/// Sentence that compares the time of the cheapest candidate with that of the fastest.
+std::string time_sentence(const ChoiceResult& result, const Candidate& cheapest) {
     const auto& candidates = result.candidates;
-    const Requirement& requirement = result.request.requirement;
-    std::string text;
-    const Candidate &fastest = candidates[*measure::choose::fastest(candidates)],
-                    &most_accurate = candidates[*measure::choose::most_accurate(candidates)];
+    const Candidate& fastest = candidates[*measure::choose::fastest(candidates)];
     const auto details_of = [&](const Candidate& other) {
+        const int precision = other.row.format.parameters.precision;
         return fmt::format("{} ({:.2f} ns{}; {}, {})", candidate_name(other), nanoseconds(other),
                            other.isa == cheapest.isa ? "" : " " + register_phrase(other),
-                           kept_bits_phrase(other.quality, other.tested_form.format.parameters.precision, requirement),
+                           kept_bits_phrase(other.quality, precision, result.request.requirement),
                            decisions_phrase(other.quality));
     };
+
+    // Another candidate whose time differs by no more than the noise.
     const Candidate* const rival = &fastest == &cheapest           ? find_rival(cheapest, candidates)
                                    : is_as_fast(cheapest, fastest) ? &fastest
                                                                    : nullptr;
     if (rival)
-        text +=
-            fmt::format("  The timing noise is too large to say whether this or {} is faster.\n", details_of(*rival));
-    else if (&fastest == &cheapest) text += "  It is the fastest of all.\n";
-    else
-        text += fmt::format("  {} the time of the fastest, {}.\n",
-                            times_phrase(nanoseconds(cheapest) / nanoseconds(fastest)), details_of(fastest));
-    if (&most_accurate == &cheapest) text += "  It is the most accurate of all.\n";
-    else
-        text += fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
-                            times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)),
-                            candidate_name(most_accurate), nanoseconds(most_accurate),
-                            kept_bits_phrase(most_accurate.quality,
-                                             most_accurate.tested_form.format.parameters.precision, requirement));
-    return text;
+        return fmt::format("  The timing noise is too large to say whether this or {} is faster.\n",
+                           details_of(*rival));
+    if (&fastest == &cheapest) return "  It is the fastest of all.\n";
+    return fmt::format("  {} the time of the fastest, {}.\n",
+                       times_phrase(nanoseconds(cheapest) / nanoseconds(fastest)), details_of(fastest));
+}
+
+/// Sentence that compares the cheapest candidate with the most accurate.
+std::string accuracy_sentence(const ChoiceResult& result, const Candidate& cheapest) {
+    const Candidate& most_accurate = result.candidates[*measure::choose::most_accurate(result.candidates)];
+    if (&most_accurate == &cheapest) return "  It is the most accurate of all.\n";
+    return fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
+                       times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)), candidate_name(most_accurate),
+                       nanoseconds(most_accurate),
+                       kept_bits_phrase(most_accurate.quality, most_accurate.row.format.parameters.precision,
+                                        result.request.requirement));
+}
+
+/// Sentences on the chosen candidate: its accuracy, time, assumptions and margins, and how the next ray may start.
+std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& c) {
+    const int precision = c.row.format.parameters.precision;
+    std::string text =
+        fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
+                    kept_bits_phrase(c.quality, precision, result.request.requirement), decisions_phrase(c.quality));
+    text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), register_phrase(c));
+    const std::string assumptions = assumptions_text(*c.row.form->info);
+    text +=
+        assumptions.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumptions);
+
+    text += time_sentence(result, c) + accuracy_sentence(result, c);
+    for (const GrowthMargin& margin : result.margins)
+        text += fmt::format("  It {}.\n", margin_text(margin, result, precision));
+    return text + next_ray_text(result);
 }
 
 std::string nothing_meets_text(const ChoiceResult& result) {
     const Candidate& nearest =
         result.candidates[*measure::choose::nearest(result.candidates, result.request.requirement)];
-    const int precision = nearest.tested_form.format.parameters.precision;
+    const int precision = nearest.row.format.parameters.precision;
     std::string text =
         fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", candidate_name(nearest),
                     kept_bits_phrase(nearest.quality, precision, result.request.requirement),
@@ -226,8 +246,9 @@ std::string mended_text(const ChoiceResult& result) {
     std::string text;
     for (const RepairedCandidate& repair : *result.repaired) {
         const auto candidate = std::ranges::find(result.candidates, repair.name,
-                                                 [](const Candidate& c) { return c.tested_form.form->info->name; });
-        const int precision = candidate->tested_form.format.parameters.precision;
+                                                 [](const Candidate& c) { return c.row.form->info->name; });
+        const int precision = candidate->row.format.parameters.precision;
+
         text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.method,
                             kept_bits_phrase(candidate->quality, precision, requirement),
                             decisions_phrase(candidate->quality), nanoseconds(*candidate));
@@ -291,23 +312,9 @@ std::string requirement_text(const Requirement& requirement) {
 
 std::string choice_text(const ChoiceResult& result) {
     std::string text = fmt::format("{}: {}\n", result.request.id(), requirement_text(result.request.requirement));
-    if (!result.cheapest_index) {
-        text += nothing_meets_text(result);
-    } else {
-        const Candidate& c = result.candidates[*result.cheapest_index];
-        const int precision = c.tested_form.format.parameters.precision;
-        text += fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
-                            kept_bits_phrase(c.quality, precision, result.request.requirement),
-                            decisions_phrase(c.quality));
-        text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), register_phrase(c));
-        const std::string assumptions = assumptions_text(*c.tested_form.form->info);
-        text += assumptions.empty() ? "  It assumes nothing about the ray.\n"
-                                    : fmt::format("  It assumes: {}.\n", assumptions);
-        text += cost_text(result, c);
-        for (const GrowthMargin& margin : result.margins)
-            text += fmt::format("  It {}.\n", margin_text(margin, result, precision));
-        text += next_ray_text(result);
-    }
+    text += result.cheapest_index ? chosen_candidate_text(result, result.candidates[*result.cheapest_index])
+                                  : nothing_meets_text(result);
+
     if (result.requirement_map) text += requirement_map_text(result, *result.requirement_map);
     text += mended_text(result) + file_answers_text(result) + single_ray_text(result.candidates);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",

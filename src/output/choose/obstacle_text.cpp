@@ -51,12 +51,14 @@ std::string required_inputs_text(const ChoiceResult& result, const Candidate& ne
                                         kept_and_wrong(*trial.form, requirement))
                           : std::string();
     };
+
     const char* const wider_format = obstacle.wide_inputs_are_exact ? "more than binary64" : "binary64";
     if (!obstacle.sufficient_trial) {
         const InputTrial& all_wider = obstacle.trials.back();
         return fmt::format("  Even with all inputs in {}, exact arithmetic keeps {}{}.\n", wider_format,
                            kept_and_wrong(all_wider.exact, requirement), form_in_f64(all_wider));
     }
+
     const InputTrial& trial = obstacle.trials[*obstacle.sufficient_trial];
     const bool all_needed = &trial == &obstacle.trials.back();
     return fmt::format(
@@ -82,6 +84,70 @@ std::string rounded_scene_text(const ChoiceResult& result, const Candidate& near
            required_inputs_text(result, nearest);
 }
 
+/// Text for a scene or a file that none of the rays hits.
+std::string no_hit_text(const ChoiceResult& result, const Candidate& nearest) {
+    if (nearest.quality.hits > 0)
+        return "  What limits it is not known: only some of the rays were examined for that, and none "
+               "of them truly hits anything.\n";
+    return fmt::format(
+        "  What limits it: the {}. None of the rays truly hits anything, so no t has bits to "
+        "keep.\n",
+        result.request.rays ? "file" : "scene");
+}
+
+/// Text for a format with fewer bits than are required.
+std::string narrow_format_text(const ChoiceResult& result, const Candidate& nearest) {
+    return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", nearest.row.format.name,
+                       nearest.row.format.parameters.precision) +
+           rounded_scene_text(result, nearest);
+}
+
+/// Text for inputs whose rounding alone costs more than the requirement leaves.
+std::string rounded_inputs_text(const ChoiceResult& result, const Candidate& nearest) {
+    return fmt::format("  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
+                       input_format_name(result.obstacle->base_format),
+                       kept_and_wrong(result.obstacle->exact, result.request.requirement)) +
+           required_inputs_text(result, nearest);
+}
+
+/// Bits that half an ulp of the format in each input leaves.
+std::string remaining_bits_text(const ChoiceResult& result) {
+    return bits_text(result.obstacle->inherent_kept, result.request.requirement, result.obstacle->inherent_distance);
+}
+
+/// Text for a problem whose condition costs more than the requirement leaves.
+std::string ill_conditioned_text(const ChoiceResult& result, const Candidate& nearest) {
+    const Obstacle& obstacle = *result.obstacle;
+    const std::string& format = nearest.tested_form.format.name;
+    const int precision = nearest.tested_form.format.parameters.precision;
+    const std::string f64_sentence =
+        format == "f64" ? ""
+                        : fmt::format(" Half an ulp of f64 would leave {}.",
+                                      bits_text(obstacle.inherent_kept_f64, result.request.requirement));
+    return fmt::format(
+               "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
+               "{:.1f} of its {} bits and leave {}. Forms keep more than that only where inputs need no "
+               "rounding.{}\n",
+               format, precision - obstacle.inherent_kept, precision, remaining_bits_text(result), f64_sentence) +
+           rounded_scene_text(result, nearest);
+}
+
+/// Text for a form whose own arithmetic costs the bits or the decisions.
+std::string formula_text(const ChoiceResult& result, const Candidate& nearest) {
+    const Obstacle& obstacle = *result.obstacle;
+    const char* const limit = nearest.quality.decides_as_required(result.request.requirement)
+                                  ? "the formula"
+                                  : "its decisions, due to the formula";
+    const std::string inputs_sentence =
+        obstacle.trials.empty() && !obstacle.rounds_to_binary32_first
+            ? "The effect of rounding the inputs was not measured, because there are too many primitives"
+            : fmt::format(
+                  "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
+                  "would leave {}",
+                  nearest.row.format.name, remaining_bits_text(result));
+    return fmt::format("  What limits it: {}. {}.\n", limit, inputs_sentence) + rounded_scene_text(result, nearest);
+}
+
 }  // namespace
 
 std::string input_format_name(const FloatFormat& format) {
@@ -91,51 +157,14 @@ std::string input_format_name(const FloatFormat& format) {
 }
 
 std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest) {
-    const Obstacle& obstacle = *result.obstacle;
-    const Requirement& requirement = result.request.requirement;
-    const std::string& format = nearest.tested_form.format.name;
-    const int precision = nearest.tested_form.format.parameters.precision;
-    const std::string exact_text = kept_and_wrong(obstacle.exact, requirement);
-    const std::string remaining_bits = bits_text(obstacle.inherent_kept, requirement, obstacle.inherent_distance);
-    const std::string f64_sentence = format == "f64" ? ""
-                                                     : fmt::format(" Half an ulp of f64 would leave {}.",
-                                                                   bits_text(obstacle.inherent_kept_f64, requirement));
-    switch (obstacle.cause) {
-        case Obstacle::Cause::no_hit:
-            return nearest.quality.hits == 0
-                       ? fmt::format(
-                             "  What limits it: the {}. None of the rays truly hits anything, so no t has bits to "
-                             "keep.\n",
-                             result.request.rays ? "file" : "scene")
-                       : "  What limits it is not known: only some of the rays were examined for that, and none "
-                         "of them truly hits anything.\n";
-        case Obstacle::Cause::width:
-            return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", format, precision) +
-                   rounded_scene_text(result, nearest);
-        case Obstacle::Cause::inputs:
-            return fmt::format(
-                       "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
-                       input_format_name(obstacle.base_format), exact_text) +
-                   required_inputs_text(result, nearest);
-        case Obstacle::Cause::inherent:
-            return fmt::format(
-                       "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
-                       "{:.1f} of its {} bits and leave {}. Forms keep more than that only where inputs need no "
-                       "rounding.{}\n",
-                       format, precision - obstacle.inherent_kept, precision, remaining_bits, f64_sentence) +
-                   rounded_scene_text(result, nearest);
+    switch (result.obstacle->cause) {
+        case Obstacle::Cause::no_hit: return no_hit_text(result, nearest);
+        case Obstacle::Cause::width: return narrow_format_text(result, nearest);
+        case Obstacle::Cause::inputs: return rounded_inputs_text(result, nearest);
+        case Obstacle::Cause::inherent: return ill_conditioned_text(result, nearest);
         case Obstacle::Cause::formula: break;
     }
-    const char* const limit =
-        nearest.quality.decides_as_required(requirement) ? "the formula" : "its decisions, due to the formula";
-    const std::string inputs_sentence =
-        obstacle.trials.empty() && !obstacle.rounds_to_binary32_first
-            ? "The effect of rounding the inputs was not measured, because there are too many primitives"
-            : fmt::format(
-                  "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
-                  "would leave {}",
-                  format, remaining_bits);
-    return fmt::format("  What limits it: {}. {}.\n", limit, inputs_sentence) + rounded_scene_text(result, nearest);
+    return formula_text(result, nearest);
 }
 
 }  // namespace lostbits::output::choose

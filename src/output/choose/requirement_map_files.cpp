@@ -17,19 +17,19 @@ using measure::answer::Outcome;
 
 table::Table<RequirementRow> requirement_table() {
     using R = RequirementRow;
-    const auto share_of = [](std::uint64_t R::*count) {
+    const auto pixel_fraction = [](std::uint64_t R::*count) {
         return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
     };
     return {{"form", "form under test; any: any of the forms; none: no form in any format", &R::form},
             {"format", "format of its inputs and answers; for any: the format in which the form computes", &R::format},
             {"time_ns", "ns", "per ray and primitive, median of this run; missing for an emulated format", &R::time_ns},
             {"met", "pixels on which it meets the requirement", &R::met},
-            {"met_fraction", "1", "met/pixels", share_of(&R::met)},
+            {"met_fraction", "1", "met/pixels", pixel_fraction(&R::met)},
             {"required",
              "for a form: pixels on which it is the cheapest that meets the requirement; for a format: pixels on which "
              "it is the narrowest in which any form does; for none: pixels on which nothing does",
              &R::required},
-            {"required_fraction", "1", "required/pixels", share_of(&R::required)}};
+            {"required_fraction", "1", "required/pixels", pixel_fraction(&R::required)}};
 }
 
 namespace {
@@ -61,6 +61,22 @@ class RequirementColours {
 public:
     RequirementColours(const ChoiceResult& result, const RequirementMap& requirement_map)
         : candidate_colours_(requirement_map.pixels_cheapest.size(), colour_of_others) {
+        add_candidates(result, requirement_map);
+        for (std::size_t f = 0; f < requirement_map.formats.size(); ++f) {
+            format_colours_.push_back(image::distinct_colour(max_colours + f));
+            add("right: " + requirement_map.formats[f].name, format_colours_.back(),
+                requirement_map.pixels_narrowest[f], requirement_map);
+        }
+        add("nothing meets the requirement", colour_of_none, requirement_map.pixels_none_meets, requirement_map);
+        add("unresolved", colour_of_unknown, requirement_map.pixels_unknown, requirement_map);
+    }
+    [[nodiscard]] Rgb8 candidate_colour(int index) const { return colour_at(candidate_colours_, index); }
+    [[nodiscard]] Rgb8 format_colour(int index) const { return colour_at(format_colours_, index); }
+    [[nodiscard]] const std::vector<LegendEntry>& legend() const { return legend_; }
+
+private:
+    /// Gives colours to the candidates that most pixels require; the others share one.
+    void add_candidates(const ChoiceResult& result, const RequirementMap& requirement_map) {
         const auto order = required_candidates(requirement_map);
         const std::size_t coloured_count = order.size() > max_colours ? max_colours - 1 : order.size();
         std::uint64_t other_pixels = 0;
@@ -75,19 +91,7 @@ public:
         }
         add(fmt::format("left: {} other choices", order.size() - coloured_count), colour_of_others, other_pixels,
             requirement_map);
-        for (std::size_t f = 0; f < requirement_map.formats.size(); ++f) {
-            format_colours_.push_back(image::distinct_colour(max_colours + f));
-            add("right: " + requirement_map.formats[f].name, format_colours_.back(),
-                requirement_map.pixels_narrowest[f], requirement_map);
-        }
-        add("nothing meets the requirement", colour_of_none, requirement_map.pixels_none_meets, requirement_map);
-        add("unresolved", colour_of_unknown, requirement_map.pixels_unknown, requirement_map);
     }
-    [[nodiscard]] Rgb8 candidate_colour(int index) const { return colour_at(candidate_colours_, index); }
-    [[nodiscard]] Rgb8 format_colour(int index) const { return colour_at(format_colours_, index); }
-    [[nodiscard]] const std::vector<LegendEntry>& legend() const { return legend_; }
-
-private:
     static Rgb8 colour_at(const std::vector<Rgb8>& colours, int index) {
         if (index >= 0) return colours[static_cast<std::size_t>(index)];
         return index == RequirementMap::none ? colour_of_none : colour_of_unknown;
@@ -132,6 +136,7 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
     const RequirementColours colours(result, requirement_map);
     const int gap = std::max(1, requirement_map.width / 32);
     const Requirement& requirement = result.request.requirement;
+
     image::HeatmapSpec spec;
     spec.title = fmt::format("What each pixel of {} requires", result.request.id());
     spec.subtitle = {
@@ -144,6 +149,8 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
     spec.height = requirement_map.height;
     spec.legend = colours.legend();
     image::HeatmapWriter picture(path, spec);
+
+    // Each row has the left picture, a gap in the colour of the page, and the right picture.
     std::vector<Rgb8> row(static_cast<std::size_t>(spec.width), image::style::page);
     for (int y = 0; y < requirement_map.height; ++y) {
         for (int x = 0; x < requirement_map.width; ++x) {
@@ -172,6 +179,8 @@ std::string requirement_map_text(const ChoiceResult& result, const RequirementMa
         text +=
             fmt::format(", for {} the truth is not proved", percent(requirement_map.pixels_unknown, requirement_map));
     text += ".\n";
+
+    // What switching between forms could gain.
     const double least_time = requirement_map.least_time(result.candidates);
     const auto candidate_count = required_candidates(requirement_map).size();
     if (result.cheapest_index && candidate_count > 1) {

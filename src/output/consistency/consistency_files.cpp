@@ -21,9 +21,9 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
 using pixel::colour_of;
-using pixel::fraction_text;
 using pixel::PixelColumn;
 using pixel::PixelValue;
+using pixel::share_text;
 using table::Table;
 
 namespace {
@@ -35,7 +35,7 @@ constexpr std::size_t ramp_category = check_result_names.size();
 /// Scale of the excess: the number of ulps by which the two ends of a chord are further apart than the exact ends.
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
 
-pixel::Look look_of(const Check& check) {
+pixel::Look check_look(const Check& check) {
     return {{{"not asked", colour_of(Outcome::agree_miss)},
              {"both answers are alike", colour_of(Outcome::agree_hit)},
              {fmt::format("yes only for: {}", check.first_question), colour_of(Outcome::false_hit),
@@ -50,34 +50,37 @@ pixel::Look look_of(const Check& check) {
             check.compares_numbers ? excess_unit : ""};
 }
 
-std::string note_of(const Check& check, const CheckSummary& s) {
+/// Note below a cell of the sheet: how often the two answers differ, and by how much.
+std::string summary_note(const Check& check, const CheckSummary& s) {
     if (s.asked() == 0) return "not asked";
     // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
         const auto yes_count = s.count_of(CheckResult::second_alone);
         return yes_count == 0           ? "always no"
                : yes_count == s.asked() ? "always yes"
-                                        : fraction_text(yes_count, s.asked()) + " yes";
+                                        : share_text(yes_count, s.asked()) + " yes";
     }
+
     const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.asked()) + " differ";
+    std::string note = s.decisions() == 0 ? agreement : share_text(s.decisions(), s.asked()) + " differ";
     if (const auto input_count = s.count_of(CheckResult::by_inputs); input_count > 0 && !check.compares_numbers)
-        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.asked()));
+        note += fmt::format("\n{} by inputs", share_text(input_count, s.asked()));
+
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
     else if (s.count_of(CheckResult::other_number) > 0)
-        note += fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.asked()));
+        note += fmt::format("\n{} other bits", share_text(s.count_of(CheckResult::other_number), s.asked()));
     return note;
 }
 
 }  // namespace
 
-std::string ConsistencyPresentation::row_name(const ConsistencyStudy& study, std::size_t form_index) {
+std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t form_index) {
     return map::row_name(study.tested_forms[form_index]);
 }
 
-std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
+std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {
     std::vector<PixelColumn<ConsistencyBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
@@ -87,27 +90,28 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const
                 .file = fmt::format("{}.{}.png", row_name(study, r), check.name),
                 .title = fmt::format("{}: {}", check.name, check.title),
                 .subtitle = {fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name)},
-                .look = std::make_shared<const pixel::Look>(look_of(check)),
+                .look = std::make_shared<const pixel::Look>(check_look(check)),
                 .sheet_positions = {{c, r}}};
             if (check.compares_numbers)
                 spec.subtitle.emplace_back(
                     "colour: by how much more than the exact answers the chord differs from either end, clamped at "
                     "both ends of the bar");
-            columns.push_back(
-                {std::move(spec), r,
-                 pixel::make_draw_function<ConsistencyBand>([c](const ConsistencyBand& band, std::size_t i) {
-                     const auto& pixels = band.checks[c];
-                     const auto result = static_cast<std::size_t>(pixels.results[i]);
-                     return pixels.excess.empty() || std::isnan(pixels.excess[i])
-                                ? PixelValue{result}
-                                : PixelValue{ramp_category, pixels.excess[i]};
-                 })});
+
+            // A pixel shows the number if there is one, and otherwise the result of the check.
+            const auto value = [c](const ConsistencyBand& band, std::size_t i) {
+                const auto& pixels = band.checks[c];
+                const auto result = static_cast<std::size_t>(pixels.results[i]);
+                return pixels.excess.empty() || std::isnan(pixels.excess[i])
+                           ? PixelValue{result}
+                           : PixelValue{ramp_category, pixels.excess[i]};
+            };
+            columns.push_back({std::move(spec), r, pixel::drawn_by<ConsistencyBand>(value)});
         }
     }
     return columns;
 }
 
-pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
+pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format(
@@ -123,26 +127,27 @@ pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const
         spec.scales = {excess_scale()};
         spec.unit = excess_unit;
     }
+
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
     for (const auto& tested_form : study.tested_forms)
         spec.formats.push_back(fmt::format("{} {}", map::short_name(*tested_form.form->info), tested_form.format.name));
     return {file, std::move(spec)};
 }
 
-std::vector<study::Note> ConsistencyPresentation::notes(const ConsistencyStudy& study,
-                                                        const std::vector<FormChecks>& rows) {
+std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, const std::vector<FormChecks>& rows) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
-            notes.push_back({{c, r}, note_of(*study.checks[c], rows[r][c])});
+            notes.push_back({{c, r}, summary_note(*study.checks[c], rows[r][c])});
     return notes;
 }
 
-Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(const ConsistencyStudy& study) {
+Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const ConsistencyStudy& study) {
     using R = study::PixelInBand<ConsistencyBand>;
     std::string result_names;
     for (const std::string_view name : check_result_names)
         result_names += fmt::format("{}{}", result_names.empty() ? "" : ", ", name);
+
     Table<R> table = study::position_columns<ConsistencyBand>();
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
@@ -150,6 +155,8 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(
                        return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
                    }});
         if (!check.compares_numbers) continue;
+
+        // The difference of the two answers in numbers.
         const auto number = [c](std::vector<double> PixelCheckResults::*numbers) {
             return [c, numbers](const R& r) {
                 const PixelCheckResults& pixels = r.band->checks[c];
@@ -167,12 +174,14 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(
     return table;
 }
 
-Table<CheckRow> ConsistencyPresentation::summary_table() {
+Table<CheckRow> ConsistencyView::summary_table() {
     using R = CheckRow;
     Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
     for (const auto& column : measure::consistency::consistency_columns())
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
+
+    // The first pixel where the form contradicts itself, and the commands that explain its two rays.
     const auto explain = [](auto ray) {
         return [ray](const R& r) {
             const auto& shown_pixel = r.summary->first_disagreement;
@@ -196,8 +205,8 @@ Table<CheckRow> ConsistencyPresentation::summary_table() {
          {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-std::vector<CheckRow> ConsistencyPresentation::summary_rows(const ConsistencyStudy& study,
-                                                            const std::vector<FormChecks>& rows) {
+std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study,
+                                                    const std::vector<FormChecks>& rows) {
     std::vector<CheckRow> check_rows;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)

@@ -20,8 +20,9 @@ void compare_attributes(const ExrImage& a, const ExrImage& b, Ledger& ledger) {
     for (const auto& [name, value] : a.attributes) value_pairs[name].first = value;
     for (const auto& [name, value] : b.attributes) value_pairs[name].second = value;
     const auto quoted_text = [](const std::optional<std::string>& value) {
-        return value ? in_quotes(*value) : std::string("(absent)");
+        return value ? escape_and_quote(*value) : std::string("(absent)");
     };
+
     for (const auto& entry : value_pairs) {
         const auto& [first_value, second_value] = entry.second;
         const bool is_about_run = entry.first == "lostbits:command" || entry.first == "lostbits:program" ||
@@ -41,6 +42,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
         tolerance.emplace(t->absolute.to_double(), t->relative.to_double());
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = name;
+
     for (std::size_t i = 0; i < a.size(); ++i) {
         PairVerdict verdict;
         if constexpr (std::is_same_v<Sample, float>) verdict = judge_samples(a[i], b[i], tolerance);
@@ -63,32 +65,39 @@ bool check_sizes(const auto& a, const auto& b, Ledger& ledger) {
     return false;
 }
 
+/// Compares the channels of one name. Their samples are compared only if they have the same type and the pictures have
+/// the same size.
+void compare_channels(const ExrChannel& a, const ExrChannel& b, std::optional<std::size_t> common_width,
+                      Ledger& ledger) {
+    if (a.samples.index() != b.samples.index()) {
+        const auto type = [](const ExrChannel& c) { return c.samples.index() == 0 ? "f32" : "u32"; };
+        ledger.add(0, [&] { return fmt::format("channel {}: type {} != {}", a.name, type(a), type(b)); });
+    } else if (common_width) {
+        std::visit(
+            [&]<class S>(const std::vector<S>& samples) {
+                compare_samples(a.name, samples, std::get<std::vector<S>>(b.samples), *common_width, ledger);
+            },
+            a.samples);
+    }
+}
+
 }  // namespace
 
 Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
     compare_attributes(a, b, ledger);
-    const bool have_same_size = check_sizes(a, b, ledger);
+    const std::optional<std::size_t> common_width =
+        check_sizes(a, b, ledger) ? std::optional(static_cast<std::size_t>(a.width)) : std::nullopt;
+
+    // The channels of the first picture, and their partners in the second.
     for (const ExrChannel& channel : a.channels) {
         ledger.result.names.push_back(channel.name);
         if (is_ignored(ledger.options, channel.name)) continue;
-        const ExrChannel* second_channel = b.find(channel.name);
-        if (second_channel == nullptr) {
-            ledger.add(0, [&] { return fmt::format("channel {} is missing in the second", channel.name); });
-        } else if (channel.samples.index() != second_channel->samples.index()) {
-            const auto type = [](const ExrChannel& c) { return c.samples.index() == 0 ? "f32" : "u32"; };
-            ledger.add(0, [&] {
-                return fmt::format("channel {}: type {} != {}", channel.name, type(channel), type(*second_channel));
-            });
-        } else if (have_same_size) {
-            std::visit(
-                [&]<class S>(const std::vector<S>& samples) {
-                    compare_samples(channel.name, samples, std::get<std::vector<S>>(second_channel->samples),
-                                    static_cast<std::size_t>(a.width), ledger);
-                },
-                channel.samples);
-        }
+        if (const ExrChannel* const second_channel = b.find(channel.name))
+            compare_channels(channel, *second_channel, common_width, ledger);
+        else ledger.add(0, [&] { return fmt::format("channel {} is missing in the second", channel.name); });
     }
+
     for (const ExrChannel& channel : b.channels) {
         if (a.find(channel.name) != nullptr) continue;
         ledger.result.names.push_back(channel.name);
@@ -125,6 +134,7 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
     const std::vector<std::string> first_parts = image::image_backend().exr_parts(a),
                                    second_parts = image::image_backend().exr_parts(b);
     const bool has_several_parts = first_parts.size() > 1 || second_parts.size() > 1;
+
     std::size_t next_index = 0;  // one past the index of the last matched part of the second file
     for (std::size_t p = 0; p < first_parts.size(); ++p) {
         const auto match = std::ranges::find(second_parts, first_parts[p]);
@@ -136,11 +146,13 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
         if (second_index < next_index)
             ledger.add(0, [&] { return fmt::format("part {} is moved in the second", first_parts[p]); });
         next_index = std::max(next_index, second_index + 1);
-        const ExrImage first_image =
-            image::image_backend().read_exr(a, p);  // read first, so that an error names the first bad file
+
+        // The first file is read first, so that an error names the first bad file.
+        const ExrImage first_image = image::image_backend().read_exr(a, p);
         add_part(has_several_parts ? first_parts[p] : "",
                  compare(first_image, image::image_backend().read_exr(b, second_index), options), ledger);
     }
+
     for (const std::string& name : second_parts) {
         if (has_several_parts && std::ranges::find(first_parts, name) == first_parts.end())
             ledger.add(0, [&] { return fmt::format("part {} is added in the second", name); });
@@ -153,9 +165,11 @@ Comparison compare(const image::PngImage& a, const image::PngImage& b, const Com
     if (!check_sizes(a, b, ledger)) return ledger.result;
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = "pixel";
+
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         const image::Rgb8 p = a.pixels[i], q = b.pixels[i];
         if (p == q) continue;
+
         const int largest_step = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
         const auto width = static_cast<std::size_t>(a.width);
         const auto position = [&] { return fmt::format("{},{}", i % width, i / width); };

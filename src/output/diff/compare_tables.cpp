@@ -19,7 +19,7 @@ namespace {
 std::string cell_text(std::string_view cell) {
     using Kind = file::CellValue::Kind;
     const Kind kind = file::read_cell(cell).kind;
-    return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
+    return kind == Kind::missing ? "(empty)" : kind == Kind::text ? escape_and_quote(cell) : std::string(cell);
 }
 
 /// Marks the numbers that are in one longest increasing subsequence of a list of distinct numbers. The others are the
@@ -53,6 +53,8 @@ struct MatchedColumns {
 std::vector<MatchedColumns> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
     std::vector<MatchedColumns> pairs;
     std::vector<std::size_t> indices_in_b;
+
+    // Columns of the first table.
     for (const CsvColumn& column : a.columns) {
         ledger.result.names.push_back(column.name);
         if (is_ignored(ledger.options, column.name)) continue;
@@ -65,12 +67,16 @@ std::vector<MatchedColumns> match_headers(const CsvTable& a, const CsvTable& b, 
         pairs.push_back({&column, column_in_b, tolerance, tolerance == nullptr && column.name.ends_with("_hex")});
         indices_in_b.push_back(static_cast<std::size_t>(column_in_b - b.columns.data()));
     }
+
+    // Columns that only the second table has.
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
         ledger.result.names.push_back(column.name);
         if (!is_ignored(ledger.options, column.name))
             ledger.add(1, [&] { return fmt::format("column {} is added in the second", column.name); });
     }
+
+    // The fewest columns that have to move to give the order of the second table.
     const auto is_in_order = longest_increasing(indices_in_b);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (is_in_order[i]) continue;
@@ -100,11 +106,14 @@ RowPairs pair_rows(const CsvTable& a, const CsvTable& b) {
         for (std::size_t r = 0; r < a.rows(); ++r) rows_of_a.emplace(id_a->cells[r], r);
         for (std::size_t r = 0; r < b.rows(); ++r) rows_of_b.emplace(id_b->cells[r], r);
     }
+
+    // Without an id for each row, the position pairs the rows.
     RowPairs row_pairs;
     if (id_a == nullptr || id_b == nullptr || rows_of_a.size() < a.rows() || rows_of_b.size() < b.rows()) {
         for (std::size_t r = 0; r < std::min(a.rows(), b.rows()); ++r) row_pairs.pairs.emplace_back(r, r);
         return row_pairs;
     }
+
     row_pairs.id_column = id_a;
     for (std::size_t r = 0; r < a.rows(); ++r) {
         const auto row_in_b = rows_of_b.find(id_a->cells[r]);
@@ -124,8 +133,10 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
     const auto column_pairs = match_headers(a, b, ledger);
     const RowPairs row_pairs = pair_rows(a, b);
     const auto row_prefix = [&](std::size_t r) {
-        return row_pairs.id_column == nullptr ? "" : in_quotes(row_pairs.id_column->cells[r]) + ": ";
+        return row_pairs.id_column == nullptr ? "" : escape_and_quote(row_pairs.id_column->cells[r]) + ": ";
     };
+
+    // The cells of the rows and columns that both tables have.
     for (const MatchedColumns& column : column_pairs) ledger.result.columns.emplace_back().name = column.a->name;
     ledger.result.rows = row_pairs.pairs.size();
     for (const auto& [row_in_a, row_in_b] : row_pairs.pairs) {
@@ -146,10 +157,12 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
         }
         ledger.result.differing_rows += ledger.result.count > count_before;
     }
+
+    // Rows that only one table has.
     for (const std::size_t r : row_pairs.only_a)
         ledger.add(a.lines[r], [&] { return row_prefix(r) + "missing in the second"; });
     for (const std::size_t r : row_pairs.only_b)
-        ledger.add(0, [&] { return in_quotes(b.find("id")->cells[r]) + ": added in the second"; });
+        ledger.add(0, [&] { return escape_and_quote(b.find("id")->cells[r]) + ": added in the second"; });
     if (row_pairs.id_column == nullptr && a.rows() != b.rows())
         ledger.add(0, [&] {
             return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), row_pairs.pairs.size());

@@ -100,10 +100,13 @@ std::optional<PairVerdict> judge_distant_magnitudes(const CellValue& x, const Ce
     if (x.digits.empty() && y.digits.empty()) return {};
     const bool has_zero = x.digits.empty() || y.digits.empty();
     if (!has_zero && std::abs(magnitude(x) - magnitude(y)) <= max_gap) return {};
+
+    // Without a tolerance the two differ.
     const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
     PairVerdict verdict{
         .differs = true, .has_distances = true, .absolute = std::fabs(larger.to_double()), .relative = 1};
     if (tolerance == nullptr) return verdict;
+
     const CellValue& absolute = tolerance->absolute;
     const double relative = tolerance->relative.to_double();
     // With the magnitude m of the larger number, |a − b| lies between 10^(m − 2) and 10^(m + 1).
@@ -123,21 +126,26 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
         return {.differs = !(x == y), .is_not_finite = !both_text};
     }
     if (const auto verdict = judge_distant_magnitudes(x, y, tolerance)) return *verdict;
+
+    // The distance, and the number with the larger magnitude.
     const ExactDecimal exact_a(x), exact_b(y), difference = distance(exact_a, exact_b);
     const bool first_is_larger =
         is_at_most({abs(exact_b.significand), exact_b.exponent}, {abs(exact_a.significand), exact_a.exponent});
     const ExactDecimal larger = first_is_larger ? ExactDecimal(abs(exact_a.significand), exact_a.exponent)
                                                 : ExactDecimal(abs(exact_b.significand), exact_b.exponent);
+
     PairVerdict verdict{.has_distances = true, .absolute = difference.approximate()};
     if (larger.significand != 0) {
         // Both are scaled to the larger number, so that neither leaves the range of a double.
         const int exponent = magnitude(first_is_larger ? x : y);
         verdict.relative = difference.approximate(exponent) / larger.approximate(exponent);
     }
+
     if (tolerance == nullptr) {
         verdict.differs = as_text || !(x == y);
         return verdict;
     }
+
     const ExactDecimal relative(tolerance->relative);
     verdict.differs =
         !is_at_most(difference, ExactDecimal(tolerance->absolute)) &&
@@ -177,7 +185,7 @@ bool is_ignored(const CompareOptions& options, const std::string& name) {
                                [&](const std::string& pattern) { return names_column(pattern, name); });
 }
 
-std::string in_quotes(std::string_view text) {
+std::string escape_and_quote(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         if (c == '\n') out += "\\n";

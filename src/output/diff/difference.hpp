@@ -47,7 +47,7 @@ struct Difference {
 };
 
 /// The largest value and its position; no position if nothing was measured.
-struct Largest {
+struct LargestDifference {
     double value = 0;
     std::string position;
 };
@@ -58,8 +58,8 @@ struct ColumnDifference {
     std::uint64_t count = 0;  ///< number of cells or samples that differ
     /// Number of differing pairs with a NaN, an infinity, a missing value or a text; pairs of two texts do not count.
     std::uint64_t not_finite_count = 0;
-    Largest absolute;  ///< largest |a − b| over all pairs of unequal finite numbers, tolerated or not
-    Largest relative;  ///< largest |a − b| / max(|a|, |b|) over the same pairs
+    LargestDifference absolute;  ///< largest |a − b| over all pairs of unequal finite numbers, tolerated or not
+    LargestDifference relative;  ///< largest |a − b| / max(|a|, |b|) over the same pairs
 };
 
 struct Comparison {

@@ -33,7 +33,7 @@ const Tolerance* tolerance_of(const std::string& name, const CompareOptions& opt
 bool is_ignored(const CompareOptions& options, const std::string& name);
 
 /// Quotes text for a message, and escapes what would break the line or the terminal.
-std::string in_quotes(std::string_view text);
+std::string escape_and_quote(std::string_view text);
 
 /// Collects the differences of a comparison.
 struct Ledger {
@@ -51,7 +51,7 @@ struct Ledger {
 inline bool record_verdict(ColumnDifference& column, const PairVerdict& verdict, const auto& make_position) {
     column.count += verdict.differs;
     column.not_finite_count += verdict.differs && verdict.is_not_finite;
-    const auto raise = [&](Largest& largest, double value) {
+    const auto raise = [&](LargestDifference& largest, double value) {
         if (largest.position.empty() || value > largest.value) largest = {value, make_position()};
     };
     if (verdict.has_distances && (verdict.differs || verdict.absolute > 0)) {

@@ -33,11 +33,14 @@ PixelField read_table_pixels(const std::filesystem::path& path) {
     if (x == nullptr || y == nullptr || outcome == nullptr || lost == nullptr || table.rows() == 0)
         refuse(path, "it does not have the columns x, y, outcome and lost_bits of a map's pixels");
     const auto parsed_number = [](std::string_view cell) { return file::read_cell(cell).to_double(); };
+
+    // The last row has the largest coordinates.
     PixelField field;
     field.width = static_cast<int>(parsed_number(x->cells.back())) + 1;
     field.height = static_cast<int>(parsed_number(y->cells.back())) + 1;
     if (static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height) != table.rows())
         refuse(path, "it does not hold every pixel of a picture, row by row");
+
     for (std::size_t r = 0; r < table.rows(); ++r) {
         const auto found = std::ranges::find(outcome_names, outcome->cells[r]);
         if (found == outcome_names.end()) refuse(path, "it has an unknown outcome");
@@ -72,6 +75,29 @@ std::optional<PixelClass> pixel_class(std::uint8_t a, std::uint8_t b) {
     return is_right(a) ? PixelClass::wrong_now : is_right(b) ? PixelClass::right_now : PixelClass::both_wrong;
 }
 
+/// Numbers of pixels by what changed between two maps.
+struct PixelCounts {
+    std::array<std::uint64_t, pixel_class_colours.size()> by_class{};
+    std::uint64_t both_hit = 0, more_lost = 0, fewer_lost = 0;  ///< pixels with a difference of bits
+    double largest_difference = 1;                              ///< in bits, at least one
+};
+
+PixelCounts count_pixel_changes(const PixelField& a, const PixelField& b) {
+    PixelCounts counts;
+    for (std::size_t i = 0; i < a.lost_bits.size(); ++i) {
+        if (const auto c = pixel_class(a.outcomes[i], b.outcomes[i])) {
+            ++counts.by_class[static_cast<std::size_t>(*c)];
+            continue;
+        }
+        const double difference = b.lost_bits[i] - a.lost_bits[i];
+        ++counts.both_hit;
+        counts.more_lost += difference > 0;
+        counts.fewer_lost += difference < 0;
+        counts.largest_difference = std::max(counts.largest_difference, std::fabs(difference));
+    }
+    return counts;
+}
+
 }  // namespace
 
 std::optional<PixelField> read_pixels(const std::filesystem::path& folder, const std::string& row) {
@@ -104,43 +130,37 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
         throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with the same --size",
                                      texts.title, a.width, a.height, texts.first_name, b.width, b.height,
                                      texts.second_name));
-    double largest = 1;
-    std::array<std::uint64_t, pixel_class_colours.size()> counts{};
-    std::uint64_t more_lost_count = 0, fewer_lost_count = 0, both_hit_count = 0;
-    for (std::size_t i = 0; i < a.lost_bits.size(); ++i) {
-        if (const auto c = pixel_class(a.outcomes[i], b.outcomes[i])) {
-            ++counts[static_cast<std::size_t>(*c)];
-            continue;
-        }
-        const double difference = b.lost_bits[i] - a.lost_bits[i];
-        ++both_hit_count;
-        more_lost_count += difference > 0;
-        fewer_lost_count += difference < 0;
-        largest = std::max(largest, std::fabs(difference));
-    }
+    const PixelCounts counts = count_pixel_changes(a, b);
+
+    // The legend lists only classes that occur.
     const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + texts.second_name,
                                            "right only in " + texts.second_name};
     std::vector<image::LegendEntry> widest_legend, legend;
     for (std::size_t c = 0; c < names.size(); ++c) {
         widest_legend.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost_bits.size())});
-        if (counts[c] > 0) legend.push_back({names[c], pixel_class_colours[c], std::to_string(counts[c])});
+        if (counts.by_class[c] > 0)
+            legend.push_back({names[c], pixel_class_colours[c], std::to_string(counts.by_class[c])});
     }
-    const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
+
+    const image::ColourScale scale("difference", difference_ramp(), -counts.largest_difference,
+                                   counts.largest_difference);
     image::HeatmapWriter picture(
         path, {.title = texts.title,
                .subtitle = {fmt::format("From {} to {}.", texts.first_name, texts.second_name),
                             fmt::format(
                                 "Of {} pixels that both hit correctly, {} lose more bits (orange) and {} fewer (blue).",
-                                both_hit_count, more_lost_count, fewer_lost_count)},
+                                counts.both_hit, counts.more_lost, counts.fewer_lost)},
                .width = a.width,
                .height = a.height,
                .scale = scale,
                .unit = "more bits lost",
                .legend = widest_legend});
+
     std::vector<Rgb8> row(static_cast<std::size_t>(a.width));
     for (std::size_t i = 0, x = 0; i < a.lost_bits.size(); ++i) {
         const auto c = pixel_class(a.outcomes[i], b.outcomes[i]);
-        row[x] = c ? pixel_class_colours[static_cast<std::size_t>(*c)] : scale.map(b.lost_bits[i] - a.lost_bits[i]);
+        row[x] = c ? pixel_class_colours[static_cast<std::size_t>(*c)]
+                   : scale.colour_of_value(b.lost_bits[i] - a.lost_bits[i]);
         if (++x < row.size()) continue;
         picture.write_rows(row);
         x = 0;

@@ -81,7 +81,7 @@ bool is_wrong_decision(const std::string& name) {
 }
 
 /// Number in a column of a row; NaN if there is none.
-double number_of(const CsvTable& table, std::size_t row_index, std::string_view name) {
+double number_in_column(const CsvTable& table, std::size_t row_index, std::string_view name) {
     const CsvColumn* const column = table.find(name);
     return column == nullptr ? std::nan("") : cell_number(column->cells[row_index]);
 }
@@ -90,11 +90,11 @@ double number_of(const CsvTable& table, std::size_t row_index, std::string_view 
 /// not proved, which do not show whether the ray truly hits. NaN if the table lacks the columns.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row_index) {
     const auto count_or = [&](const char* name, double fallback) {
-        return table.find(name) == nullptr ? fallback : number_of(table, row_index, name);
+        return table.find(name) == nullptr ? fallback : number_in_column(table, row_index, name);
     };
-    const double smallest = number_of(table, row_index, "agree_hit") + number_of(table, row_index, "false_miss") +
-                            count_or("wrong_primitive", 0) + count_or("double_hit", 0) +
-                            count_or("wrong_neighbour", 0) + count_or("out_of_order", 0);
+    const double smallest = number_in_column(table, row_index, "agree_hit") +
+                            number_in_column(table, row_index, "false_miss") + count_or("wrong_primitive", 0) +
+                            count_or("double_hit", 0) + count_or("wrong_neighbour", 0) + count_or("out_of_order", 0);
     return {smallest, smallest + count_or("crack", 0) + count_or("not_a_number", 0) + count_or("unresolved", 0)};
 }
 
@@ -108,7 +108,7 @@ struct RowPair {
     [[nodiscard]] bool has_other_truth() const {
         const auto [smallest, largest] = true_hits(a, row_in_a);
         const auto [other_smallest, other_largest] = true_hits(b, row_in_b);
-        return number_of(a, row_in_a, "rays") == number_of(b, row_in_b, "rays") &&
+        return number_in_column(a, row_in_a, "rays") == number_in_column(b, row_in_b, "rays") &&
                (largest < other_smallest || other_largest < smallest);
     }
 };
@@ -116,8 +116,9 @@ struct RowPair {
 /// Compares two rows by the columns that both tables have.
 RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows, bool compares_two_forms) {
     RowVerdict verdict;
-    const double rays = number_of(rows.a, rows.row_in_a, "rays"), other_rays = number_of(rows.b, rows.row_in_b, "rays");
-    const bool compares_shares = rays > 0 && other_rays > 0 && rays != other_rays;
+    const double rays = number_in_column(rows.a, rows.row_in_a, "rays"),
+                 other_rays = number_in_column(rows.b, rows.row_in_b, "rays");
+    const bool compares_fractions = rays > 0 && other_rays > 0 && rays != other_rays;
     double more_wrong = 0, more_bits = 0;  // excess of the second row over the first: wrong decisions, lost bits
     double first_wrong = 0;                // wrong decisions of the first row
     bool is_one_sided = false;
@@ -125,16 +126,19 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
         const bool is_decision = is_wrong_decision(x->name), is_lost_bits = x->name == "lost_bits_p99";
         if (!is_decision && !is_lost_bits) continue;
         (is_decision ? verdict.by_decisions : verdict.by_bits) = true;
+
         const double before = cell_number(x->cells[rows.row_in_a]), after = cell_number(y->cells[rows.row_in_b]);
         if (is_decision && before > 0) first_wrong += before;
         const bool differs = judge_cells(x->cells[rows.row_in_a], y->cells[rows.row_in_b], tolerance, false).differs;
-        if (!differs && (!compares_shares || tolerance != nullptr)) continue;
-        if (is_decision && compares_shares) more_wrong += after * rays - before * other_rays;  // exact below 2^53
+        if (!differs && (!compares_fractions || tolerance != nullptr)) continue;
+        if (is_decision && compares_fractions) more_wrong += after * rays - before * other_rays;  // exact below 2^53
         else if (std::isnan(after - before)) is_one_sided |= is_lost_bits && std::isnan(after) != std::isnan(before);
         else (is_decision ? more_wrong : more_bits) += after - before;
     }
     if (!verdict.by_decisions && !verdict.by_bits) return verdict;
-    verdict.by_shares = compares_shares && verdict.by_decisions;
+
+    // Wrong decisions count before lost bits.
+    verdict.by_fractions = compares_fractions && verdict.by_decisions;
     const double more_errors = more_wrong != 0 ? more_wrong : more_bits;
     if (compares_two_forms && rows.has_other_truth()) ++verdict.with_other_truth;
     else if (more_wrong == 0 && is_one_sided) ++verdict.with_one_sided_bits;
@@ -155,7 +159,7 @@ void RowVerdict::add(const RowVerdict& other) {
     with_other_hits += other.with_other_hits;
     by_decisions |= other.by_decisions;
     by_bits |= other.by_bits;
-    by_shares |= other.by_shares;
+    by_fractions |= other.by_fractions;
 }
 
 std::string RowVerdict::text(const std::string& second) const {
@@ -177,14 +181,14 @@ std::string RowVerdict::text(const std::string& second) const {
     if (better + worse + equal > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {} (compared by {}{}{}{})", second,
                                     text::count_with_noun(better, "row"), worse, equal,
-                                    by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
+                                    by_fractions ? "the share of " : "", by_decisions ? "wrong decisions" : "",
                                     by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 void RowChanges::add(RowChanges other) {
     verdict.add(other.verdict);
-    rows += other.rows;
+    compared_count += other.compared_count;
     changed += other.changed;
     count += other.count;
     const auto append = [](auto& target, auto& source) {
@@ -211,10 +215,11 @@ bool has_row_keys(const CsvTable& table) {
     return !keys.empty() && table.rows() > 0 && rows_by_key(table, {}).order.size() == table.rows();
 }
 
-RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string& subject, const CompareOptions& options,
-                        const RowChoice& choice_a, const RowChoice& choice_b) {
-    RowChanges changes;
-    const bool compares_two_forms = !choice_a.form.empty();
+namespace {
+
+/// Pairs the columns of both tables that are not keys. Records all names, and the columns that only one table has.
+std::vector<ColumnPair> pair_columns(const CsvTable& a, const CsvTable& b, const std::string& subject,
+                                     const CompareOptions& options, RowChanges& changes) {
     std::vector<ColumnPair> pairs;
     std::set<const CsvColumn*> keys;
     for (const CsvColumn* key : key_columns(a)) keys.insert(key);
@@ -225,12 +230,55 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
         if (other != nullptr) pairs.push_back({&column, other, tolerance_of(column.name, options)});
         else changes.columns.push_back(fmt::format("{}column {} is missing in the second", subject, column.name));
     }
+
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
         changes.names.push_back(column.name);
         if (!is_ignored(options, column.name))
             changes.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
     }
+    return pairs;
+}
+
+/// Records the cells of two rows that differ. `key` names the row in the report.
+void record_changes(const std::vector<ColumnPair>& pairs, const RowPair& rows, const std::string& key,
+                    bool compares_two_forms, RowChanges& changes) {
+    OutcomeChange outcome{key, {}, 0};
+    bool differs = false;
+    for (const auto& [x, y, tolerance] : pairs) {
+        const std::string_view before = x->cells[rows.row_in_a], after = y->cells[rows.row_in_b];
+        if (before == after) continue;
+        const bool is_reference = names_ray_or_command(x->name);
+        const PairVerdict verdict = judge_cells(before, after, tolerance, tolerance == nullptr && is_reference);
+        if (!verdict.differs ||
+            (compares_two_forms && (is_reference || (!verdict.has_distances && !verdict.is_not_finite))))
+            continue;
+
+        differs = true;
+        ++changes.count;
+        if (is_outcome(x->name)) {
+            outcome.text += fmt::format("{}{} {} to {}", outcome.text.empty() ? "" : ", ", x->name, before, after);
+            outcome.rays += verdict.absolute;
+        } else if (!is_reference) {
+            const bool is_bits = x->name.find("bits") != std::string::npos;
+            const double size = !verdict.has_distances ? HUGE_VAL : is_bits ? verdict.absolute : verdict.relative;
+            changes.cells.push_back({key, x->name, cell_or_empty(before), cell_or_empty(after), is_bits, size});
+        } else {
+            changes.reference_columns.insert(x->name);
+        }
+    }
+    changes.changed += differs;
+    if (!outcome.text.empty()) changes.outcomes.push_back(std::move(outcome));
+}
+
+}  // namespace
+
+RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string& subject, const CompareOptions& options,
+                        const RowChoice& choice_a, const RowChoice& choice_b) {
+    RowChanges changes;
+    const bool compares_two_forms = !choice_a.form.empty();
+    const std::vector<ColumnPair> pairs = pair_columns(a, b, subject, options, changes);
+
     const KeyedRows rows_of_a = rows_by_key(a, choice_a), rows_of_b = rows_by_key(b, choice_b);
     for (const std::string& key : rows_of_b.order) {
         if (!rows_of_a.index_of.contains(key)) changes.only_b.push_back(subject + key);
@@ -241,35 +289,10 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
             changes.only_a.push_back(subject + key);
             continue;
         }
-        ++changes.rows;
-        const std::size_t row_in_a = rows_of_a.index_of.at(key), row_in_b = match->second;
-        changes.verdict.add(judge_rows(pairs, {a, b, row_in_a, row_in_b}, compares_two_forms));
-        OutcomeChange outcome{subject + key, {}, 0};
-        bool differs = false;
-        for (const auto& [x, y, tolerance] : pairs) {
-            const std::string_view before = x->cells[row_in_a], after = y->cells[row_in_b];
-            if (before == after) continue;
-            const bool is_reference = names_ray_or_command(x->name);
-            const PairVerdict verdict = judge_cells(before, after, tolerance, tolerance == nullptr && is_reference);
-            if (!verdict.differs ||
-                (compares_two_forms && (is_reference || (!verdict.has_distances && !verdict.is_not_finite))))
-                continue;
-            differs = true;
-            ++changes.count;
-            if (is_outcome(x->name)) {
-                outcome.text += fmt::format("{}{} {} to {}", outcome.text.empty() ? "" : ", ", x->name, before, after);
-                outcome.rays += verdict.absolute;
-            } else if (!is_reference) {
-                const bool is_bits = x->name.find("bits") != std::string::npos;
-                const double size = !verdict.has_distances ? HUGE_VAL : is_bits ? verdict.absolute : verdict.relative;
-                changes.cells.push_back(
-                    {subject + key, x->name, cell_or_empty(before), cell_or_empty(after), is_bits, size});
-            } else {
-                changes.reference_columns.insert(x->name);
-            }
-        }
-        changes.changed += differs;
-        if (!outcome.text.empty()) changes.outcomes.push_back(std::move(outcome));
+        ++changes.compared_count;
+        const RowPair rows{a, b, rows_of_a.index_of.at(key), match->second};
+        changes.verdict.add(judge_rows(pairs, rows, compares_two_forms));
+        record_changes(pairs, rows, subject + key, compares_two_forms, changes);
     }
     changes.sort();
     return changes;

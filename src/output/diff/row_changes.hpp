@@ -33,8 +33,8 @@ struct OutcomeChange {
 };
 
 /// Counts how many rows of the second table are better or worse than in the first. A row is better if it has fewer
-/// wrong decisions, or equally many and a smaller `lost_bits_p99`. If the tables have different numbers of rays, shares
-/// of the rays are compared. Rows of tables that have neither column are left out.
+/// wrong decisions, or equally many and a smaller `lost_bits_p99`. If the tables have different numbers of rays,
+/// fractions of the rays are compared. Rows of tables that have neither column are left out.
 struct RowVerdict {
     std::uint64_t better = 0, worse = 0, equal = 0;
     std::uint64_t with_other_truth = 0;  ///< for two forms: rows with equally many rays, but not equally many true hits
@@ -43,7 +43,7 @@ struct RowVerdict {
     /// For two forms: number of `better` and `worse` rows that were decided by bits although both forms decide some
     /// rays wrongly. The forms decide equally many rays wrongly, but not always the same ones.
     std::uint64_t with_other_hits = 0;
-    bool by_decisions = false, by_bits = false, by_shares = false;  ///< columns that the tables have
+    bool by_decisions = false, by_bits = false, by_fractions = false;  ///< columns that the tables have
 
     void add(const RowVerdict& other);
     /// `out/b is better in 3 rows, worse in 1, the same in 40 (compared by wrong decisions, then by lost_bits_p99)`,
@@ -52,9 +52,9 @@ struct RowVerdict {
 };
 
 struct RowChanges {
-    std::uint64_t rows = 0, changed = 0;      ///< rows in both tables, and how many of them differ
-    std::vector<std::string> only_a, only_b;  ///< rows without a partner
-    std::vector<OutcomeChange> outcomes;      ///< changed outcomes, the row with the most rays first
+    std::uint64_t compared_count = 0, changed = 0;  ///< rows in both tables, and how many of them differ
+    std::vector<std::string> only_a, only_b;        ///< rows without a partner
+    std::vector<OutcomeChange> outcomes;            ///< changed outcomes, the row with the most rays first
     /// Changed values other than outcomes and references: bits first, then the largest change first.
     std::vector<CellChange> cells;
     std::uint64_t count = 0;           ///< number of cells that differ, in all kinds of columns

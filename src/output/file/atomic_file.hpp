@@ -62,7 +62,11 @@ public:
     [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 
 private:
+    /// Creates the temporary file beside the final one.
+    void open_partial_file();
     void flush();
+    /// Gives the temporary file its final name. Throws Interrupted if a signal handler has removed it.
+    void rename_partial_file();
     void abandon() noexcept;
     [[noreturn]] void fail(const char* failure, int error_number);
 

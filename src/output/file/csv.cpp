@@ -29,8 +29,8 @@ bool is_number(std::string_view text) {
     return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
 }
 
-/// True if a spreadsheet would evaluate the text as a formula that could do harm, which formulas of numbers alone
-/// (`+2^127`) cannot.
+/// True if a spreadsheet would evaluate the text as a formula. Formulas of numbers alone (`+2^127`) do no harm and are
+/// allowed.
 bool is_formula(std::string_view text) {
     if (text.size() < 2 || std::string_view("=+-@\t\r").find(text.front()) == std::string_view::npos) return false;
     return text.find_first_not_of("0123456789.^+-*/ ") != std::string_view::npos && !is_number(text);
@@ -56,7 +56,7 @@ std::string to_valid_utf8(std::string_view text) {
     return out;
 }
 
-std::string without_formula(std::string_view text) { return (is_formula(text) ? "'" : "") + to_valid_utf8(text); }
+std::string escape_formula(std::string_view text) { return (is_formula(text) ? "'" : "") + to_valid_utf8(text); }
 
 std::string quoted_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
@@ -73,7 +73,7 @@ std::string Cell::text() const {
         Overloaded{[](std::monostate) { return std::string(); }, [](bool b) { return std::string(b ? "1" : "0"); },
                    [](std::int64_t i) { return std::to_string(i); }, [](std::uint64_t i) { return std::to_string(i); },
                    [](float f) { return decimal(f); }, [](double d) { return decimal(d); },
-                   [](const std::string& s) { return without_formula(s); }},
+                   [](const std::string& s) { return escape_formula(s); }},
         value_);
 }
 
@@ -144,6 +144,7 @@ void CsvWriter::end_row() {
         filled_cells_ = 0;
         return;
     }
+
     // A row of one missing cell would be a blank line, which readers skip.
     if (line_.empty()) line_ = "\"\"";
     line_ += '\n';

@@ -63,7 +63,7 @@ inline std::optional<double> number_or_missing(double x) { return std::isnan(x) 
 /// Writes one CSV file: a header and rows, in UTF-8 with LF and the quotes of RFC 4180. A missing cell is empty, and a
 /// boolean is 0 or 1.
 ///
-/// The file gets its final name only in `close`. Texts are written by `without_formula`.
+/// The file gets its final name only in `close`. Texts are written by `escape_formula`.
 class CsvWriter {
 public:
     /// Opens the file and writes the header. Throws EnvironmentError, and std::logic_error for a column with an
@@ -114,7 +114,7 @@ private:
 /// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. A
 /// formula begins with = + - @, a tab or a carriage return. Numbers, and texts of digits and signs alone (`-`,
 /// `+2^127`), get no apostrophe.
-[[nodiscard]] std::string without_formula(std::string_view text);
+[[nodiscard]] std::string escape_formula(std::string_view text);
 
 /// `text` as one RFC 4180 field: quoted only if it holds a comma, a quote or a line break.
 [[nodiscard]] std::string quoted_field(std::string_view text);

@@ -29,7 +29,9 @@ bool begins_command(std::string_view text, std::size_t start) {
     return start == 0 || text[start - 1] == '\n';
 }
 
-std::string escape_for_terminal(std::string_view text, bool is_one_line) {
+enum class LineBreaks { kept, escaped };
+
+std::string escape_for_terminal(std::string_view text, LineBreaks line_breaks) {
     std::string out;
     for (std::size_t position = 0; position < text.size();) {
         const auto [code, size] = first_character(text.substr(position));
@@ -37,8 +39,9 @@ std::string escape_for_terminal(std::string_view text, bool is_one_line) {
             out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[position++]));
             continue;
         }
+
         if (code == '\n' || code == '\t')
-            out += !is_one_line ? std::string(1, text[position]) : code == '\n' ? "\\n" : "\\t";
+            out += line_breaks == LineBreaks::kept ? std::string(1, text[position]) : code == '\n' ? "\\n" : "\\t";
         else if (is_control(code) && size == 1) out += fmt::format("\\x{:02x}", static_cast<unsigned>(code));
         else if (is_control(code)) out += fmt::format("\\u{{{:x}}}", static_cast<unsigned>(code));
         else if (code == ':' && begins_command(text, position)) out += "\\x3a";
@@ -77,8 +80,8 @@ std::string to_plain_line(std::string_view text) {
 
 }  // namespace
 
-std::string terminal_text(std::string_view text) { return escape_for_terminal(text, false); }
-std::string terminal_line(std::string_view text) { return escape_for_terminal(text, true); }
+std::string terminal_text(std::string_view text) { return escape_for_terminal(text, LineBreaks::kept); }
+std::string terminal_line(std::string_view text) { return escape_for_terminal(text, LineBreaks::escaped); }
 
 std::string xml_text(std::string_view text) {
     std::string out;

@@ -33,10 +33,12 @@ inline std::uint64_t free_memory() {
     constexpr auto unlimited = std::numeric_limits<std::uint64_t>::max();
     const auto kib = number_after("/proc/meminfo", "MemAvailable:", unlimited / 1024);
     std::uint64_t available = kib * 1024;
+
     std::ifstream group_limit("/sys/fs/cgroup/memory.max"), group_usage("/sys/fs/cgroup/memory.current");
     std::uint64_t limit_bytes = 0, used_bytes = 0;
     if (group_limit >> limit_bytes && group_usage >> used_bytes)
         available = std::min(available, limit_bytes > used_bytes ? limit_bytes - used_bytes : 0);
+
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
         std::uint64_t pages = 0;
@@ -76,6 +78,7 @@ inline void require_open_files(std::uint64_t files, const std::string& subject, 
     for (auto entry = std::filesystem::directory_iterator("/proc/self/fd", error);
          entry != std::filesystem::directory_iterator(); entry.increment(error))
         ++open_files;
+
     rlimit limit{};
     if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
         files + open_files + reserved_files > limit.rlim_cur)

@@ -10,7 +10,7 @@ namespace lostbits::output::file {
 namespace {
 
 template <class F>
-std::string shortest(F value) {
+std::string shortest_text(F value) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return std::signbit(value) ? "-inf" : "inf";
     char text[64];
@@ -20,8 +20,8 @@ std::string shortest(F value) {
 
 }  // namespace
 
-std::string decimal(double value) { return shortest(value); }
-std::string decimal(float value) { return shortest(value); }
+std::string decimal(double value) { return shortest_text(value); }
+std::string decimal(float value) { return shortest_text(value); }
 
 std::string short_decimal(double value, int digits) {
     if (!std::isfinite(value)) return decimal(value);
@@ -29,11 +29,14 @@ std::string short_decimal(double value, int digits) {
     const auto write = [&text](double x, auto... format) {
         return std::string(text, std::to_chars(text, text + sizeof text, x, format...).ptr);
     };
+
     // A negative zero is 0.
     const std::string scientific = write(value + 0.0, std::chars_format::scientific, digits - 1);
     const double rounded = parse_number(scientific).value_or(value), magnitude = std::fabs(rounded);
     if (magnitude == 0 || (magnitude >= 1e-4 && magnitude < std::pow(10, std::max(digits, 6))))
         return write(rounded, std::chars_format::fixed);
+
+    // Very small and large numbers: a factor and a power of ten.
     const auto exponent_mark = scientific.find('e');
     const std::string power = "10^" + std::to_string(std::atoi(scientific.c_str() + exponent_mark + 1));
     std::string factor = scientific.substr(0, exponent_mark);
@@ -50,7 +53,7 @@ std::string kept_bits_text(double bits, int decimals) {
 }
 
 std::string hex(double value) {
-    if (!std::isfinite(value)) return shortest(value);
+    if (!std::isfinite(value)) return shortest_text(value);
     char text[64];
     const auto end = std::to_chars(text, text + sizeof text, std::fabs(value), std::chars_format::hex).ptr;
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);

@@ -75,6 +75,7 @@ void CreationGuard::end_creation() noexcept {
 std::atomic<char*>* register_partial_file(const std::string& partial) {
     char* const name = ::strdup(partial.c_str());
     if (name == nullptr) throw std::bad_alloc();
+
     std::atomic<char*>* free_slot = nullptr;
     const auto take_slot = [&](std::atomic<char*>& slot) {
         char* expected = nullptr;
@@ -83,6 +84,7 @@ std::atomic<char*>* register_partial_file(const std::string& partial) {
         return true;
     };
     while (!any_slot(take_slot)) add_slots();
+
     if (const auto listener = partial_listener.load()) listener(name);
     return free_slot;
 }

@@ -47,6 +47,7 @@ std::string progress_line(std::string_view label, std::uint64_t done, std::uint6
     const std::string remaining = fraction > 0 ? duration_text(elapsed_s / fraction - elapsed_s) : "?";
     const std::string tail = fmt::format(" {:3}%  {} elapsed, {} left", static_cast<int>(fraction * 100),
                                          duration_text(elapsed_s), remaining);
+
     const int space = columns - 1 - static_cast<int>(label.size() + tail.size()) - 3;  // the last column wraps
     std::string line(label);
     if (space >= 5) {
@@ -90,6 +91,8 @@ void Progress::draw() {
     std::string text = "\r" + line;
     if (line.size() < drawn_length_) text.append(drawn_length_ - line.size(), ' ');
     drawn_length_ = std::max(drawn_length_, line.size());
+
+    // The filled part of the bar is green.
     if (has_colour_) {
         const auto bar_start = text.find('['), filled_end = text.find_last_of('#');
         if (bar_start != std::string::npos && filled_end != std::string::npos && filled_end > bar_start) {

@@ -120,9 +120,11 @@ bool parse_digits(std::string_view text, bool is_hexadecimal, std::string& digit
     // 2^-1200 has 839 decimal digits. 2^-10000 would have 6990, from a cell of ten letters.
     const int max_exponent = is_hexadecimal ? 1200 : max_digits;
     const std::string_view allowed = is_hexadecimal ? "0123456789abcdefABCDEF" : "0123456789";
+
     move_digits(text, digits, allowed);
     const std::size_t fraction_digits = skip_one_of(text, ".") ? move_digits(text, digits, allowed) : 0;
     if (digits.empty() || digits.size() > max_digits) return false;
+
     if (skip_one_of(text, is_hexadecimal ? "pP" : "eE")) {
         const bool has_plus = skip_one_of(text, "+");
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
@@ -157,6 +159,7 @@ CsvTable parse_csv(std::string text, const std::string& source) {
     Parser parser(*table.text, source);
     parser.skip_byte_order_mark();
     if (parser.is_at_end()) parser.fail(1, "is not a CSV file: it is empty; a CSV file begins with a header");
+
     std::vector<std::string_view> cells;
     parser.read_row(cells);
     for (const std::string_view name : cells) {
@@ -164,6 +167,7 @@ CsvTable parse_csv(std::string text, const std::string& source) {
             parser.fail(1, "the column \"" + std::string(name) + "\" appears twice; rename one");
         table.columns.push_back({std::string(name), {}});
     }
+
     while (!parser.is_at_end()) {
         const std::size_t line = parser.line();
         parser.read_row(cells);
@@ -186,6 +190,7 @@ CsvTable read_csv(const std::filesystem::path& path) {
 std::string read_file(const std::filesystem::path& path) {
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": is a folder; give a file");
+
     errno = 0;
     std::ifstream stream(path, std::ios::binary);
     std::string text;
@@ -195,6 +200,7 @@ std::string read_file(const std::filesystem::path& path) {
         text.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
     }
     if (stream.is_open() && !stream.bad()) return text;
+
     const std::string message = path.string() + ": cannot read: " + std::strerror(errno);
     if (errno == ENOENT || errno == ENOTDIR || errno == ELOOP || errno == ENAMETOOLONG)
         throw InputError(message + "; give an existing file");
@@ -214,6 +220,8 @@ double CellValue::to_double() const {
 CellValue read_cell(std::string_view cell) {
     using enum CellValue::Kind;
     if (cell.empty()) return {};
+
+    // Names of values that are not finite, in any case.
     const bool is_negative = cell.front() == '-';
     skip_one_of(cell, "+-");
     std::string prefix(cell.substr(0, 9));
@@ -226,6 +234,8 @@ CellValue read_cell(std::string_view cell) {
     if (is_hexadecimal) cell.remove_prefix(2);
     if (!parse_digits(cell, is_hexadecimal, value.digits, value.exponent)) return {text, false, {}, 0};
     if (is_hexadecimal) convert_to_decimal(value.digits, value.exponent);
+
+    // Removes zeros at both ends, so that equal numbers have equal digits.
     const std::size_t last_nonzero = value.digits.find_last_not_of('0');
     if (last_nonzero == std::string::npos) return {number, is_negative, {}, 0};
     value.exponent += static_cast<int>(value.digits.size() - 1 - last_nonzero);

@@ -117,41 +117,52 @@ ResultFolder::ResultFolder(fs::path folder, Provenance provenance, Rules rules)
       provenance_(std::move(provenance)),
       rules_(rules),
       initial_exceptions_(std::uncaught_exceptions()) {
-    std::error_code error, ignored;
-    for (auto missing_folder = folder_;
-         missing_folder != missing_folder.parent_path() && !fs::exists(fs::symlink_status(missing_folder, ignored));
-         missing_folder = missing_folder.parent_path())
-        created_folders_.push_back(missing_folder);
-    fs::create_directories(folder_, error);
-    if (!fs::is_directory(folder_, ignored)) {
-        fs::path nearest = folder_;  // the folder, or the deepest parent that exists
-        while (!fs::exists(nearest, ignored) && nearest.has_relative_path()) nearest = nearest.parent_path();
-        if (!fs::is_directory(nearest, ignored))
-            throw EnvironmentError(nearest.string() + ": is a file, so it cannot hold results; choose another -o");
-        throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
-                                           error ? error.message() : "a file has that name"));
-    }
+    create_folder(folder);
     for (ManifestRun& run : manifest_runs(folder_)) {
         if (rules_.is_shared && command_name(run.provenance.command) != command_name(provenance_.command))
             other_runs_.push_back(std::move(run));
         else earlier_files_.merge(run.files);
     }
+
+    // Whatever would make the run fail is found before it begins.
     require_own_manifest();
     if (!rules_.continues_run) require_removable_results();
     if (!rules_.allows_unlisted && !rules_.is_shared) require_no_unlisted_results();
     if (!rules_.continues_run) {
         for (const std::string& name : earlier_files_) scene::toml::note_written(folder_ / name);
     }
-    lock_fd_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    // A file system without locks gives another error; another run cannot be detected there.
-    if (lock_fd_ >= 0 && ::flock(lock_fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        ::close(lock_fd_);
-        throw another_run_error(folder);
-    }
+
+    lock_folder(folder);
     remove_abandoned_files(folder_);
     if (rules_.continues_run) files_ = earlier_files_;
     const std::lock_guard lock(owned_folders().mutex);
     owned_folders().folders.push_back(this);
+}
+
+void ResultFolder::create_folder(const fs::path& given_path) {
+    std::error_code error, ignored;
+    for (auto missing_folder = folder_;
+         missing_folder != missing_folder.parent_path() && !fs::exists(fs::symlink_status(missing_folder, ignored));
+         missing_folder = missing_folder.parent_path())
+        created_folders_.push_back(missing_folder);
+    fs::create_directories(folder_, error);
+    if (fs::is_directory(folder_, ignored)) return;
+
+    fs::path nearest = folder_;  // the folder, or the deepest parent that exists
+    while (!fs::exists(nearest, ignored) && nearest.has_relative_path()) nearest = nearest.parent_path();
+    if (!fs::is_directory(nearest, ignored))
+        throw EnvironmentError(nearest.string() + ": is a file, so it cannot hold results; choose another -o");
+    throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", given_path.string(),
+                                       error ? error.message() : "a file has that name"));
+}
+
+void ResultFolder::lock_folder(const fs::path& given_path) {
+    lock_fd_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    // A file system without locks gives another error; another run cannot be detected there.
+    if (lock_fd_ >= 0 && ::flock(lock_fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(lock_fd_);
+        throw another_run_error(given_path);
+    }
 }
 
 ResultFolder::~ResultFolder() {
@@ -178,6 +189,7 @@ void ResultFolder::require_no_unlisted_results() const {
         const std::string name = relative_name(folder_, entry->path());
         if (!earlier_files_.contains(name)) unlisted.push_back(name);
     }
+
     if (unlisted.empty()) return;
     std::ranges::sort(unlisted);
     const std::string others_text = unlisted.size() == 1 ? "" : fmt::format(" and {} more", unlisted.size() - 1);
@@ -204,6 +216,7 @@ void ResultFolder::require_own_file(const std::string& name) {
     const fs::path path = folder_ / name;
     const auto status = fs::symlink_status(path, ignored);
     if (!fs::exists(status)) return;
+
     const bool is_elsewhere =
         relative_name(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
     const auto lists_file = [&name](const ManifestRun& run) { return run.files.contains(name); };
@@ -211,6 +224,7 @@ void ResultFolder::require_own_file(const std::string& name) {
     const bool is_listed =
         earlier_files_.contains(name) || files_.contains(name) || std::ranges::any_of(other_runs_, lists_file);
     if (is_listed && !is_elsewhere && !fs::is_symlink(status)) return;
+
     throw InputError(fmt::format(
         "{}: {}, and a result of this run would replace it; move it away, or choose another -o", path.string(),
         is_elsewhere || fs::is_symlink(status) ? "is a link, or is reached through one"
@@ -250,6 +264,7 @@ void ResultFolder::remove_earlier_results() const {
         if (ignored || relative_name(real_folder, parent / "x").empty() ||
             !fs::is_regular_file(fs::symlink_status(path, ignored)))
             continue;
+
         fs::remove(path, error);
         if (error) throw cannot_remove_error(path, error.message());
         for (auto folder = path.parent_path(); folder != folder_ && fs::is_empty(folder, ignored);
@@ -259,17 +274,24 @@ void ResultFolder::remove_earlier_results() const {
 }
 
 void ResultFolder::begin_results() {
+    create_marker();
+    if (!rules_.continues_run) remove_earlier_results();
+}
+
+void ResultFolder::create_marker() {
     const fs::path marker = folder_ / marker_name;
     const std::string old_text = read_text(marker);
     if (!old_text.empty() && !old_text.starts_with(marker_sentence))
         throw InputError(marker.string() +
                          ": has the name of the file in which a run says that it is not finished; rename that file");
+
     marker_fd_ = ::open(marker.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (marker_fd_ < 0)
         throw EnvironmentError(fmt::format("{}: cannot create: {}; choose another -o", marker.string(),
                                            std::generic_category().message(errno)));
     // If the folder itself cannot be locked (NFS), this detects the other run, although later.
     if (::flock(marker_fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) throw another_run_error(folder_);
+
     const std::string text = fmt::format(
         "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that command again{}. It replaces the results "
         "and removes this file.\n",
@@ -281,7 +303,6 @@ void ResultFolder::begin_results() {
         ::ftruncate(marker_fd_, static_cast<off_t>(text.size())) != 0)
         throw EnvironmentError(fmt::format("{}: cannot write: {}; free space or choose another -o", marker.string(),
                                            std::generic_category().message(errno)));
-    if (!rules_.continues_run) remove_earlier_results();
 }
 
 /// Removes the marker. Returns 0, or the error number if it could not be removed.

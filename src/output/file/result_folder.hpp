@@ -82,6 +82,10 @@ private:
     friend std::optional<Provenance> provenance_of(const std::filesystem::path& path);
     friend std::vector<std::string> figure_kinds(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
+    /// Creates the folder and notes which folders were missing. Messages name the path as it was given.
+    void create_folder(const std::filesystem::path& given_path);
+    /// Throws InputError if another run has locked the folder.
+    void lock_folder(const std::filesystem::path& given_path);
     void require_no_unlisted_results() const;
     void require_own_manifest() const;
     void require_own_file(const std::string& name);
@@ -89,6 +93,8 @@ private:
     void remove_entry(const std::string& name);
     void write_manifest();
     void begin_results();
+    /// Writes `UNFINISHED.txt` and locks it.
+    void create_marker();
     [[nodiscard]] int remove_marker() noexcept;
     void require_removable_results() const;
     void remove_earlier_results() const;

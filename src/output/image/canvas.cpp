@@ -29,11 +29,11 @@ std::size_t character_end(std::string_view text, std::size_t n) {
 }
 
 /// Largest number of bytes of `text` that fit in `width`, at least one character.
-std::size_t fitting_prefix(std::string_view text, int size, bool bold, int width) {
+std::size_t fitting_prefix(std::string_view text, int size, FontWeight weight, int width) {
     std::size_t lo = 1, hi = text.size();
     while (lo < hi) {
         const std::size_t middle = (lo + hi + 1) / 2;
-        if (image_backend().render_text(text.substr(0, character_end(text, middle)), size, bold).width <= width) {
+        if (image_backend().render_text(text.substr(0, character_end(text, middle)), size, weight).width <= width) {
             lo = middle;
         } else {
             hi = middle - 1;
@@ -52,7 +52,7 @@ PixelBox intersection(const PixelBox& a, const PixelBox& b) {
             std::max(std::min(a.y + a.height, b.y + b.height) - y, 0)};
 }
 
-PixelBox moved(PixelBox box, int x, int y) {
+PixelBox move_box(PixelBox box, int x, int y) {
     box.x += x;
     box.y += y;
     return box;
@@ -71,6 +71,7 @@ PixelBox figure_bounds(const std::vector<Figure>& figures, const PixelBox& clip)
             foot = std::max(foot, p.y + radius);
         }
     }
+
     PixelBox box{std::max(clip.x, static_cast<int>(std::floor(left))),
                  std::max(clip.y, static_cast<int>(std::floor(top)))};
     box.width = std::min(clip.x + clip.width, static_cast<int>(std::ceil(right))) - box.x;
@@ -188,7 +189,7 @@ void move(CanvasMark::FigureGroup& group, int x, int y) {
         for (Point& point : figure.points) point = {point.x + x, point.y + y};
 }
 
-void move(CanvasMark::Field& field, int x, int y) { field.box = moved(field.box, x, y); }
+void move(CanvasMark::Field& field, int x, int y) { field.box = move_box(field.box, x, y); }
 
 }  // namespace
 
@@ -200,7 +201,7 @@ void Canvas::draw_canvas(int x, int y, const Canvas& other) {
             continue;
         }
         CanvasMark& moved_mark = marks_.emplace_back(mark);
-        moved_mark.clip = intersection(moved(mark.clip, x, y), bounds());
+        moved_mark.clip = intersection(move_box(mark.clip, x, y), bounds());
         std::visit(
             [&](auto& shape) {
                 if constexpr (requires { move(shape, x, y); }) move(shape, x, y);
@@ -222,17 +223,20 @@ void Stroke::area(std::span<const Point> above, std::span<const Point> below) {
 namespace {
 
 /// Text of each line of `wrap_text`.
-std::vector<std::string_view> wrapped_lines(std::string_view text, int size, bool bold, int width) {
+std::vector<std::string_view> wrapped_lines(std::string_view text, int size, FontWeight weight, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         // A letter has at most four bytes and is at least a pixel wide. Without this limit, cutting lines off a
         // long text would take quadratic time.
         const auto max_bytes = 4 * static_cast<std::size_t>(std::max(width, 1));
-        std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, bold, width);
+        std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, weight, width);
+
+        // Breaks between words if possible.
         if (length < text.size()) {
             const std::size_t space = text.substr(0, length + 1).rfind(' ');
             if (space != std::string_view::npos && space > 0) length = space;
         }
+
         std::string_view line = text.substr(0, length);
         while (line.ends_with(' ')) line.remove_suffix(1);
         if (!line.empty()) lines.push_back(line);
@@ -244,37 +248,39 @@ std::vector<std::string_view> wrapped_lines(std::string_view text, int size, boo
 
 }  // namespace
 
-std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width) {
+std::vector<TextBitmap> wrap_text(std::string_view text, int size, FontWeight weight, int width) {
     std::vector<TextBitmap> lines;
-    for (const std::string_view line : wrapped_lines(text, size, bold, width))
-        lines.push_back(image_backend().render_text(line, size, bold));
+    for (const std::string_view line : wrapped_lines(text, size, weight, width))
+        lines.push_back(image_backend().render_text(line, size, weight));
     return lines;
 }
 
 std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t max_lines) {
     std::vector<TextBitmap> lines;
-    const auto line_texts = wrapped_lines(text, size, false, width);
+    const auto line_texts = wrapped_lines(text, size, FontWeight::regular, width);
     for (std::size_t i = 0; i < std::min(max_lines, line_texts.size()); ++i) {
         // The last line takes the whole rest of the text.
         const auto begin = static_cast<std::size_t>(line_texts[i].data() - text.data());
         const bool is_last = i + 1 == max_lines;
-        lines.push_back(fit_text(is_last ? text.substr(begin) : line_texts[i], size, false, width));
+        lines.push_back(fit_text(is_last ? text.substr(begin) : line_texts[i], size, FontWeight::regular, width));
     }
     return lines;
 }
 
-TextBitmap fit_text(std::string_view text, int size, bool bold, int width) {
-    TextBitmap out = image_backend().render_text(text, size, bold);
+TextBitmap fit_text(std::string_view text, int size, FontWeight weight, int width) {
+    TextBitmap out = image_backend().render_text(text, size, weight);
     for (int s = size - 1; out.width > width && s >= style::smallest_size; --s) {
-        out = image_backend().render_text(text, s, bold);
+        out = image_backend().render_text(text, s, weight);
     }
+
+    // Leaves letters out of the middle, one after the other.
     const int smallest = std::min(size, style::smallest_size);
     for (std::size_t kept_bytes = text.size(); out.width > width && kept_bytes > 1;) {
         --kept_bytes;
         std::string shorter(text.substr(0, character_end(text, (kept_bytes + 1) / 2)));
         shorter += "…";
         shorter += text.substr(character_end(text, text.size() - kept_bytes / 2));
-        out = image_backend().render_text(shorter, smallest, bold);
+        out = image_backend().render_text(shorter, smallest, weight);
     }
     return out;
 }
@@ -287,17 +293,18 @@ Canvas heading(std::string_view title, std::span<const std::string> subtitle, in
     };
     std::vector<Line> lines;
     int height = 0;
-    const auto add = [&](std::string text, int size, bool bold, Rgb8 colour) {
+    const auto add = [&](std::string text, int size, FontWeight weight, Rgb8 colour) {
         // Titles in files may contain line breaks or tabs, which would be drawn as boxes.
         std::ranges::replace_if(
             text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
-        for (auto& line : wrap_text(text, size, bold, width)) {
+        for (auto& line : wrap_text(text, size, weight, width)) {
             lines.push_back({std::move(line), style::line_height(size), colour});
             height += style::line_height(size);
         }
     };
-    add(std::string(title), style::title_size, true, style::ink);
-    for (const auto& text : subtitle) add(text, style::text_size, false, style::soft_ink);
+    add(std::string(title), style::title_size, FontWeight::bold, style::ink);
+    for (const auto& text : subtitle) add(text, style::text_size, FontWeight::regular, style::soft_ink);
+
     Canvas out(width, height);
     int y = 0;
     for (const auto& line : lines) {
@@ -312,6 +319,7 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
     const int label_half = image_backend().render_text("0", style::text_size).height / 2;
     // The frame and half a label stay inside the strip at the lower end.
     const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
+
     const TextBitmap unit_text = image_backend().render_text(unit, style::text_size);
     const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
     std::vector<TextBitmap> labels;
@@ -320,12 +328,15 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
         labels.push_back(image_backend().render_text(tick.label, style::text_size));
         width = std::max(width, 1 + ramp_width + 9 + labels.back().width);
     }
+
     Canvas out(width, height);
     out.text(0, 0, unit_text, style::ink);
     std::vector<Rgb8> ramp;
-    for (int y = 0; y < bar_height; ++y) ramp.push_back(scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
+    for (int y = 0; y < bar_height; ++y)
+        ramp.push_back(scale.colour_at_position(1 - static_cast<double>(y) / (bar_height - 1)));
     out.field({1, top, ramp_width, bar_height}, 1, std::move(ramp));
     out.frame(1, top, ramp_width, bar_height, style::line);
+
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const int y = top + static_cast<int>((1 - ticks[i].position) * (bar_height - 1) + 0.5);
         out.fill(1 + ramp_width, y, 5, 1, style::soft_ink);
@@ -343,6 +354,7 @@ Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), 
         column_width_ = std::max(column_width_, entry_width);
     }
     column_width_ = std::min(column_width_, width);
+
     const int count = static_cast<int>(widest.size());
     columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
     const int rows = (count + columns_ - 1) / columns_;
@@ -359,8 +371,8 @@ Canvas Legend::draw(std::span<const LegendEntry> entries) const {
         out.fill(x + 1, y + 3, swatch_size, swatch_size, entries[i].colour);
         out.frame(x + 1, y + 3, swatch_size, swatch_size, style::line);
         const int text_x = x + swatch_size + 2 + swatch_gap;
-        const auto text =
-            fit_text(entry_text(entries[i]), style::text_size, false, column_width_ - (swatch_size + 2 + swatch_gap));
+        const auto text = fit_text(entry_text(entries[i]), style::text_size, FontWeight::regular,
+                                   column_width_ - (swatch_size + 2 + swatch_gap));
         out.text(text_x, y + 3 + swatch_size - text.baseline, text, style::ink);
     }
     return out;

@@ -141,10 +141,10 @@ private:
 
 /// Breaks `text` into lines of at most `width` pixels, between words if possible, and inside a word only if the word is
 /// wider.
-[[nodiscard]] std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width);
+[[nodiscard]] std::vector<TextBitmap> wrap_text(std::string_view text, int size, FontWeight weight, int width);
 
 /// Fits `text` into one line of at most `width` pixels: first with smaller letters, then with `…` in the middle.
-[[nodiscard]] TextBitmap fit_text(std::string_view text, int size, bool bold, int width);
+[[nodiscard]] TextBitmap fit_text(std::string_view text, int size, FontWeight weight, int width);
 
 /// Breaks `text` into at most `max_lines` lines of `width` pixels. The last line is made by `fit_text`.
 [[nodiscard]] std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t max_lines);

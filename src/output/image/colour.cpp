@@ -44,7 +44,8 @@ bool is_divisor(double step, double value) {
     return std::fabs(n - std::round(n)) < 1e-6;
 }
 
-/// A round step of at least `min_step`: a step that divides both ends if there is one, else the step of axes.
+/// A round step of at least `min_step`. Prefers a step of which both ends are multiples; otherwise returns
+/// `round_step(min_step)`.
 double choose_step(double lo, double hi, double min_step) {
     const double power_of_10 = std::pow(10.0, std::floor(std::log10(min_step)));
     for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
@@ -119,7 +120,7 @@ Rgb8 distinct_colour(std::size_t index) {
     return colours[index % colours.size()];
 }
 
-double ColourScale::spaced(double value) const {
+double ColourScale::to_spacing(double value) const {
     switch (spacing_) {
         case Spacing::root: return std::sqrt(value);
         case Spacing::log2: return std::log2(value);
@@ -136,23 +137,23 @@ ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, d
         throw std::invalid_argument("colour scale " + name_ + ": not a valid range from " + file::decimal(lo) + " to " +
                                     file::decimal(hi));
     }
-    spaced_lo_ = spaced(lo);
-    spaced_range_ = spaced(hi) - spaced_lo_;
+    spaced_lo_ = to_spacing(lo);
+    spaced_range_ = to_spacing(hi) - spaced_lo_;
 }
 
 double ColourScale::position(double value) const {
     if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
     if (value <= lo_) return 0;
     if (value >= hi_) return 1;
-    return std::clamp((spaced(value) - spaced_lo_) / spaced_range_, 0.0, 1.0);
+    return std::clamp((to_spacing(value) - spaced_lo_) / spaced_range_, 0.0, 1.0);
 }
 
-Rgb8 ColourScale::at(double position) const { return colour_at(table_, position); }
+Rgb8 ColourScale::colour_at_position(double position) const { return colour_at(table_, position); }
 
-Rgb8 ColourScale::map(double value) const {
-    // The same as at(position(value)) in one call, because it runs for every pixel.
-    if (!(value > lo_ && value < hi_)) return at(position(value));
-    return colour_at(table_, (spaced(value) - spaced_lo_) / spaced_range_);
+Rgb8 ColourScale::colour_of_value(double value) const {
+    // The same as colour_at_position(position(value)) in one call, because it runs for every pixel.
+    if (!(value > lo_ && value < hi_)) return colour_at_position(position(value));
+    return colour_at(table_, (to_spacing(value) - spaced_lo_) / spaced_range_);
 }
 
 /// Ticks at both ends, then at powers of two where there is space, powers of four first.
@@ -172,23 +173,31 @@ std::vector<ColourScale::Tick> ColourScale::root_ticks(int max_ticks) const {
     return out;
 }
 
+/// Ticks at powers of two with the same number of powers from each to the next.
+std::vector<ColourScale::Tick> ColourScale::log_ticks(int max_ticks) const {
+    const double first = std::ceil(std::log2(lo_)), last = std::floor(std::log2(hi_));
+    double step = 0;
+    for (const double s : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512, 1024, 2048}) {
+        step = s;
+        if (std::floor((last - first) / s) + 1 <= max_ticks) break;
+    }
+
+    // Labels are either all powers or all plain numbers.
+    const bool has_plain_labels = first >= -3 && last <= 10;
+    std::vector<Tick> out;
+    for (double e = first; e <= last; e += step) {
+        out.push_back({position(std::exp2(e)),
+                       has_plain_labels || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
+    }
+    return out;
+}
+
 std::vector<ColourScale::Tick> ColourScale::ticks(int max_ticks) const {
     max_ticks = std::max(max_ticks, 2);
     if (spacing_ == Spacing::root) return root_ticks(max_ticks);
     std::vector<Tick> out;
     if (spacing_ == Spacing::log2) {
-        const double first = std::ceil(std::log2(lo_)), last = std::floor(std::log2(hi_));
-        double step = 0;
-        for (const double s : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512, 1024, 2048}) {
-            step = s;
-            if (std::floor((last - first) / s) + 1 <= max_ticks) break;
-        }
-        // Labels are either all powers or all plain numbers.
-        const bool has_plain_labels = first >= -3 && last <= 10;
-        for (double e = first; e <= last; e += step) {
-            out.push_back({position(std::exp2(e)),
-                           has_plain_labels || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
-        }
+        out = log_ticks(max_ticks);
     } else {
         const double step = choose_step(lo_, hi_, (hi_ / 2 - lo_ / 2) / (max_ticks - 1) * 2);
         for (const double value : multiples(step, lo_, hi_))

@@ -75,13 +75,13 @@ public:
     /// The colour of `value`. -inf and +inf have the colours of the ends; on a log2 scale, a value that is not
     /// positive has the colour of the low end. Throws std::invalid_argument for NaN, which is not on the ramp; draw
     /// its outcome instead.
-    [[nodiscard]] Rgb8 map(double value) const;
+    [[nodiscard]] Rgb8 colour_of_value(double value) const;
 
     /// Position of `value` on the ramp, clamped to 0..1.
     [[nodiscard]] double position(double value) const;
 
     /// Colour at a position from 0 to 1 on the ramp.
-    [[nodiscard]] Rgb8 at(double position) const;
+    [[nodiscard]] Rgb8 colour_at_position(double position) const;
 
     /// A tick of the colour bar.
     struct Tick {
@@ -102,14 +102,16 @@ public:
     }
 
 private:
-    [[nodiscard]] double spaced(double value) const;
+    /// The value, its root or its logarithm, whichever has even steps along the ramp.
+    [[nodiscard]] double to_spacing(double value) const;
     [[nodiscard]] std::vector<Tick> root_ticks(int max_ticks) const;
+    [[nodiscard]] std::vector<Tick> log_ticks(int max_ticks) const;
 
     std::string name_;
     std::vector<Rgb8> table_;
     double lo_, hi_;
     Spacing spacing_;
-    double spaced_lo_, spaced_range_;  ///< `spaced(lo)`, and `spaced(hi)` minus `spaced(lo)`
+    double spaced_lo_, spaced_range_;  ///< `to_spacing(lo)`, and `to_spacing(hi)` minus `to_spacing(lo)`
 };
 
 // Round values for the ticks of axes and colour bars.

@@ -29,12 +29,12 @@ constexpr int zoom_radius = 4;                // samples on each side of the mid
 /// `FORM^BOX@TRANSFORM`, gets a line for each part, because two such names shortened in the middle look alike.
 std::vector<TextBitmap> name_lines(std::string_view name, int width) {
     std::vector<TextBitmap> lines;
-    if (image_backend().render_text(name, style::smallest_size, true).width > width) {
+    if (image_backend().render_text(name, style::smallest_size, FontWeight::bold).width > width) {
         for (std::size_t next; (next = name.find_first_of("^@~+", 1)) != std::string_view::npos;
              name.remove_prefix(next))
-            lines.push_back(fit_text(name.substr(0, next), style::text_size, true, width));
+            lines.push_back(fit_text(name.substr(0, next), style::text_size, FontWeight::bold, width));
     }
-    lines.push_back(fit_text(name, style::text_size, true, width));
+    lines.push_back(fit_text(name, style::text_size, FontWeight::bold, width));
     return lines;
 }
 
@@ -54,9 +54,11 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     const std::size_t blocks = (spec_.forms.size() + max_columns - 1) / max_columns;
     columns_ = static_cast<int>(spec_.collapses && blocks > 1 ? first_block_forms
                                                               : (spec_.forms.size() + blocks - 1) / blocks);
+
+    // Sizes of a cell, a line and a block of the grid.
     for (const auto& format : spec_.formats) {
         row_label_width_ =
-            std::max(row_label_width_, image_backend().render_text(format, style::text_size, true).width);
+            std::max(row_label_width_, image_backend().render_text(format, style::text_size, FontWeight::bold).width);
     }
     for (const auto& form : spec_.forms)
         column_head_height_ = std::max(
@@ -68,8 +70,17 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     block_height_ = column_head_height_ + static_cast<int>(spec_.formats.size()) * row_height_;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
+    draw_colour_bars();
     content_width_ = grid_width_;
-    int bar_width = 0;
+    if (!bars_.empty()) content_width_ += style::gap + std::ranges::max(bars_, {}, &Canvas::width).width();
+    content_width_ = std::max(content_width_, style::min_content_width);
+    heading_ = heading(spec_.title, spec_.subtitle, content_width_);
+    figure_writer_ = std::make_unique<FigureWriter>(path);
+}
+
+/// Draws a bar for each scale, in memory.
+void ContactSheet::draw_colour_bars() {
+    const bool has_bar_per_line = spec_.scales.size() > 1;
     for (const ColourScale& scale : spec_.scales) {
         const int single_bar_height =
             std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
@@ -77,12 +88,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
         bars_.push_back(
             colour_bar(scale, spec_.unit,
                        has_bar_per_line ? std::max(line_bar_height, thumb_height_ + unit_height) : single_bar_height));
-        bar_width = std::max(bar_width, bars_.back().width());
     }
-    if (!bars_.empty()) content_width_ += style::gap + bar_width;
-    content_width_ = std::max(content_width_, style::min_content_width);
-    heading_ = heading(spec_.title, spec_.subtitle, content_width_);
-    files_ = std::make_unique<FigureFiles>(path);
 }
 
 ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
@@ -119,10 +125,11 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
         page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
         if (cell.zoom && !cell.samples.empty()) draw_zoom(page, x + 1, y + 1, cell);
     } else {
-        const auto text = fit_text("not in this format", style::small_size, false, thumb_width_ - 4);
+        const auto text = fit_text("not in this format", style::small_size, FontWeight::regular, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }
+
     const auto lines = wrapped_note(cell.note);
     for (std::size_t i = 0; i < lines.size(); ++i) {
         page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
@@ -141,11 +148,14 @@ void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const
         const auto begin = cell.samples.begin() + std::ptrdiff_t{row} * spec_.field_width + left;
         samples.insert(samples.end(), begin, begin + columns);
     }
+
     // A light line inside a dark one is visible on every colour.
     const auto draw_box = [&page](int x0, int y0, int width, int height) {
         page.frame(x0 - 1, y0 - 1, width + 2, height + 2, style::ink);
         page.frame(x0, y0, width, height, style::page);
     };
+
+    // Marks the samples in the thumbnail, and shows them enlarged in the corner farthest from there.
     const auto to_thumbnail = [](int sample, int field, int thumb) {
         return static_cast<int>(std::int64_t{sample} * thumb / field);
     };
@@ -166,12 +176,13 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
     std::string_view remaining = note;
     while (!remaining.empty()) {
         const auto line = remaining.substr(0, remaining.find('\n'));
-        for (auto& text : wrap_text(line, style::small_size, false, cell_width_)) {
+        for (auto& text : wrap_text(line, style::small_size, FontWeight::regular, cell_width_)) {
             lines.push_back(std::move(text));
         }
         remaining.remove_prefix(std::min(line.size() + 1, remaining.size()));
     }
     if (lines.size() <= spec_.note_lines) return lines;
+
     // The note is too long. Cut it in two near the middle; each half is made smaller or shortened.
     const auto space = note.find_last_of(" \n", note.size() / 2);
     const auto cut = space == std::string_view::npos ? note.size() / 2 : space;
@@ -179,7 +190,7 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
     for (const std::string_view half : {note.substr(0, cut), note.substr(cut)}) {
         std::string flat(half.substr(std::min(half.find_first_not_of(" \n"), half.size())));
         std::ranges::replace(flat, '\n', ' ');
-        lines.push_back(fit_text(flat, style::small_size, false, cell_width_));
+        lines.push_back(fit_text(flat, style::small_size, FontWeight::regular, cell_width_));
     }
     return lines;
 }
@@ -208,7 +219,7 @@ bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {
     return true;
 }
 
-std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const std::size_t> order) const {
+std::vector<ContactSheet::FormGroup> ContactSheet::group_columns(std::span<const std::size_t> order) const {
     std::vector<FormGroup> columns;
     for (std::size_t position = 0; position < spec_.forms.size(); ++position) {
         const std::size_t form = order.empty() ? position : order[position];
@@ -250,6 +261,7 @@ void ContactSheet::move_most_different_first(std::vector<FormGroup>& columns) co
         for (std::size_t i = 0; i < columns.size(); ++i)
             distance[i] = is_chosen[i] ? 0 : std::min(distance[i], difference(columns[i].front(), columns[k].front()));
     };
+
     choose(0);
     choose(columns.size() - 1);
     for (std::size_t n = 2; n < first_block_forms; ++n) {
@@ -258,6 +270,7 @@ void ContactSheet::move_most_different_first(std::vector<FormGroup>& columns) co
         choose(*next > 0 ? static_cast<std::size_t>(next - distance.begin())
                          : static_cast<std::size_t>(std::ranges::find(is_chosen, false) - is_chosen.begin()));
     }
+
     std::vector<FormGroup> reordered;
     for (const bool chosen : {true, false})
         for (std::size_t k = 0; k < columns.size(); ++k)
@@ -300,7 +313,7 @@ void ContactSheet::draw_column(Canvas& page, int x, int y, const FormGroup& form
         if (image_backend().render_text(same_forms, style::smallest_size).width > cell_width_)
             same_forms = "same: " + std::to_string(forms.size() - 1) + " more forms";
         page.text(x, y + static_cast<int>(names.size()) * name_line,
-                  fit_text(same_forms, style::small_size, false, cell_width_), style::soft_ink);
+                  fit_text(same_forms, style::small_size, FontWeight::regular, cell_width_), style::soft_ink);
     }
     for (std::size_t format = 0; format < spec_.formats.size(); ++format)
         draw_cell(page, x, y + column_head_height_ + static_cast<int>(format) * row_height_,
@@ -315,33 +328,41 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
         heading_ = heading(headline, spec_.subtitle, content_width_);
     }
+
+    // Forms with equal pictures share a column.
     const Legend classes(legend, content_width_);
-    auto columns = columns_of(order);
+    auto columns = group_columns(order);
     has_two_parts_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
     if (has_two_parts_) move_most_different_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
         column_head_height_ += name_line;
         block_height_ += name_line;
     }
+
     Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
     page.draw_canvas(style::margin, style::margin, heading_);
     if (has_two_parts_) draw_parts(page, columns.size());
+    draw_grid(page, columns);
+    draw_bars(page, columns.size());
+    page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
+    figure_writer_->save(page);
+}
+
+/// Draws the columns, and the names of the formats at the left of each block.
+void ContactSheet::draw_grid(Canvas& page, const std::vector<FormGroup>& columns) {
     for (std::size_t position = 0; position < columns.size(); ++position) {
         const int column_in_block = static_cast<int>(position) % columns_,
                   y = block_y(static_cast<int>(position) / columns_);
         draw_column(page, style::margin + row_label_width_ + style::gap + column_in_block * (cell_width_ + style::gap),
                     y, columns[position]);
         for (std::size_t format = 0; format < spec_.formats.size() && column_in_block == 0; ++format) {
-            const auto label = image_backend().render_text(spec_.formats[format], style::text_size, true);
+            const auto label = image_backend().render_text(spec_.formats[format], style::text_size, FontWeight::bold);
             page.text(
                 style::margin,
                 y + column_head_height_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2,
                 label, style::ink);
         }
     }
-    draw_bars(page, columns.size());
-    page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
-    files_->save(page);
 }
 
 }  // namespace lostbits::output::image

@@ -44,6 +44,7 @@ public:
 private:
     void add_row(int y, std::span<const Rgb8> samples);
     void pick_row(int y, std::span<const Rgb8> samples);
+    void average_row(int y, std::span<const Rgb8> samples);
     void average_sums();
 
     int field_width_, field_height_, width_, height_;
@@ -117,12 +118,15 @@ private:
     using FormGroup = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
     [[nodiscard]] bool look_alike(std::size_t form_a, std::size_t form_b) const;
-    [[nodiscard]] std::vector<FormGroup> columns_of(std::span<const std::size_t> order) const;
+    [[nodiscard]] std::vector<FormGroup> group_columns(std::span<const std::size_t> order) const;
     [[nodiscard]] std::uint64_t difference(std::size_t form_a, std::size_t form_b) const;
     void move_most_different_first(std::vector<FormGroup>& columns) const;
     [[nodiscard]] int block_y(int block) const;
     [[nodiscard]] int page_height(std::size_t columns, const Legend& legend) const;
+    void draw_colour_bars();
     void draw_parts(Canvas& page, std::size_t columns) const;
+    void draw_grid(Canvas& page, const std::vector<FormGroup>& columns);
+    void draw_bars(Canvas& page, std::size_t columns) const;
     void draw_column(Canvas& page, int x, int y, const FormGroup& forms);
     [[nodiscard]] std::vector<TextBitmap> wrapped_note(std::string_view note) const;
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
@@ -131,14 +135,13 @@ private:
     SheetSpec spec_;
     std::vector<Cell> cells_;  // by format
     int thumb_width_, thumb_height_;
-    void draw_bars(Canvas& page, std::size_t columns) const;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, column_head_height_ = 0, row_height_ = 0,
         block_height_ = 0;
     int content_width_ = 0, grid_width_ = 0;
     bool has_two_parts_ = false;  ///< the first block has the six forms that differ most
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
-    std::unique_ptr<FigureFiles> files_;
+    std::unique_ptr<FigureWriter> figure_writer_;
 };
 
 }  // namespace lostbits::output::image

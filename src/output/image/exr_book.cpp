@@ -72,6 +72,8 @@ std::string header_bytes(const ExrPart& part) {
     const ExrSpec& spec = part.spec;
     const auto window = to_bytes<std::int32_t>({0, 0, spec.width - 1, spec.height - 1});
     std::string out;
+
+    // Attributes that every part has.
     append_attribute(out, "channels", "chlist", channel_list(spec));
     append_attribute(out, "compression", "compression", "\3");
     append_attribute(out, "dataWindow", "box2i", window);
@@ -80,6 +82,8 @@ std::string header_bytes(const ExrPart& part) {
     append_attribute(out, "pixelAspectRatio", "float", to_bytes({1.0F}));
     append_attribute(out, "screenWindowCenter", "v2f", to_bytes({0.0F, 0.0F}));
     append_attribute(out, "screenWindowWidth", "float", to_bytes({1.0F}));
+
+    // Attributes of a file with several parts, and those of the caller.
     if (!part.name.empty()) {
         append_attribute(out, "name", "string", part.name);
         append_attribute(out, "type", "string", "scanlineimage");
@@ -103,12 +107,14 @@ std::string compress_block(const std::string& raw) {
     std::string reordered(raw.size(), '\0');
     const std::size_t odd_begin = (raw.size() + 1) / 2;
     for (std::size_t i = 0; i < raw.size(); ++i) reordered[i / 2 + (i % 2 ? odd_begin : 0)] = raw[i];
+
     unsigned char previous = static_cast<unsigned char>(reordered[0]);
     for (std::size_t i = 1; i < reordered.size(); ++i) {
         const auto byte = static_cast<unsigned char>(reordered[i]);
         reordered[i] = static_cast<char>(static_cast<unsigned char>(byte - previous + 128));
         previous = byte;
     }
+
     uLongf size = compressBound(static_cast<uLong>(reordered.size()));
     std::string deflated(size, '\0');
     const int code =
@@ -130,25 +136,38 @@ struct ExrBook::PartState {
     std::vector<std::int64_t> offsets = {};  ///< offsets of the blocks in the file
 };
 
-ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), file_(path) {
+namespace {
+
+/// Throws std::logic_error unless the parts have names and channels of their own, and pixels of one size.
+void require_valid_parts(const std::string& path, const std::vector<ExrPart>& parts) {
+    if (parts.empty()) throw std::logic_error(path + ": an EXR without parts");
     std::set<std::string> names;
-    for (ExrPart& part : parts) {
-        file::add_provenance(path, part.spec.attributes);
+    for (const ExrPart& part : parts) {
         const ExrSpec& spec = part.spec;
         std::set<std::string_view> channels;
         for (const Channel& channel : spec.channels) channels.insert(channel.name);
         if (channels.size() != spec.channels.size())
-            throw std::logic_error(path_ + ": part " + part.name + " has two channels with the same name");
+            throw std::logic_error(path + ": part " + part.name + " has two channels with the same name");
         if (spec.width <= 0 || spec.height <= 0 || spec.channels.empty() || !names.insert(part.name).second ||
             spec.width != parts.front().spec.width || spec.height != parts.front().spec.height)
-            throw std::logic_error(path_ + ": part " + part.name + " has no pixels, a name or a size of its own");
-        if (part.name.empty() && parts.size() > 1) throw std::logic_error(path_ + ": a part without a name");
-        for (int block = 0; block < block_count(spec); ++block)
-            order_.emplace_back(part.run, block, static_cast<std::size_t>(&part - parts.data()));
+            throw std::logic_error(path + ": part " + part.name + " has no pixels, a name or a size of its own");
+        if (part.name.empty() && parts.size() > 1) throw std::logic_error(path + ": a part without a name");
     }
-    if (parts.empty()) throw std::logic_error(path_ + ": an EXR without parts");
+}
+
+}  // namespace
+
+ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), file_(path) {
+    require_valid_parts(path_, parts);
+
+    // The order of the blocks in the file.
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        for (int block = 0; block < block_count(parts[p].spec); ++block) order_.emplace_back(parts[p].run, block, p);
+    }
     std::ranges::sort(order_);
+
     for (ExrPart& part : parts) {
+        file::add_provenance(path, part.spec.attributes);
         std::vector<std::size_t> channels = sorted_channels(part.spec);
         part_states_.push_back({std::move(part), std::move(channels)});
     }
@@ -167,6 +186,7 @@ void ExrBook::write_header() {
         {magic, version | (has_parts() ? several_parts : 0) | (has_long_names ? long_names : 0)});
     for (const PartState& state : part_states_) header += header_bytes(state.part);
     if (has_parts()) header += '\0';
+
     file_.seek(0);
     file_.write(header);
     for (PartState& state : part_states_) {
@@ -183,6 +203,7 @@ void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<cons
     if (y_begin != state.received_lines || rows < 0 || rows > spec.height - state.received_lines ||
         pixels.size() != static_cast<std::size_t>(rows) * width * pixel_bytes)
         throw std::logic_error(path_ + ": rows of part " + state.part.name + " out of order or of another size");
+
     for (int y = 0; y < rows; ++y, pixels = pixels.subspan(width * pixel_bytes)) {
         for (const std::size_t c : state.channels) {
             const std::size_t start = state.block.size();
@@ -191,6 +212,8 @@ void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<cons
                 std::memcpy(state.block.data() + start + x * sample_bytes,
                             pixels.data() + x * pixel_bytes + c * sample_bytes, sample_bytes);
         }
+
+        // Compresses a block when its last line has come.
         ++state.received_lines;
         if (state.received_lines % block_lines != 0 && state.received_lines != spec.height) continue;
         add_block(part, (state.received_lines - 1) / block_lines, compress_block(state.block));

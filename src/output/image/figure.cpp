@@ -6,14 +6,14 @@ namespace lostbits::output::image {
 
 namespace fs = std::filesystem;
 
-FigureFiles::FigureFiles(const fs::path& path) : FigureFiles(path, file::figure_kinds(path)) {}
+FigureWriter::FigureWriter(const fs::path& path) : FigureWriter(path, file::figure_kinds(path)) {}
 
-FigureFiles::FigureFiles(const fs::path& path, const std::vector<std::string>& kinds) {
+FigureWriter::FigureWriter(const fs::path& path, const std::vector<std::string>& kinds) {
     for (const std::string& kind : kinds)
         files_.push_back(std::make_unique<file::AtomicFile>(fs::path(path).replace_extension(kind)));
 }
 
-void FigureFiles::save(const Canvas& canvas) {
+void FigureWriter::save(const Canvas& canvas) {
     for (auto& file : files_) {
         const fs::path path = file->path();
         const std::string kind = path.extension().string();
@@ -29,7 +29,7 @@ void FigureFiles::save(const Canvas& canvas) {
     }
 }
 
-void save_figure(const fs::path& path, const Canvas& canvas) { FigureFiles(path).save(canvas); }
+void save_figure(const fs::path& path, const Canvas& canvas) { FigureWriter(path).save(canvas); }
 
 std::vector<fs::path> figure_paths(const fs::path& path) {
     std::vector<fs::path> paths;

@@ -14,10 +14,10 @@ namespace lostbits::output::image {
 
 /// The files of one drawing, opened at once like AtomicFile: one of each kind, by default the kinds of pictures in the
 /// folder (`file::figure_kinds`). `path` ends in .png; a file of another kind has that ending instead.
-class FigureFiles {
+class FigureWriter {
 public:
-    explicit FigureFiles(const std::filesystem::path& path);
-    FigureFiles(const std::filesystem::path& path, const std::vector<std::string>& kinds);
+    explicit FigureWriter(const std::filesystem::path& path);
+    FigureWriter(const std::filesystem::path& path, const std::vector<std::string>& kinds);
 
     /// Writes every file and gives it its final name. Throws EnvironmentError, and std::logic_error for a drawing
     /// without pixels.

@@ -21,6 +21,8 @@ int choose_factor(int width, int height) {
 
 HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec) : spec_(std::move(spec)) {
     if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
+
+    // Sizes of the field with its frame, and of the bar beside it.
     enlargement_ = choose_factor(spec_.width, spec_.height);
     field_width_ = spec_.width * enlargement_;
     field_height_ = spec_.height * enlargement_;
@@ -34,16 +36,22 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     }
     content = std::max(content, style::min_content_width);
     page_width_ = content + 2 * style::margin;
+
+    // The head of the page is drawn now, and the foot at the end.
     const Canvas head = heading(spec_.title, spec_.subtitle, content);
     legend_.emplace(spec_.legend, content);
-    caption_lines_ = static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, false, content).size());
+    caption_lines_ =
+        static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, FontWeight::regular, content).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     top_ = Canvas(page_width_, head_height);
     top_.draw_canvas(style::margin, style::margin, head);
+
     auto kinds = file::figure_kinds(path);
     const bool has_png = std::erase(kinds, "png") > 0;
-    if (!kinds.empty()) other_files_ = std::make_unique<FigureFiles>(path, kinds);
+    if (!kinds.empty()) other_figure_writer_ = std::make_unique<FigureWriter>(path, kinds);
     if (!has_png) return;
+
+    // A PNG is written row by row, beginning with the head and the upper line of the frame.
     png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
     png_->write_rows(top_.height(), top_.pixels());
     bar_pixels_ = bar_.pixels();
@@ -63,6 +71,7 @@ void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
     } else {
         out += field_width_ + 2;
     }
+
     if (body_y_ < bar_.height())
         std::copy_n(bar_pixels_.begin() + std::ptrdiff_t{body_y_} * bar_.width(), bar_.width(), out + style::gap);
     png_->write_rows(1, page_row_);
@@ -75,7 +84,7 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     if (samples.size() / width > static_cast<std::size_t>(spec_.height - written_rows_)) {
         throw std::logic_error("heatmap: more rows than the field has");
     }
-    if (other_files_) field_.insert(field_.end(), samples.begin(), samples.end());
+    if (other_figure_writer_) field_.insert(field_.end(), samples.begin(), samples.end());
     for (; !samples.empty(); samples = samples.subspan(width)) {
         for (int i = 0; i < enlargement_ && png_; ++i) write_body_row(samples.first(width));
         ++written_rows_;
@@ -93,6 +102,7 @@ int HeatmapWriter::caption_height() const {
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
     if (written_rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
+
     Canvas foot(page_width_, foot_height());
     const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
                                       static_cast<std::size_t>(caption_lines_));
@@ -100,8 +110,10 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
                   style::ink);
     foot.draw_canvas(style::margin, style::gap + caption_height(), legend_->draw(legend));
-    if (other_files_) save_other_files(foot);
+    if (other_figure_writer_) save_other_files(foot);
     if (!png_) return;
+
+    // The lower line of the frame, empty rows beside a longer bar, and the foot.
     const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
     write_body_row(frame_row);
     while (body_y_ < body_height_) write_body_row({});
@@ -117,7 +129,7 @@ void HeatmapWriter::save_other_files(const Canvas& foot) {
     page.field(box, spec_.width, std::move(field_));
     page.draw_canvas(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
     page.draw_canvas(0, top_.height() + body_height_, foot);
-    other_files_->save(page);
+    other_figure_writer_->save(page);
 }
 
 }  // namespace lostbits::output::image

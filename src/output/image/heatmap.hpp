@@ -59,9 +59,9 @@ private:
     Canvas top_{0, 0}, bar_{0, 0};
     std::optional<Legend> legend_;
     std::vector<Rgb8> page_row_, bar_pixels_;
-    std::unique_ptr<PngWriter> png_;            // null if the run writes no PNG
-    std::unique_ptr<FigureFiles> other_files_;  // files of the other kinds, written at the end
-    std::vector<Rgb8> field_;                   // the whole field, for the other kinds
+    std::unique_ptr<PngWriter> png_;                     // null if the run writes no PNG
+    std::unique_ptr<FigureWriter> other_figure_writer_;  // files of the other kinds, written at the end
+    std::vector<Rgb8> field_;                            // the whole field, for the other kinds
 };
 
 }  // namespace lostbits::output::image

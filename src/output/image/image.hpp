@@ -60,6 +60,8 @@ public:
     virtual void close() = 0;
 };
 
+enum class FontWeight { regular, bold };
+
 /// Letters of one size on one baseline. SVG and PDF files store them as text.
 struct TextRun {
     std::string text;  ///< UTF-8
@@ -148,7 +150,8 @@ public:
     /// One line of text with letters of `size` pixels per em. The exponent of a power of 2 or 10, `2^-10`, is raised
     /// unless it is part of a name. A character that DejaVu Sans lacks becomes a box. If the text is not UTF-8, every
     /// byte beyond ASCII becomes `?`. Throws EnvironmentError if the font is not installed.
-    [[nodiscard]] virtual TextBitmap render_text(std::string_view utf8, int size, bool bold = false) = 0;
+    [[nodiscard]] virtual TextBitmap render_text(std::string_view utf8, int size,
+                                                 FontWeight weight = FontWeight::regular) = 0;
 
     /// Coverage of each pixel by all figures together, 0 to 255, row by row.
     [[nodiscard]] virtual std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) = 0;
@@ -169,7 +172,7 @@ protected:
 
 /// Version of this header; increase it with every change. A module of another build is then refused instead of
 /// misread.
-inline constexpr int image_module_abi = 7;
+inline constexpr int image_module_abi = 8;
 
 /// The module, loaded on the first call; later calls cost nothing. The program looks for it at $LOSTBITS_IMAGE_MODULE
 /// (if set, only there), beside itself, in `../lib/lostbits` and in `src/output` next to itself. Throws

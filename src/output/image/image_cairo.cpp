@@ -57,9 +57,9 @@ private:
 };
 
 /// DejaVu Sans at the paths of Debian, Fedora or Arch.
-FT_Face open_font(bool bold) {
+FT_Face open_font(FontWeight weight) {
     static FT_Library library = nullptr;
-    const std::string file = bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
+    const std::string file = weight == FontWeight::bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
     FT_Face face = nullptr;
     if (library != nullptr || FT_Init_FreeType(&library) == 0) {
         for (const char* folder :
@@ -75,27 +75,29 @@ FT_Face open_font(bool bold) {
 std::mutex font_mutex;  // FreeType's faces are not safe for threads
 
 /// FreeType's own hinting in greys, which is crisper at 9 to 18 pixels. Lives as long as the module.
-cairo_scaled_font_t* make_font(int size, bool bold) {
+cairo_scaled_font_t* make_font(int size, FontWeight weight) {
     cairo_font_options_t* options = cairo_font_options_create();
     cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
     cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_FULL);
     cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_ON);
+
     cairo_matrix_t identity, scale;
     cairo_matrix_init_identity(&identity);
     cairo_matrix_init_scale(&scale, size, size);
-    cairo_font_face_t* face = cairo_ft_font_face_create_for_ft_face(open_font(bold), 0);
+    cairo_font_face_t* face = cairo_ft_font_face_create_for_ft_face(open_font(weight), 0);
     cairo_scaled_font_t* font = cairo_scaled_font_create(face, &scale, &identity, options);
+
     cairo_font_face_destroy(face);
     cairo_font_options_destroy(options);
     check(cairo_scaled_font_status(font));
     return font;
 }
 
-cairo_scaled_font_t* cached_font(int size, bool bold) {
-    static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
-    const auto entry = fonts.find({size, bold});
+cairo_scaled_font_t* cached_font(int size, FontWeight weight) {
+    static std::map<std::pair<int, FontWeight>, cairo_scaled_font_t*> fonts;
+    const auto entry = fonts.find({size, weight});
     return entry != fonts.end() ? entry->second
-                                : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
+                                : fonts.emplace(std::pair(size, weight), make_font(size, weight)).first->second;
 }
 
 /// Glyphs of one size with their positions.
@@ -114,6 +116,8 @@ GlyphRun lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& 
         return cairo_scaled_font_text_to_glyphs(font, origin.x, origin.y, text.data(), static_cast<int>(text.size()),
                                                 &glyphs, &count, nullptr, nullptr, nullptr);
     };
+
+    // Bytes beyond ASCII become question marks if the text is not UTF-8.
     cairo_status_t status = glyphs_of_text();
     if (status == CAIRO_STATUS_INVALID_STRING) {
         std::ranges::replace_if(
@@ -121,6 +125,7 @@ GlyphRun lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& 
         status = glyphs_of_text();
     }
     check(status);
+
     cairo_text_extents_t extents;
     cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
     return {font, {glyphs, cairo_glyph_free}, count, {std::move(text), 0, origin.x, origin.y, extents.x_advance}};
@@ -137,10 +142,14 @@ std::size_t exponent_after(std::string_view text, std::size_t caret) {
         if (after.starts_with('.')) after.remove_prefix(1);
         return !after.empty() && (std::isalpha(static_cast<unsigned char>(after[0])) || after[0] == '_');
     };
+
+    // The base, perhaps with a minus sign.
     std::string_view before = text.substr(0, caret);
     if (!before.ends_with('2') && !before.ends_with("10")) return 0;
     before.remove_suffix(before.ends_with('2') ? 1 : 2);
     if (before.ends_with('-')) before.remove_suffix(1);
+
+    // The exponent, perhaps with a sign.
     text.remove_prefix(caret + 1);
     const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
     const auto number = text.substr(0, text.find_first_not_of(".0123456789", sign));
@@ -167,26 +176,30 @@ void draw_figures(cairo_t* pen, std::span<const Figure> figures) {
 
 }  // namespace
 
-TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
+TextBitmap cairo_text(std::string_view utf8, int size, FontWeight weight) {
     const FloatingPointGuard guard;
     const std::lock_guard lock(font_mutex);
+
     // Line box of DejaVu Sans in em, the same for every text, which keeps the baselines of different texts level.
     // Digits are 0.73 em high, so raised digits stay inside.
     TextBitmap out;
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
     const int exponent_size = std::max(size * 3 / 4, style::smallest_size - 1), exponent_rise = size * 2 / 5;
-    out.is_bold = bold;
+    out.is_bold = weight == FontWeight::bold;
+
     std::vector<GlyphRun> glyph_runs;
     double pen_x = 0;
     const auto add_run = [&](std::string_view text, int letter_size, double raised_by) {
         if (text.empty()) return;
-        glyph_runs.push_back(lay_out(cached_font(letter_size, bold), text, {pen_x, out.baseline - raised_by}));
+        glyph_runs.push_back(lay_out(cached_font(letter_size, weight), text, {pen_x, out.baseline - raised_by}));
         pen_x += glyph_runs.back().run.width;
         out.runs.push_back(glyph_runs.back().run);
         out.runs.back().size = letter_size;
         out.runs.back().is_exponent = raised_by > 0;
     };
+
+    // Each exponent is a run of its own, between runs of plain text.
     std::size_t start = 0;
     for (std::size_t caret = utf8.find('^'); caret != std::string_view::npos; caret = utf8.find('^', caret + 1)) {
         const std::size_t exponent_length = exponent_after(utf8, caret);
@@ -196,6 +209,7 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
         start = caret + 1 + exponent_length;
     }
     add_run(utf8.substr(start), size, 0);
+
     out.width = static_cast<int>(std::lround(std::clamp(pen_x, 0.0, max_width)));
     const CoverageSurface surface(out.width, out.height);
     for (const GlyphRun& glyph_run : glyph_runs) {
@@ -234,6 +248,7 @@ public:
         cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
         for (const auto& [keyword, text] : metadata)
             cairo_pdf_surface_set_metadata(surface_.get(), metadata_field(keyword), text.c_str());
+
         const std::unique_ptr<cairo_t, void (*)(cairo_t*)> pen(cairo_create(surface_.get()), cairo_destroy);
         pen_ = pen.get();
         cairo_scale(pen_, points_per_pixel, points_per_pixel);
@@ -247,6 +262,7 @@ public:
             paint(shape, mark);
             cairo_restore(pen_);
         });
+
         const cairo_status_t drawing_status = cairo_status(pen_);
         cairo_surface_finish(surface_.get());
         if (failure_) std::rethrow_exception(failure_);
@@ -295,6 +311,8 @@ private:
         const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> samples(
             cairo_image_surface_create(CAIRO_FORMAT_RGB24, field.columns, field.rows()), cairo_surface_destroy);
         check(cairo_surface_status(samples.get()));
+
+        // Copies the samples row by row, because Cairo pads its rows.
         unsigned char* row = cairo_image_surface_get_data(samples.get());
         const int stride = cairo_image_surface_get_stride(samples.get());
         auto sample = field.samples.begin();
@@ -306,6 +324,8 @@ private:
             }
         }
         cairo_surface_mark_dirty(samples.get());
+
+        // Stretches them to the box without blending neighbours.
         cairo_translate(pen_, field.box.x, field.box.y);
         cairo_scale(pen_, static_cast<double>(field.box.width) / field.columns,
                     static_cast<double>(field.box.height) / field.rows());
@@ -321,14 +341,16 @@ private:
             cairo_translate(pen_, 0, line.text.height);
             cairo_rotate(pen_, -std::acos(0.0));
         }
-        for (const TextRun& run : line.text.runs) paint_run(run, line.text.is_bold);
+        for (const TextRun& run : line.text.runs)
+            paint_run(run, line.text.is_bold ? FontWeight::bold : FontWeight::regular);
     }
 
     /// Letters without hinting are some percent narrower or wider, so they get the positions that they have in the PNG.
     /// The first letter of an exponent stands for itself and a `^`, so that copied text reads `2^-10` and not `2-10`.
-    void paint_run(const TextRun& run, bool bold) {
-        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(cached_font(style::text_size, bold)));
+    void paint_run(const TextRun& run, FontWeight weight) {
+        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(cached_font(style::text_size, weight)));
         cairo_set_font_size(pen_, run.size);
+
         cairo_glyph_t* glyphs = nullptr;
         cairo_text_cluster_t* clusters = nullptr;
         int count = 0, cluster_count = 0;
@@ -336,10 +358,13 @@ private:
         cairo_scaled_font_t* const font = cairo_get_scaled_font(pen_);
         check(cairo_scaled_font_text_to_glyphs(font, 0, 0, run.text.data(), static_cast<int>(run.text.size()), &glyphs,
                                                &count, &clusters, &cluster_count, &flags));
+
+        // Stretches the letters to the width that they have in the PNG.
         cairo_text_extents_t extents;
         cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
         const double stretch = extents.x_advance > 0 ? run.width / extents.x_advance : 1;
         for (int i = 0; i < count; ++i) glyphs[i] = {glyphs[i].index, run.x + glyphs[i].x * stretch, run.y};
+
         const std::string copied_text = (run.is_exponent ? "^" : "") + run.text;
         if (run.is_exponent && cluster_count > 0) ++clusters[0].num_bytes;
         cairo_show_text_glyphs(pen_, copied_text.data(), static_cast<int>(copied_text.size()), glyphs, count, clusters,

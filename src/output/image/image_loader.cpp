@@ -60,6 +60,7 @@ ImageBackend& load_backend() {
     // tenth of a second.
     void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (handle == nullptr) throw_cannot_load(path, ::dlerror());
+
     const auto abi = reinterpret_cast<int (*)()>(::dlsym(handle, "lostbits_image_abi"));
     const auto get_backend = reinterpret_cast<ImageBackend* (*)()>(::dlsym(handle, "lostbits_image_backend"));
     if (abi == nullptr || get_backend == nullptr) throw_wrong_module(path, "is not an image module of lostbits");

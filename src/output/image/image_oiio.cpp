@@ -179,6 +179,8 @@ public:
                              "'; try viridis, inferno, magma, plasma or turbo");
         }
         if (steps < 2) throw std::logic_error("a colour ramp of fewer than two steps");
+
+        // The library paints a ramp of positions.
         const FloatingPointGuard guard;
         OIIO::ImageBuf positions(OIIO::ImageSpec(steps, 1, 1, OIIO::TypeDesc::FLOAT));
         for (int i = 0; i < steps; ++i) {
@@ -188,6 +190,7 @@ public:
         const OIIO::ImageBuf colours =
             OIIO::ImageBufAlgo::color_map(positions, 0, OIIO::string_view(name.data(), name.size()));
         if (colours.has_error()) throw EnvironmentError("cannot make the colour ramp: " + colours.geterror());
+
         std::vector<Rgb8> out;
         for (int i = 0; i < steps; ++i) {
             float rgb[3] = {};
@@ -197,7 +200,9 @@ public:
         return out;
     }
 
-    TextBitmap render_text(std::string_view utf8, int size, bool bold) override { return cairo_text(utf8, size, bold); }
+    TextBitmap render_text(std::string_view utf8, int size, FontWeight weight) override {
+        return cairo_text(utf8, size, weight);
+    }
     std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
         return cairo_coverage(figures, box);
     }
@@ -225,6 +230,39 @@ std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& pat
     return names;
 }
 
+/// Reads a number of type `To` from the bytes at `p`.
+template <class To>
+To read_bytes(const std::byte* p) {
+    To number;
+    std::memcpy(&number, p, sizeof number);
+    return number;
+}
+
+/// Takes the channels apart: pixels lie one after the other, each with its samples in the order of the channels.
+std::vector<ExrChannel> split_channels(const OIIO::ImageSpec& spec, const std::vector<std::byte>& pixels) {
+    const std::size_t stride = spec.pixel_bytes(true), pixel_count = pixels.size() / stride;
+    std::vector<ExrChannel> channels;
+    std::size_t offset = 0;
+    for (int c = 0; c < spec.nchannels; ++c) {
+        const OIIO::TypeDesc type = spec.channelformat(c);
+        const auto gather = [&](auto convert) {
+            std::vector<decltype(convert(pixels.data()))> samples(pixel_count);
+            for (std::size_t i = 0; i < pixel_count; ++i) samples[i] = convert(pixels.data() + i * stride + offset);
+            channels.push_back({spec.channel_name(c), std::move(samples)});
+        };
+        if (type == OIIO::TypeDesc::UINT) gather(read_bytes<std::uint32_t>);
+        else if (type == OIIO::TypeDesc::FLOAT) gather(read_bytes<float>);
+        else
+            gather([type](const std::byte* p) {
+                float f = 0;
+                OIIO::convert_pixel_values(type, p, OIIO::TypeDesc::FLOAT, &f, 1);
+                return f;
+            });
+        offset += type.size();
+    }
+    return channels;
+}
+
 ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t part) {
     const FloatingPointGuard guard;
     static_cast<void>(ExrHeads(path));
@@ -232,44 +270,16 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
     const int part_index = static_cast<int>(part);
     if (!input->seek_subimage(part_index, 0))
         throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + input->geterror());
+
     const OIIO::ImageSpec& spec = input->spec();
     require_pixel_memory(path, claimed_pixels_of(spec, 0), 2);  // the headers were checked against the file
     const auto pixel_count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
-    const auto stride = spec.pixel_bytes(true);
-    std::vector<std::byte> pixels(pixel_count * stride);
+    std::vector<std::byte> pixels(pixel_count * spec.pixel_bytes(true));
     if (!input->read_image(part_index, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
         throw InputError(path.string() + ": cannot read: " + input->geterror());
     }
-    ExrImage out{spec.width, spec.height, {}, {}};
-    std::size_t offset = 0;
-    for (int c = 0; c < spec.nchannels; ++c) {
-        const OIIO::TypeDesc type = spec.channelformat(c);
-        const auto gather = [&](auto convert) {
-            std::vector<decltype(convert(pixels.data()))> samples(pixel_count);
-            for (std::size_t i = 0; i < pixel_count; ++i) samples[i] = convert(pixels.data() + i * stride + offset);
-            out.channels.push_back({spec.channel_name(c), std::move(samples)});
-        };
-        if (type == OIIO::TypeDesc::UINT) {
-            gather([](const std::byte* p) {
-                std::uint32_t u;
-                std::memcpy(&u, p, sizeof u);
-                return u;
-            });
-        } else if (type == OIIO::TypeDesc::FLOAT) {
-            gather([](const std::byte* p) {
-                float f;
-                std::memcpy(&f, p, sizeof f);
-                return f;
-            });
-        } else {
-            gather([type](const std::byte* p) {
-                float f = 0;
-                OIIO::convert_pixel_values(type, p, OIIO::TypeDesc::FLOAT, &f, 1);
-                return f;
-            });
-        }
-        offset += type.size();
-    }
+
+    ExrImage out{spec.width, spec.height, split_channels(spec, pixels), {}};
     std::sort(out.channels.begin(), out.channels.end(), [](auto& a, auto& b) { return a.name < b.name; });
     for (const auto& attribute : spec.extra_attribs) {
         if (attribute.type() == OIIO::TypeDesc::STRING) {

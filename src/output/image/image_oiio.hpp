@@ -24,7 +24,7 @@ namespace lostbits::output::image {
 using intersect::process::FloatingPointGuard;
 
 /// Implementations of ImageBackend::render_text, cover and write_pdf.
-[[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
+[[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, FontWeight weight);
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
 void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata);
 
@@ -66,6 +66,7 @@ public:
         if (!in_ || error) throw InputError(path.string() + ": cannot read; give an existing openexr file");
         if (read_number(4) != 20000630) throw InputError(path.string() + ": is not an openexr file");
         version_ = read_number(4);
+
         std::uint64_t blocks = 0;
         for (bool is_first = true, has_several_parts = (version_ & 0x1000U) != 0; is_first || has_several_parts;
              is_first = false) {
@@ -152,6 +153,8 @@ private:
             const std::uint64_t bytes = read_number(4), begin = position_, end = position_ + bytes;
             if (bytes > file_bytes_ - position_) throw_cut_off();
             require_value(type, bytes);
+
+            // The attributes that tell how many pixels and blocks the part has.
             seek_to(begin);
             if (attribute == "channels") head.pixels.bytes_each = pixel_bytes(end);
             if (attribute == "compression" && bytes == 1) head.compression = static_cast<unsigned>(read_number(1));
@@ -172,6 +175,7 @@ private:
     void require_value(const std::string& type, std::uint64_t bytes) {
         const auto fixed_size = std::ranges::find(type_sizes, type, &std::pair<std::string_view, unsigned>::first);
         if (fixed_size != type_sizes.end() && fixed_size->second != bytes) throw_cut_off();
+
         const std::uint64_t end = position_ + bytes;
         if (type == "chlist") static_cast<void>(pixel_bytes(end));
         if (type == "preview") {

@@ -75,6 +75,7 @@ private:
         if (data_ != nullptr) text_ += "</g>\n";
         data_ = data;
         if (data == nullptr) return;
+
         text_ += "<g data-keys=\"" + file::html(data->keys) + "\"";
         for (const auto& [name, positions] : {std::pair("x", &data->x), {"y", &data->y}}) {
             std::string numbers;
@@ -108,6 +109,8 @@ private:
         clip_to({});
         const TextBitmap& text = line.text;
         if (text.runs.empty()) return;
+
+        // One run has its attributes in the element itself; of several, each gets a `tspan`.
         text_ += "<text";
         if (text.is_rotated)
             text_ += fmt::format(" transform=\"translate({} {})rotate(-90)\"", line.x, line.y + text.height);
@@ -120,6 +123,7 @@ private:
         if (text.runs.size() == 1) text_ += run_attributes(text.runs.front());
         if (text.is_bold) text_ += " font-weight=\"bold\"";
         text_ += fmt::format(" fill=\"{}\">", colour_text(mark.colour));
+
         for (const TextRun& run : text.runs) {
             const std::string escaped_text = file::html(run.text);
             text_ += text.runs.size() == 1 ? escaped_text
@@ -140,6 +144,8 @@ private:
                                      number_text(figure->thickness / 2), ink);
                 continue;
             }
+
+            // Lines of one look share a path.
             std::string path = path_through(figure->points);
             if (figure->thickness == 0) {
                 text_ += fmt::format("<path fill=\"{}\" d=\"{}z\"/>\n", ink, path);

@@ -38,6 +38,7 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
         rows > static_cast<std::size_t>(field_height_ - y_begin)) {
         throw std::logic_error("thumbnail: rows outside the field");
     }
+
     if (pixels_.empty()) {
         const auto count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
         pixels_.resize(count);
@@ -47,6 +48,7 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
             down_ = overlaps(field_height_, height_);
         }
     }
+
     for (std::size_t i = 0; i < rows; ++i) {
         add_row(y_begin + static_cast<int>(i), samples.subspan(i * width, width));
     }
@@ -71,7 +73,6 @@ void Thumbnail::pick_row(int y, std::span<const Rgb8> samples) {
 }
 
 void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
-    const auto out_width = static_cast<std::size_t>(width_);
     if (factor_ > 0) {
         for (int j = y * factor_; j < (y + 1) * factor_; ++j) {
             auto out = pixels_.begin() + j * width_;
@@ -80,6 +81,11 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         return;
     }
     if (shrink_ == Shrink::pick) return pick_row(y, samples);
+    average_row(y, samples);
+}
+
+void Thumbnail::average_row(int y, std::span<const Rgb8> samples) {
+    const auto out_width = static_cast<std::size_t>(width_);
     // A row of samples is summed once; its sums are then added to one or two rows of pixels, because the weights are
     // products.
     static const auto light_of_byte = [] {
@@ -98,6 +104,7 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         if (overlap.next_weight == 0) continue;
         for (std::size_t c = 0; c < 3; ++c) out[c + 3] += overlap.next_weight * light[c];
     }
+
     const Overlap& overlap = down_[static_cast<std::size_t>(y)];
     for (const auto& [pixel, weight] :
          {std::pair(overlap.pixel, overlap.weight), std::pair(overlap.pixel + 1, overlap.next_weight)}) {

@@ -26,7 +26,7 @@ namespace slot = scene::dump::slot;
 namespace {
 
 /// Makes the scene that a map needs: a name, a size, the shapes of the primitives, and the mesh if there is one.
-scene::file::Scene make_scene(const JudgeRequest& request, const Dump& dump, const JudgeFilesOptions& options) {
+scene::file::Scene make_scene(const JudgeRequest& request, const Dump& dump, const JudgeWriterOptions& options) {
     scene::file::Scene scene;
     scene.id = options.id;
     scene.title = options.title;
@@ -66,6 +66,7 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     const scene::dump::Layout& layout = dump.layout();
     Table<R> table{
         {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.band_ray.i; }}};
+
     // Numbers of a file of floats are written with only the digits that a float needs.
     const bool is_f32 = dump.format().engine == Format::Engine::native32;
     const auto number = [is_f32](double x) { return is_f32 ? Cell(static_cast<float>(x)) : Cell(x); };
@@ -77,6 +78,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.band_ray.i)); });
     };
+
+    // The ray and its range.
     for (int k = 0; k < 6; ++k)
         add_number(slot::origin + static_cast<std::size_t>(k), "number of the ray, as it was judged",
                    [k](const Chunk& c, std::size_t i) {
@@ -86,6 +89,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     add_number(slot::tmin, "beginning of the ray's range",
                [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
     add_number(slot::tmax, "end of the ray's range", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
+
+    // The primitive and its matrix.
     for (std::size_t s = slot::primitive; s < slot::t; ++s)
         add_number(
             s, "number of the ray's primitive, as it was judged",
@@ -93,6 +98,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
         add_number(s, "number of the primitive's matrix, as it was judged",
                    [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
+
+    // The answer.
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_file_hit);
     add(slot::t, "number", "the file's answer; missing if it has no hit",
         [number](const R& r) { return has_file_hit(r) ? number(r.chunk->t[r.band_ray.i]) : Cell(); });
@@ -107,10 +114,12 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     answer_columns.add_exact({"answer", "t", "the answer that was judged, in its own unit",
                               [has_no_t](const AnswerRay& r) { return table::when(r.has_hit() && !has_no_t, r.t()); }});
     answer_columns.add(map::truth_and_metric_columns(metrics));
+
+    // Columns that the file holds beside rays and answers get names that no other column has.
     Table<JudgedRay> table = file_columns(dump);
     const std::size_t kept_count = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
-        std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
+        std::string name = file::escape_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || answer_columns.find(name)) name = "file_" + name;
         table.add({name, "this column of the file, unchanged",
                    [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
@@ -119,9 +128,10 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
 }
 
 /// Files of one series: its table of rays, its worst rays, and its part of the map.
-class SeriesFiles {
+class SeriesWriter {
 public:
-    SeriesFiles(const TestedForm& tested_form, WorstRays worst) : tested_form_(tested_form), worst_(std::move(worst)) {}
+    SeriesWriter(const TestedForm& tested_form, WorstRays worst)
+        : tested_form_(tested_form), worst_(std::move(worst)) {}
     void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         table_.emplace(
             folder, map::row_name(tested_form_) + ".csv",
@@ -150,14 +160,14 @@ private:
 
 }  // namespace
 
-struct JudgeFiles::Parts {
+struct JudgeWriter::Parts {
     const JudgeRequest& request;
-    JudgeFilesOptions options;
+    JudgeWriterOptions options;
     scene::file::Scene scene;
     measure::evaluate::MapStudy map_request = {};
     std::optional<map::MapWriter> map = {};
     std::optional<file::AtomicFile> worst_file = {};
-    std::vector<std::unique_ptr<SeriesFiles>> series = {};
+    std::vector<std::unique_ptr<SeriesWriter>> series = {};
 
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
     [[nodiscard]] pixel::PieceReceiver keep_map_piece() {
@@ -169,20 +179,23 @@ struct JudgeFiles::Parts {
     }
 };
 
-JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFilesOptions options) {
+JudgeWriter::JudgeWriter(const JudgeRequest& request, const Dump& dump, JudgeWriterOptions options) {
     parts_.reset(new Parts{.request = request, .options = std::move(options), .scene = {}});
     Parts& p = *parts_;
     p.scene = make_scene(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .tested_forms = request.tested_forms, .metrics = request.metrics};
     const std::size_t ulp_error_index = measure::metric::index_of(request.metrics, "ulp_error");
+
+    // The files of each series.
     std::vector<file::DataResource> tables;
     for (const TestedForm& tested_form : request.tested_forms) {
         p.series.push_back(
-            std::make_unique<SeriesFiles>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
+            std::make_unique<SeriesWriter>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
         if (!p.options.writes_rows) continue;
         p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
         tables.push_back(p.series.back()->table()->about());
     }
+
     p.map.emplace(
         p.map_request,
         map::MapFilesOptions{.folder = p.options.folder,
@@ -195,35 +208,36 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                              .keep_piece = p.keep_map_piece(),
                              .group_column = request.group_column ? dump.layout().kept()[*request.group_column] : ""});
     if (p.options.worst_count > 0 && !p.options.keep_piece) p.worst_file.emplace(p.options.folder / "worst.toml");
+
     for (std::size_t r = 0; r < p.series.size(); ++r)
         p.series[r]->connect_map(
             [show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
 }
 
-JudgeFiles::~JudgeFiles() = default;
+JudgeWriter::~JudgeWriter() = default;
 
-void JudgeFiles::add_piece(std::size_t form_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+void JudgeWriter::add_piece(std::size_t form_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
     parts_->series[form_index]->add_piece(chunk, result);
 }
 
-void JudgeFiles::put(std::size_t form_index, pixel::Piece&& piece) {
+void JudgeWriter::put(std::size_t form_index, pixel::Piece&& piece) {
     if (auto& table = parts_->series.at(form_index)->table()) table->add_lines(piece.lines);
     piece.lines.clear();
     parts_->map->put(form_index, std::move(piece));
 }
 
-std::vector<WorstRays> JudgeFiles::worst() const {
+std::vector<WorstRays> JudgeWriter::worst() const {
     std::vector<WorstRays> worst_rays;
-    for (const auto& files : parts_->series) worst_rays.push_back(files->worst());
+    for (const auto& series : parts_->series) worst_rays.push_back(series->worst());
     return worst_rays;
 }
 
-void JudgeFiles::append(std::vector<WorstRays>&& later_rays) {
+void JudgeWriter::append(std::vector<WorstRays>&& later_rays) {
     for (std::size_t r = 0; r < parts_->series.size(); ++r)
         parts_->series[r]->worst().append(std::move(later_rays.at(r)));
 }
 
-bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
+bool JudgeWriter::finish(const measure::judge::JudgeResult& result) {
     Parts& p = *parts_;
     std::string cases;
     for (std::size_t r = 0; r < p.series.size(); ++r) {
@@ -232,6 +246,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
         }
         p.series[r]->close();
     }
+
     const bool has_cases = p.worst_file && !cases.empty();
     if (has_cases) {
         p.worst_file->write(sweep::case_file_head("The worst rays of " + p.options.title, p.options.command) + cases);

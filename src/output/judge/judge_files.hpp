@@ -15,7 +15,7 @@ namespace lostbits::output::judge {
 
 using measure::judge::WorstRays;
 
-struct JudgeFilesOptions {
+struct JudgeWriterOptions {
     std::filesystem::path folder;
     std::string id, title;
     std::string command;  ///< the command that finds the worst rays again
@@ -27,14 +27,14 @@ struct JudgeFilesOptions {
     pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };
 
-/// Opens every file before any work and gives all files their final names in `finish`, like `MapWriter`.
-class JudgeFiles {
+/// Opens every file before any work and gives all files their final names in `finish`.
+class JudgeWriter {
 public:
     /// All three arguments must outlive the object.
-    JudgeFiles(const measure::judge::JudgeRequest& request, const scene::dump::Dump& dump, JudgeFilesOptions options);
-    ~JudgeFiles();
-    JudgeFiles(const JudgeFiles&) = delete;
-    JudgeFiles& operator=(const JudgeFiles&) = delete;
+    JudgeWriter(const measure::judge::JudgeRequest& request, const scene::dump::Dump& dump, JudgeWriterOptions options);
+    ~JudgeWriter();
+    JudgeWriter(const JudgeWriter&) = delete;
+    JudgeWriter& operator=(const JudgeWriter&) = delete;
 
     /// Adds the next judged rays of a series (a form in a format). `form_index` is its index in the request.
     void add_piece(std::size_t form_index, const scene::dump::Chunk& chunk,

@@ -42,6 +42,8 @@ void add_list_columns(Table<MeshSummaryRow>& table) {
     add("false_hits", "hits that belong to no crossing", &MeshAnswersResult::false_hits);
     add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::double_hits);
     add("neighbour_hits", "hits of a triangle beside the triangle that is met", &MeshAnswersResult::neighbour_hits);
+
+    // Errors of the hits that belong to a crossing.
     const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
                                       measure::metric::Distribution MeshAnswersResult::*distribution) {
         for (const auto& statistic : measure::metric::statistics)
@@ -68,6 +70,7 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
              return std::string(scene::dump::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
          }},
         {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
+
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
         if (!measure::judge::can_be(outcome, kind)) continue;
@@ -75,6 +78,7 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
         table.add({std::string(name), records + ": " + std::string(meaning),
                    [outcome](const MeshSummaryRow& r) { return r.result->count(outcome); }});
     }
+
     if (kind != AnswerKind::inside)
         table.add({"crossings", "true crossings of the surface by all rays",
                    [](const MeshSummaryRow& r) { return r.result->crossings; }});
@@ -93,7 +97,9 @@ std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     const Vec<double>& origin = answer.ray.origin;
     if (is_point) return file::number_list(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
     scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
-    group.rays.tmin = {answer.range.tmin}, group.rays.tmax = {answer.range.tmax}, group.rays.open = answer.range.open;
+    group.rays.tmin = {answer.range.tmin};
+    group.rays.tmax = {answer.range.tmax};
+    group.rays.open = answer.range.open;
     return attribution::explain_ray_arguments(&group);
 }
 
@@ -101,10 +107,14 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     const bool is_point = kind == AnswerKind::inside;
     using R = JudgedAnswer;
     Table<R> table{{"record", "index of its first record in the file, from 0", &R::record}};
+
+    // The ray or the point.
     constexpr std::array ray_names{"ox", "oy", "oz", "dx", "dy", "dz"}, point_names{"px", "py", "pz", "", "", ""};
     for (int k = 0; k < (is_point ? 3 : 6); ++k)
         table.add({(is_point ? point_names : ray_names).at(static_cast<std::size_t>(k)), "number of it, as judged",
                    [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
+
+    // The judgement and the answer.
     table.add({"outcome", "the last of its faults in the order of summary.csv",
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
     table.add({kind == AnswerKind::all_hits
@@ -112,6 +122,8 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                    : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
+
+    // Counts of crossings and hits.
     const auto count_in_judgement = [](std::size_t measure::judge::ListJudgement::*count) {
         return [count](const R& r) { return r.judgement.*count; };
     };
@@ -123,6 +135,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     table.add({"double_hits", "hits of a crossing that has an earlier hit", count_in_judgement(&J::double_hits)});
     table.add({"neighbour_hits", "hits of a triangle beside the triangle that is met",
                count_in_judgement(&J::neighbour_hits)});
+
     return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double largest = measure::truth::missing;
                           for (const double ulps : r.ulps) largest = std::fmax(largest, std::fabs(ulps));
@@ -130,7 +143,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                       }});
 }
 
-MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
+MeshAnswerWriter::MeshAnswerWriter(MeshAnswerWriterOptions options)
     : options_(std::move(options)),
       summary_(options_.folder, summary_file, "The answers of the file", mesh_summary_table(options_.kind)),
       faults_(options_.folder, faults_file,
@@ -141,12 +154,12 @@ MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
                       std::string("One row per ") + record_noun(options_.kind), mesh_answer_table(options_.kind));
 }
 
-void MeshAnswerFiles::add(std::span<const JudgedAnswer> answers) {
+void MeshAnswerWriter::add(std::span<const JudgedAnswer> answers) {
     if (!rows_) return;
     for (const JudgedAnswer& answer : answers) rows_->add(answer);
 }
 
-void MeshAnswerFiles::finish(const MeshAnswersResult& result) {
+void MeshAnswerWriter::finish(const MeshAnswersResult& result) {
     faults_.add_all(mesh_fault_rows(result));
     summary_.add({options_.name, options_.format, &result});
     table::close_tables(options_.folder, options_.title, summary_, faults_, rows_);

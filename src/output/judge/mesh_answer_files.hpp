@@ -16,7 +16,7 @@ using measure::judge::JudgedAnswer;
 using measure::judge::MeshAnswersResult;
 using scene::dump::AnswerKind;
 
-struct MeshAnswerFilesOptions {
+struct MeshAnswerWriterOptions {
     std::filesystem::path folder;
     std::string name;    ///< name of the file of answers
     std::string format;  ///< format in which the answers were computed
@@ -48,14 +48,14 @@ std::string answer_arguments(const JudgedAnswer& answer, bool is_point);
 table::Table<JudgedAnswer> mesh_answer_table(AnswerKind kind);
 
 /// Opens every file before any work, and gives all files their final names in `finish`.
-class MeshAnswerFiles {
+class MeshAnswerWriter {
 public:
-    explicit MeshAnswerFiles(MeshAnswerFilesOptions options);
+    explicit MeshAnswerWriter(MeshAnswerWriterOptions options);
     void add(std::span<const JudgedAnswer> answers);
     void finish(const MeshAnswersResult& result);
 
 private:
-    MeshAnswerFilesOptions options_;
+    MeshAnswerWriterOptions options_;
     table::TableFile<MeshSummaryRow> summary_;
     table::TableFile<MeshFaultRow> faults_;
     std::optional<table::TableFile<JudgedAnswer>> rows_;

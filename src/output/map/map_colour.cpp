@@ -61,14 +61,14 @@ LostBitsScale::LostBitsScale(std::span<const TestedForm> tested_forms)
       unit_(precision_ ? "lost bits" : "% of the significand lost") {}
 
 Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {
-    return bar_.map(precision_ ? bits : 100 * bits / format.precision);
+    return bar_.colour_of_value(precision_ ? bits : 100 * bits / format.precision);
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
     // A correct hit on which the metric is undefined (the form has no exact value there) gets the colour of its
     // outcome.
-    return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
+    return std::isnan(value) ? image::outcome_colours[0] : scale.colour_of_value(std::fabs(value));
 }
 
 std::vector<LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total) {

@@ -176,7 +176,8 @@ pixel::Look MapPictures::make_look(const Drawing& drawing) const {
     look.unit = drawing.paint->metric().unit;
     if (!options_.sheet_only_file.empty()) look.categories[drawing.paint->index_of(Outcome::agree_hit)].name.clear();
     if (draws_envelope_of(drawing.paint->metric()))
-        look.categories.push_back({paler_colour_meaning, make_paler(look.scale->map(look.scale->hi() / 2))});
+        look.categories.push_back(
+            {paler_colour_meaning, make_paler(look.scale->colour_of_value(look.scale->hi() / 2))});
     return look;
 }
 

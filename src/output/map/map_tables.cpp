@@ -74,7 +74,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     if (group_column.empty()) return table;
 
     // A column may have the name of a formula, or of a column of ours.
-    group_column = file::without_formula(group_column);
+    group_column = file::escape_formula(group_column);
     while (table.find(group_column) != nullptr) group_column = "file_" + group_column;
     return Table<R>{{group_column, "value that the rays of this row have in that column; missing: all rays", &R::group}}
         .add(std::move(table));

@@ -47,7 +47,7 @@ struct Look {
     std::function<std::vector<image::LegendEntry>(const CategoryCounts*, std::uint64_t pixels)> make_legend = {};
 
     [[nodiscard]] image::Rgb8 colour(const PixelValue& pixel) const {
-        if (!std::isnan(pixel.value)) return scale->map(pixel.value);
+        if (!std::isnan(pixel.value)) return scale->colour_of_value(pixel.value);
         return pixel.colour ? *pixel.colour : categories[pixel.category].colour;
     }
     /// Legend of the categories that have a pixel, with their counts and their fractions of all pixels.

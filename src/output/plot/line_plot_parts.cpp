@@ -128,7 +128,7 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
     int total = 0;
     int highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
-        Entry entry{image::wrap_text(label, font_size, false, text_width), line, area};
+        Entry entry{image::wrap_text(label, font_size, image::FontWeight::regular, text_width), line, area};
         highest = std::max(highest, height_of(entry));
         total += height_of(entry);
         entries_.push_back(std::move(entry));
@@ -205,7 +205,7 @@ MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
     for (const auto& mark : marks) {
         PlacedLabel label{mark.x, {}};
         const int space = std::max(limit - static_cast<int>(mark.x), 40);
-        label.text = image::wrap_text(mark.label, image::style::small_size, false, space);
+        label.text = image::wrap_text(mark.label, image::style::small_size, image::FontWeight::regular, space);
         for (const auto& text : label.text) {
             label.width = std::max(label.width, text.width);
             label.height += text.height;

@@ -273,11 +273,11 @@ PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height
 
     // Margins for the titles.
     if (!x.title().empty()) {
-        x_title_ = image::fit_text(x.title(), image::style::text_size, false, width);
+        x_title_ = image::fit_text(x.title(), image::style::text_size, image::FontWeight::regular, width);
         bottom_margin_ += title_gap + x_title_.height;
     }
     if (!y.title().empty()) {
-        y_title_ = rotate_left(image::fit_text(y.title(), image::style::text_size, false, height));
+        y_title_ = rotate_left(image::fit_text(y.title(), image::style::text_size, image::FontWeight::regular, height));
         left_margin_ += title_gap + y_title_.width;
     }
 }

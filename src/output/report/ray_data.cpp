@@ -81,7 +81,7 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
     Json json{{"x", chosen.x},
               {"y", chosen.y},
               {"why", chosen.reasons},
-              {"says", lines_json(attribution::verdict_of(explanation, march).text())},
+              {"says", lines_json(attribution::make_verdict(explanation, march).text())},
               {"sums", lines_json(attribution::sums_text(explanation, view))},
               {"subject", view.subject()},
               {"earlier", table.first_node},
@@ -136,7 +136,7 @@ Json rays_json(const MapStudy& request, const TestedForm& tested_form, const std
         ray.set_touching(tested_form.touching);
         const Explanation explanation = measure::attribution::explain_alone(*tested_form.form, tested_form.format, ray);
         explained[i] =
-            ray_json(rays[i], explanation, attribution::end_of_march(*tested_form.form, tested_form.format, ray));
+            ray_json(rays[i], explanation, attribution::find_march_end(*tested_form.form, tested_form.format, ray));
     });
     return json_array(explained, [](const Json& json) { return json; });
 }

@@ -54,8 +54,8 @@ struct Shown {
     explicit Shown(const Asked& of)
         : ray(of.ray()),
           x(measure::attribution::explain_alone(*of.form, of.format, ray)),
-          march(output::attribution::end_of_march(*of.form, of.format, ray)),
-          verdict(output::attribution::verdict_of(x, march)),
+          march(output::attribution::find_march_end(*of.form, of.format, ray)),
+          verdict(output::attribution::make_verdict(x, march)),
           text(output::attribution::explain_text(x, true, march)),
           json(nlohmann::json::parse(output::attribution::explain_json(x, march))) {}
     [[nodiscard]] bool says(const std::string& part) const { return text.find(part) != std::string::npos; }
@@ -283,7 +283,7 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
                 if (x.culprit_alone) x.culprit_alone->only_exact.error = x.culprit_alone->only_rounded.error = odd;
                 const output::attribution::OperationView words(x);
                 for (const std::string& line : lines_of(output::attribution::culprit_sentence(x) + "\n" +
-                                                        verdict_of(x, s.march).text() + sums_text(x, words))) {
+                                                        make_verdict(x, s.march).text() + sums_text(x, words))) {
                     INFO(line);
                     CHECK_FALSE(std::regex_search(line, raw_number()));
                     said += line.find("no finite share") != std::string::npos;

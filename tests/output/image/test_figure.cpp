@@ -28,7 +28,7 @@ Canvas drawing() {
     canvas.fill(-5, 30, 10, 5, style::line);
     canvas.text(10, 20, backend().render_text("at 2^-10 bits", 13), style::ink);
     canvas.text(5, 5, plot::rotate_left(backend().render_text("upwards", 13)), style::ink);
-    canvas.text(10, 60, backend().render_text(hostile, 9, true), style::soft_ink);
+    canvas.text(10, 60, backend().render_text(hostile, 9, FontWeight::bold), style::soft_ink);
     canvas.field({100, 20, 40, 20}, 2, {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {9, 9, 9}});
     Stroke stroke({20, 20, 100, 60});
     stroke.polyline(std::array<Point, 3>{{{30, 30}, {50.126, 40}, {60, 35}}}, 1.5, std::array<double, 2>{4, 3});

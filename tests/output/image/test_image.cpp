@@ -80,7 +80,7 @@ TEST_CASE("drawn text keeps its baseline, measures its spaces and accepts any by
     CHECK(a.width > b.width);
     CHECK(std::ranges::count(b.coverage, 255) > 0);
     CHECK(backend().render_text("x ", 16).width > b.width);
-    CHECK(backend().render_text("x", 16, true).coverage != b.coverage);
+    CHECK(backend().render_text("x", 16, FontWeight::bold).coverage != b.coverage);
     CHECK(backend().render_text("\xFF", 16).coverage == backend().render_text("?", 16).coverage);
     CHECK(backend().render_text("x\xC3\xFFy", 16).coverage == backend().render_text("x??y", 16).coverage);
     CHECK(backend().render_text("", 16).width == 0);

@@ -116,9 +116,9 @@ TEST_CASE("text is wrapped and shortened between letters of any size", "[text]")
     for (const int width : {1, 20, 37, 100, all}) {
         INFO(width);
         int sum = 0;
-        for (const TextBitmap& line : wrap_text(text, 13, false, width)) sum += line.width;
+        for (const TextBitmap& line : wrap_text(text, 13, FontWeight::regular, width)) sum += line.width;
         CHECK(sum == all);  // a `?` would be of another width
-        const TextBitmap fitted = fit_text(text, 9, false, width);
+        const TextBitmap fitted = fit_text(text, 9, FontWeight::regular, width);
         CHECK((fitted.width <= width || width == 1));
         // Whole letters: some from the beginning, some from the end.
         bool found = fitted.coverage == backend().render_text(text, 9).coverage;

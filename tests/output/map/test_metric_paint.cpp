@@ -72,12 +72,14 @@ TEST_CASE("the colour of lost bits is a share of the significand in every format
     const auto single = metric_scale(lost, binary32), wide = metric_scale(lost, binary64);
     CHECK(single.hi() == 24);
     CHECK(wide.hi() == 53);
-    for (const double share : {0.0, 0.125, 0.25, 0.5, 1.0}) CHECK(single.map(24 * share) == wide.map(53 * share));
-    CHECK(single.map(6) == single.at(0.5));  // a quarter of the significand is half of the ramp
-    CHECK(single.map(1) != single.map(0));
-    CHECK(wide.map(23) != wide.map(53));  // not as bad as it gets: 30 are kept
+    for (const double share : {0.0, 0.125, 0.25, 0.5, 1.0})
+        CHECK(single.colour_of_value(24 * share) == wide.colour_of_value(53 * share));
+    CHECK(single.colour_of_value(6) ==
+          single.colour_at_position(0.5));  // a quarter of the significand is half of the ramp
+    CHECK(single.colour_of_value(1) != single.colour_of_value(0));
+    CHECK(wide.colour_of_value(23) != wide.colour_of_value(53));  // not as bad as it gets: 30 are kept
     // Kept bits are not a loss, so their scale is even.
-    CHECK(metric_scale(*find_metric("correct_bits"), binary32).map(12) == single.at(0.5));
+    CHECK(metric_scale(*find_metric("correct_bits"), binary32).colour_of_value(12) == single.colour_at_position(0.5));
     CHECK_FALSE(MetricPaint(lost, binary32).shares_bar_with(*find_metric("correct_bits")));
 }
 
@@ -90,9 +92,9 @@ TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {
     CHECK(metric_scale(*find_metric("relative_error"), binary64).lo() == 0x1p-59);
     CHECK(metric_scale(*find_metric("condition"), binary64).lo() == 1);
     const auto asked = metric_scale(*find_metric("ulp_error"), binary64, BarRange{1, 16});
-    CHECK(asked.map(4) == asked.at(0.5));
+    CHECK(asked.colour_of_value(4) == asked.colour_at_position(0.5));
     const auto bits = metric_scale(*find_metric("lost_bits"), binary64, BarRange{2, 6});
-    CHECK(bits.map(4) == bits.at(0.5));
+    CHECK(bits.colour_of_value(4) == bits.colour_at_position(0.5));
 }
 
 TEST_CASE("captions begin with decisions and count the hits behind a quantile", "[metric_paint]") {

@@ -185,7 +185,7 @@ TEST_CASE("values have ramp colours, outcomes their own, and other cells are hat
     const std::int64_t cell = 280 * 210;
     CHECK(count_of(image, ramp.front()) >= cell);
     CHECK(count_of(image, ramp.back()) >= cell);
-    CHECK(count_of(image, spec.scale->map(12)) >= cell);
+    CHECK(count_of(image, spec.scale->colour_of_value(12)) >= cell);
     CHECK(count_of(image, image::outcome_colours[3]) == cell);
     CHECK(rim_is_blank(image));
     spec.cells[0] = {};

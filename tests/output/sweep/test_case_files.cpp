@@ -121,8 +121,8 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
     const LostBitsScale scale(request.tested_forms);  // rows in float and in double
     const auto in_float = metric_scale(*measure::metric::find_metric("lost_bits"), binary32);
     CHECK(scale.unit() == "% of the significand lost");
-    for (const double bits : {0.0, 6.0, 24.0}) CHECK(scale.colour(bits, binary32) == in_float.map(bits));
-    CHECK(scale.colour(53, binary64) == in_float.map(24));
+    for (const double bits : {0.0, 6.0, 24.0}) CHECK(scale.colour(bits, binary32) == in_float.colour_of_value(bits));
+    CHECK(scale.colour(53, binary64) == in_float.colour_of_value(24));
     CHECK(LostBitsScale(std::span(request.tested_forms).first(1)).unit() == "lost bits");
     int pitch = 26;  // of a column: as wide as the widest text
     while (find_block(image, {226, 238, 226}, pitch, 21)) ++pitch;
@@ -133,7 +133,7 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
     };
     const output::image::Rgb8 colours[] = {
         {226, 238, 226}, scale.colour(12, binary32), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
-    CHECK(in_float.map(12) != in_float.map(0));
+    CHECK(in_float.colour_of_value(12) != in_float.colour_of_value(0));
     for (int i = 0; i < 5; ++i) {
         CAPTURE(i);
         CHECK(corner(0, i) == colours[i]);

@@ -169,7 +169,7 @@ TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, an
                 ++wrong_cells;
             } else if (s.agreement().is_enough()) {
                 const bool plain = p99 >= 1 && s.metrics[excess].quantile(0.99) < 1;
-                expected = scale.map(p99);
+                expected = scale.colour_of_value(p99);
                 small = on_sheet.colour(p99, what.format.parameters);
                 if (plain) small = make_paler(*small);
                 plain_cells += plain;
