@@ -21,9 +21,9 @@ struct ItemType {
         double value;
         bool exact;  ///< true if a double holds the number exactly
     };
-    [[nodiscard]] Item read(const char* from) const;
+    [[nodiscard]] Item read(const char* bytes) const;
     /// The shortest decimal that reads back to the same number.
-    [[nodiscard]] std::string text(const char* from) const;
+    [[nodiscard]] std::string text(const char* bytes) const;
     /// `f32`, `f64be`, `bool`: the name by which `find_item_type` finds it.
     [[nodiscard]] std::string name() const;
     /// The format of floats of this type; nothing for other types.
