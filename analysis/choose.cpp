@@ -213,7 +213,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     ChoiceRequest request = make_request(options, common.stop);
     request.scene = &scene;
     request.rows =
-        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
+        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.accepts(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
         [](const measure::evaluate::TestedForm& tested_form) { return !tested_form.format.is_emulated(); });

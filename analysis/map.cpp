@@ -81,7 +81,7 @@ struct SceneWork {
 
 SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& tested_forms,
                      const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
-    auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.meets(forms); });
+    auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.accepts(forms); });
     SceneWork work{study::map_study(scene, std::move(scene_forms), metrics, metric_set, options.scenes.stop), {}};
     if (options.bits_needed > 0) {
         selection::refuse_generators(tested_forms, "--bits");
@@ -259,7 +259,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
     }
     auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
     const auto handling_forms = selection::drop_unhandled(
-        scenes, {rows, options.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
+        scenes, {rows, options.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.accepts(forms); },
         [](const Scene& s) { return s.id; });
     selection::note_unmeasured(options.forms, handling_forms, common.quiet);
     // Called here and below only for their errors, which end the run before any work.

@@ -189,7 +189,7 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     std::optional<RayFiles> rays;
     if (selection::are_ray_files(options.rays, options.subjects)) rays.emplace(options, common);
     else scene = load_subject_scene(options, data);
-    const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
+    const auto can_test = [&](Shapes forms) { return scene ? scene->accepts(forms) : forms == rays->shapes(); };
     RepairRequest request{.scene = scene ? &*scene : nullptr,
                           .row = select_tested_form(options, scene ? scene->id : rays->id(), can_test),
                           .two_words = options.wider == "two-words"};

@@ -191,10 +191,10 @@ void plan_sweep(ReportWork& work, const std::filesystem::path& path, const std::
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        handling_forms = forms_for([file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
+        handling_forms = forms_for([file = scene::sweep::CaseFile(path)](Shapes forms) { return file.accepts(forms); });
     else
         handling_forms = forms_for(
-            [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.meets(forms); });
+            [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.accepts(forms); });
     if (!handling_forms.empty()) work.sweeps.push_back({path, data, handling_forms});
 }
 
@@ -238,7 +238,7 @@ ReportWork plan_report(const ReportOptions& options, const std::filesystem::path
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
             auto handling_forms =
                 forms_for_subject(options, tested_forms_for(scene.id, selected_forms, claims, options.forms.empty()),
-                                  formats, scene.id, [&scene](Shapes forms) { return scene.meets(forms); });
+                                  formats, scene.id, [&scene](Shapes forms) { return scene.accepts(forms); });
             if (handling_forms.empty()) continue;
             std::vector<const Metric*> metrics = extra_metrics;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})

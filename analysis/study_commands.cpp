@@ -192,7 +192,7 @@ Exit run_command(const StudyOptions& options, const CommonOptions& common) {
     std::vector<std::filesystem::path> input_files;
     std::uint64_t units = 0;
     for (const scene::file::Scene& scene : scenes) {
-        const auto can_test = [&](Shapes forms) { return scene.meets(forms); };
+        const auto can_test = [&](Shapes forms) { return scene.accepts(forms); };
         studies.push_back(
             Adapter::make_study(scene, selection::filter_tested_forms(rows, can_test), options.values, common.stop));
         if constexpr (requires { Adapter::note(scene, options.values); })

@@ -52,7 +52,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
+    const auto rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return file.accepts(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
@@ -82,7 +82,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.options), common.stop);
     sweep.title += chosen.options.title_suffix();
     auto request = study::sweep_request(
-        sweep, selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+        sweep, selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep.accepts(forms); }),
         chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
     selection::note_forms_without_formula(chosen.extra_metrics, request.rows, common.quiet);
@@ -130,11 +130,11 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
                          ":1:1: this file has a table for a search, which only --worst uses; add --worst");
     selection::check_changes(options, kind, path.stem().string());
     const auto accepts_only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
-    if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
+    if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.accepts(forms); };
     if (kind == K::every_float) return accepts_only(scene::sweep::ExhaustiveFile(path, data, stop).primitive.shape);
     if (kind == K::edge_search)
         return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(options).set, stop)](
-                   Shapes forms) { return file.meets(forms); };
+                   Shapes forms) { return file.accepts(forms); };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(options), stop);
         const char* const reason = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
@@ -146,7 +146,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
         if (options.pictures == "all" && sweep.axes.size() != 2)
             throw InputError(fmt::format(
                 "--pictures all: {} has one axis, and each plot shows all forms; leave out --pictures", sweep.id));
-        return [sweep](Shapes forms) { return sweep.meets(forms); };
+        return [sweep](Shapes forms) { return sweep.accepts(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(options).set);
     measure::metric::MetricSet metric_set;

@@ -74,7 +74,7 @@ std::optional<output::report::StudyPart> measure_part(const scene::file::Scene& 
     StudyQuestion question{
         .scene = scene,
         .rows = selection::filter_tested_forms(
-            rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
+            rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); }),
         .stop = stop};
     if (question.rows.empty()) return std::nullopt;
     const auto study = make_study<Adapter>(question);

@@ -224,7 +224,7 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
     for (const auto& [claim, subject, result] : claims) {
         census_metric(claim);
         const evaluate::TestedForm tested_form = tested_form_of(claim);
-        if (!request.search.meets(tested_form.form->shapes()))
+        if (!request.search.accepts(tested_form.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
         rows.push_back(find_or_add_tested_form(request.rows, tested_form));
     }
