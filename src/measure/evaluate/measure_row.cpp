@@ -218,7 +218,7 @@ private:
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
         std::optional<truth::Certified> unrounded;
         if (needs_ & metric::needs_unrounded)
-            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
+            unrounded = answer::evaluate_exactly(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
         if (unrounded) sample.unrounded = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;

@@ -119,7 +119,7 @@ std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, cons
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))
         culprits.push_back({tested_form, (*metric)->categories[c], counts[c],
-                            measure::attribution::culprit_share(counts, std::array{c})});
+                            measure::attribution::culprit_fraction(counts, std::array{c})});
     return culprits;
 }
 

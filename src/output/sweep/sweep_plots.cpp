@@ -294,7 +294,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
         for (std::size_t c = 1; c < peak_share.size(); ++c)
             peak_share[c] = std::fmax(
                 peak_share[c],
-                measure::attribution::culprit_share(step.rows[row_index].categories[culprit_metric], std::array{c}));
+                measure::attribution::culprit_fraction(step.rows[row_index].categories[culprit_metric], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak_share.size(); ++c) {
@@ -307,7 +307,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
         spec.series.push_back(series_of(sweep.steps, row_index, label, [&](const FormSummary& s) {
-            return measure::attribution::culprit_share(s.categories[culprit_metric], categories);
+            return measure::attribution::culprit_fraction(s.categories[culprit_metric], categories);
         }));
     };
     const std::size_t named_count = order.size() <= max_operations + 1 ? order.size() : max_operations;

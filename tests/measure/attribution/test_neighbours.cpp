@@ -31,7 +31,7 @@ std::vector<double> numbers_of(const Ray<double>& ray) {
 double lost(const Intersector& form, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, f32);
     const auto answers = measure::answer::evaluate(form, in.format_inputs);
-    const bool hit = answers.hit[in.index] != 0, truly = ray.truth(*form.info).is_hit();
+    const bool hit = answers.hit[in.index] != 0, truly = ray.find_truth(*form.info).is_hit();
     if (hit != truly || (hit && std::isnan(answers.t[in.index]))) return 24;
     if (!hit) return 0;
     return measure::truth::lost_bits(

@@ -135,7 +135,7 @@ TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measu
         if (log.hit.hit) CHECK(log.hit.t == all.t[i]);
         CHECK(static_cast<int>(log.steps.size()) == all.march[i].iterations);
         CHECK(log.stop == all.march[i].stop);
-        CHECK(one.truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
+        CHECK(one.find_truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
         const Ray<double> ray = inputs.rays[i];
         const auto exact = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
         const OneRay again(scene, Ray<Real>{exact(ray.origin), exact(ray.direction)});
