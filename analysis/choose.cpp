@@ -51,7 +51,7 @@ public:
     void repair_all() {
         ChoiceRequest quiet_request = request_;
         quiet_request.progress = [](std::uint64_t) {};
-        const auto quality = quality_of(quiet_request);
+        const auto quality = measure_quality(quiet_request);
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             if (!quality[r].meets(request_.requirement) && !request_.rows[r].form->is_placed)
                 repair_one(request_.rows[r]);

@@ -153,7 +153,7 @@ double meets_as_number(const Claim& claim, const OtherForms& others, const Scene
                        intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
     request.rows = {timeable_form(claim, scene)};
-    return quality_of(request).front().meets(request.requirement) ? 1 : 0;
+    return measure_quality(request).front().meets(request.requirement) ? 1 : 0;
 }
 
 /// Number of other forms that fit the scene and meet the requirement, over all of the formats.
@@ -164,7 +164,7 @@ double count_others_that_meet(const Claim& claim, const OtherForms& others, cons
     std::erase_if(request.rows,
                   [&claim](const TestedForm& tested_form) { return tested_form.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
-    const auto qualities = quality_of(request);
+    const auto qualities = measure_quality(request);
     return static_cast<double>(std::ranges::count_if(
         qualities, [&request](const choose::RowQuality& quality) { return quality.meets(request.requirement); }));
 }

@@ -30,10 +30,13 @@ RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm
     for (std::size_t i = 0; i < ideal.pixels(); ++i) {
         const Truth stored_truth = stored.truth(i, tested_form.convention()),
                     ideal_truth = ideal.truth(i, tested_form.convention());
+
+        // Counts only rays whose truth is known for both inputs.
         const auto unresolved = Truth::Decision::unresolved;
         if (stored_truth.decision == unresolved || ideal_truth.decision == unresolved) continue;
         ++quality.rays;
         quality.hits += ideal_truth.is_hit() ? 1 : 0;
+
         if (stored_truth.decision != ideal_truth.decision ||
             (stored_truth.is_hit() &&
              !answer::meets_first(ideal, i, stored_truth.primitive, tested_form.convention()))) {
@@ -46,6 +49,7 @@ RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm
             distances.add(std::fabs(truth::scaled_difference(stored_truth.distance, ideal_truth.distance, 0)));
         }
     }
+
     quality.kept_bits = binary64.precision - lost_bits.quantile(requirement.quantile);
     if (requirement.has_tolerance()) quality.distance_error = distances.quantile(requirement.quantile);
     return quality;
@@ -179,6 +183,8 @@ Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form
 
 Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_form, int pixels) {
     Obstacle obstacle;
+
+    // Takes a part of the rays that exact arithmetic can try: a smaller picture, or a sample of the files' rays.
     std::optional<Scene> small_scene;
     IdealRays ideal;
     std::optional<Band> band;
@@ -189,7 +195,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
             static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
         small_scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
         band.emplace(*small_scene, 0, small_scene->height, request.limit);
-        if (can_try_inputs) ideal = ideal_of(*small_scene);
+        if (can_try_inputs) ideal = exact_rays(*small_scene);
         obstacle.rounds_to_binary32_first = small_scene->inputs == scene::file::Inputs::shared;
     } else {
         const auto& sample = request.rays->sample;
@@ -198,13 +204,17 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
             sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
                                                       std::max<std::size_t>(64, most_trial_pairs / primitives)));
         band.emplace(rays, request.limit);
-        ideal = ideal_of(rays);
+        ideal = exact_rays(rays);
     }
+
+    // What the inputs allow in the row's own format and in f64, and what the row reaches.
     const InherentLimit row_limit = inherent(*band, tested_form, tested_form.format, request.requirement);
     obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_distance = row_limit.distance_error;
     obstacle.inherent_kept_f64 = inherent(*band, tested_form, *find_format("f64"), request.requirement).kept_bits;
     const RowQuality reached = quality_on(*band, tested_form, request.requirement);
+
+    // Tries wider inputs with exact arithmetic.
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
     if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, ideal, obstacle).run();

@@ -76,7 +76,8 @@ CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRa
 
 /// Compares the segments of all pixels. The segment of pixel i starts at `start_of(i)`.
 template <class StartOf>
-void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndOfSegment end, PixelCheckResults& out) {
+void compare_segments(const FormOnBand& band_form, const StartOf& start_of, SegmentEnd end, PixelCheckResults& out) {
+    // Writes the segments of the pixels that see a point.
     std::vector<std::size_t> pixels;
     std::vector<SegmentRays> segments;
     RayBlock first, second;
@@ -92,6 +93,7 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndO
         second.push(s.by_unit);
         second.tmax.push_back(s.unit_end);
     }
+
     const auto first_meets = hits_before_tmax(band_form, first), second_meets = hits_before_tmax(band_form, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentRays& s = segments[k];
@@ -142,12 +144,12 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
     return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
 }
 
-SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
+SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, SegmentEnd end) {
     return with_number(format, [&]<class T>() {
         const Vec<T> start = lift_vec<T>(p), difference = lift_vec<T>(q) - start;
         const T distance = length(difference);
         T fraction(1);
-        if (end == EndOfSegment::shortened) fraction = T(1) - T(1) / T(10000);
+        if (end == SegmentEnd::shortened) fraction = T(1) - T(1) / T(10000);
         return SegmentRays{.by_difference = {p, as_doubles(difference)},
                            .difference_end = as_double(fraction),
                            .by_unit = {p, as_doubles(unit_of<T>(difference))},
@@ -157,18 +159,18 @@ SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Form
 
 void check_segment(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_segments(
-        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, EndOfSegment::whole, out);
+        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, SegmentEnd::whole, out);
 }
 
 void check_short(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_segments(
-        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
+        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, SegmentEnd::shortened, out);
 }
 
 void check_light(const FormOnBand& band_form, PixelCheckResults& out) {
     const Vec<double> light = render::input_appearance(band_form.scene, band_form.format()).light;
     compare_segments(
-        band_form, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+        band_form, [&](std::size_t) { return light; }, SegmentEnd::shortened, out);
 }
 
 void check_beyond(const FormOnBand& band_form, PixelCheckResults& out) {

@@ -165,7 +165,7 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& tested_
     });
     std::vector<RowQuality> qualities;
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
-        qualities.push_back(choose::quality_of(summaries[r], tested_forms[r], request_.requirement));
+        qualities.push_back(choose::to_quality(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
@@ -227,7 +227,7 @@ std::vector<Ranked> rank_catalogue(const RepairRequest& request) {
     choose::ChoiceRequest choice_request{
         .scene = request.scene, .rows = comparable_forms(request.row), .requirement = request.requirement};
     choice_request.limit = request.limit;
-    const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
+    const auto quality = request.scene ? measure_quality(choice_request) : request.rays->quality;
     std::vector<Ranked> ranked;
     for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.rows[k], quality[k]});
     std::ranges::stable_sort(ranked, is_more_accurate, &Ranked::quality);
@@ -239,7 +239,7 @@ std::vector<choose::GrowthMargin> margins_of_tape(const RepairRequest& request, 
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
     const tape::TapeForm form(*request.row.form, request.row.format, tape, "mended", "");
-    return margins_of(choice_request, {.form = &form.row(), .format = request.row.format}, few_rays);
+    return find_margins(choice_request, {.form = &form.row(), .format = request.row.format}, few_rays);
 }
 
 }  // namespace lostbits::measure::repair

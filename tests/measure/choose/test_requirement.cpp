@@ -65,7 +65,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& te
     asked.request.requirement.bits = bits;
     MetPixelsByForm meetings(asked.request, tested_forms);
     asked.request.show = meetings.show();
-    const auto quality = quality_of(asked.request);
+    const auto quality = measure_quality(asked.request);
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {
         asked.all.push_back({.row = tested_forms[r], .quality = quality[r]});
         asked.all.back().time.median = prices[r];
