@@ -190,7 +190,7 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceFiles& files, const Re
     if (request.scene) request.show = met_pixels.emplace(request, request.rows).show();
     const auto measured_candidates = measure_candidates(request, timed_rays);
     auto requirement_map =
-        met_pixels ? std::optional(requirement_map_of(request, measured_candidates, *met_pixels)) : std::nullopt;
+        met_pixels ? std::optional(make_requirement_map(request, measured_candidates, *met_pixels)) : std::nullopt;
     auto choice = output::choose::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);

@@ -177,9 +177,9 @@ EnclosedNode smaller_of(const EnclosedNode& a, const EnclosedNode& b) {
                    .computed = least(a.computed, b.computed),
                    .rounding = Interval(0)};
     const Tri exact = a.exact < b.exact, computed = a.computed < b.computed;
-    const Interval first_share =
+    const Interval first_fraction =
         exact == computed && !exact.is_unknown() ? Interval(exact.is_yes() ? 1 : 0) : Interval::between(0, 1);
-    r.quotients = {first_share, Interval(1) - first_share, {}};
+    r.quotients = {first_fraction, Interval(1) - first_fraction, {}};
     return r;
 }
 

@@ -122,13 +122,13 @@ double ulps_of(const BoxBound& bound, const FloatFormat& f) {
     return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
 }
 
-/// Smallest x such that the numbers up to x have at least this share of the total weight.
-double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
+/// Smallest x such that the numbers up to x have at least this fraction of the total weight.
+double quantile(std::vector<std::pair<double, double>>& weighted, double fraction) {
     std::ranges::sort(weighted);
     double total_weight = 0, weight_so_far = 0;
     for (const auto& [x, weight] : weighted) total_weight += weight;
     for (const auto& [x, weight] : weighted)
-        if ((weight_so_far += weight) >= share * total_weight) return x;
+        if ((weight_so_far += weight) >= fraction * total_weight) return x;
     return HUGE_VAL;
 }
 
@@ -136,31 +136,31 @@ void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, d
                const FloatFormat& f) {
     std::vector<std::pair<double, double>> errors, ulps;
     const SubBox* worst = nullptr;
-    for (const auto& [part, share] : leaves) {
+    for (const auto& [part, fraction] : leaves) {
         const BoxBound& box_bound = part->bound;
         if (box_bound.misses) {
-            result.missed_share += share;
+            result.missed_fraction += fraction;
             continue;
         }
 
         const double in_ulps = ulps_of(box_bound, f);
-        errors.emplace_back(box_bound.error, share);
-        ulps.emplace_back(in_ulps, share);
+        errors.emplace_back(box_bound.error, fraction);
+        ulps.emplace_back(in_ulps, fraction);
         if (!(box_bound.error < HUGE_VAL)) {
-            result.unknown_share += share;
+            result.unknown_fraction += fraction;
             continue;
         }
 
-        if (!box_bound.decides) result.undecided_share += share;
+        if (!box_bound.decides) result.undecided_fraction += fraction;
         result.largest = std::fmax(result.largest, box_bound.error);
         if (!worst || in_ulps > result.largest_ulps) worst = part;
         result.largest_ulps = std::fmax(result.largest_ulps, in_ulps);
     }
 
     result.boxes = leaves.size();
-    for (const double share_of_ranges : {0.5, 0.9, 0.99})
+    for (const double fraction_of_ranges : {0.5, 0.9, 0.99})
         result.quantiles.push_back(
-            {share_of_ranges, quantile(errors, share_of_ranges), quantile(ulps, share_of_ranges)});
+            {fraction_of_ranges, quantile(errors, fraction_of_ranges), quantile(ulps, fraction_of_ranges)});
 
     // Shows which operations the bound of the worst box comes from.
     if (!worst) return;
@@ -242,7 +242,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         divided.emplace_back(bound, result.ranges.back(), std::max<std::size_t>(request.boxes / primitive_count, 1),
                              request.limit.stop);
         for (const SubBox* const part : divided.back().leaves())
-            leaves.emplace_back(part, part->share / static_cast<double>(primitive_count));
+            leaves.emplace_back(part, part->volume_fraction / static_cast<double>(primitive_count));
 
         // Checks the bounds with the given rays in the ranges, and with drawn ones.
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !contains(result.ranges.back(), ray); });

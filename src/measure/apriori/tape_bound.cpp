@@ -242,7 +242,7 @@ std::vector<std::size_t> BoxSubdivision::boxes_to_halve(std::size_t limit) const
         if (p.is_halved() || p.bound.misses || p.bound.error == 0 || p.stale_halvings >= 2 * variable_count_) continue;
         if (widest(p.box, parts_.front().box) < 0) continue;
         const double excess_bits = p.bound.error < HUGE_VAL ? 1 + std::log2(p.bound.error / best) : unknown_bits;
-        candidates.emplace_back(-p.share * excess_bits, i);
+        candidates.emplace_back(-p.volume_fraction * excess_bits, i);
     }
     std::ranges::sort(candidates);
     candidates.resize(std::min(limit, candidates.size()));
@@ -263,7 +263,7 @@ void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const Ta
         p.lower_half = parts_.size();
         SubBox lower = p, upper = p;
         lower.axis = upper.axis = -1;
-        lower.share = upper.share = p.share / 2;
+        lower.volume_fraction = upper.volume_fraction = p.volume_fraction / 2;
         lower.box[static_cast<std::size_t>(p.axis)].high = p.middle;
         upper.box[static_cast<std::size_t>(p.axis)].low = p.middle;
         parts_.push_back(std::move(lower));

@@ -245,8 +245,10 @@ private:
         for (const NodeId k : arguments) error_of(k).is_live = true;
         if constexpr (std::same_as<Exact, DeepExact>) {
             std::vector<Number> exact_arguments, computed_arguments;
-            for (const NodeId k : arguments)
-                exact_arguments.push_back(exact(k)), computed_arguments.push_back(Number(computed(k)));
+            for (const NodeId k : arguments) {
+                exact_arguments.push_back(exact(k));
+                computed_arguments.push_back(Number(computed(k)));
+            }
             const CallSlopes slopes(tape_.call_at(i).callee, std::move(exact_arguments), computed_arguments);
             for (std::size_t k = 0; k < arguments.size(); ++k) {
                 error_of(arguments[k]).adjoint += error_of(i).adjoint * slopes.quotients[k];

@@ -59,7 +59,7 @@ FormResult result_of_answer(const Intersector& form, const Format& format, const
 }
 
 /// Result of the form's nearest answer over the primitives of the scene, as in a picture.
-FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray) {
+FormResult evaluate_form(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     return result_of_answer(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
@@ -77,7 +77,7 @@ double mean_lost_bits(const Intersector& form, const Format& format, const Nearb
     double sum = 0;
     int counted = 0;
     for (const OneRay& ray : nearby_rays.rays) {
-        const FormResult result = result_of_form(form, format, ray);
+        const FormResult result = evaluate_form(form, format, ray);
         if (result.outcome == Outcome::unresolved ||
             (nearby_rays.skips_misses && result.outcome == Outcome::agree_miss))
             continue;
@@ -130,9 +130,9 @@ const Intersector* with_generator_of(const Intersector& explained, const Interse
 }
 
 /// Result of another form on a ray and, if it is right there, on the rays around it.
-FormResult result_of_other_form(const Explanation& explanation, const OneRay& ray, const Intersector& form,
-                                const OneRay& form_ray, const NearbyRays& nearby_rays) {
-    FormResult result = result_of_form(form, explanation.format, form_ray);
+FormResult evaluate_other_form(const Explanation& explanation, const OneRay& ray, const Intersector& form,
+                               const OneRay& form_ray, const NearbyRays& nearby_rays) {
+    FormResult result = evaluate_form(form, explanation.format, form_ray);
     result.has_other_truth = have_different_truths(*explanation.form, ray, form, form_ray);
     const bool lost_all =
         result.outcome == Outcome::agree_hit && !(result.lost_bits < explanation.format.parameters.precision);
@@ -182,7 +182,7 @@ void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const
         if (!intersect::external::is_safe_to_run(innermost_form(*other)) && !is_named) continue;
 
         try {
-            const FormResult result = result_of_other_form(explanation, ray, *candidate, ray, nearby_rays);
+            const FormResult result = evaluate_other_form(explanation, ray, *candidate, ray, nearby_rays);
             add_if_better(explanation, result);
             if (is_named) explanation.compared_forms.push_back(result);
         } catch (const EnvironmentError& error) {
@@ -215,8 +215,8 @@ void find_better_generators(Explanation& explanation, const OneRay& ray, const S
             const scene::file::Scene scene = with_ray_generator(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.touching());
             const FormResult result =
-                result_of_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
-                                     nearby_pixels(explanation, rays));
+                evaluate_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
+                                    nearby_pixels(explanation, rays));
             add_if_better(explanation, result);
         } catch (const InputError&) {}
     }
@@ -282,8 +282,9 @@ bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std
 
 }  // namespace
 
-std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
-                                          const FloatFormat& format, const std::vector<Primitive<double>>& primitives) {
+std::vector<answer::OneRay> make_neighbours(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
+                                            const FloatFormat& format,
+                                            const std::vector<Primitive<double>>& primitives) {
     std::vector<answer::OneRay> rays;
     RandomMoves moves;
     const Ray<double> original = in.format_inputs.rays[in.index];
@@ -472,7 +473,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     if (!explanation.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);
         const auto primitives = primitives_around(explanation, in, ray.find_truth(*form.info).primitive);
-        const auto neighbour_rays = neighbours_of(ray, in, format.parameters, primitives);
+        const auto neighbour_rays = make_neighbours(ray, in, format.parameters, primitives);
         compare_with_other_forms(explanation, ray, {neighbour_rays}, named_forms);
     } else {
         const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());

@@ -82,10 +82,10 @@ void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run
     for (const auto& [claim, subject, result] : claims) {
         const std::size_t bytes = trade::working_set_bytes(subject.data, trade::cache_sizes());
         if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + subject.data + "\"; write l1, l2 or memory");
-        const std::string_view metric = subject.all_processors ? "speedup_per_processor" : "speed_ratio";
+        const std::string_view metric = subject.uses_all_processors ? "speedup_per_processor" : "speed_ratio";
         if (claim.metric != metric)
             scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; write " + std::string(metric));
-        const auto measure_metric = subject.all_processors ? speedup_per_processor : speed_ratio;
+        const auto measure_metric = subject.uses_all_processors ? speedup_per_processor : speed_ratio;
         result = judge(claim, measure_metric(claim, subject, bytes, run.stop), nullptr);
     }
 }

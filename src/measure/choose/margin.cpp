@@ -31,7 +31,7 @@ StretchedScene stretch_offset(const Scene& scene, const Real& k) {
 std::optional<StretchedScene> stretch_distance(const Scene& scene, const Real& k) {
     auto farther_scene = scene::file::move_farther(scene, k);
     if (!farther_scene) return std::nullopt;
-    const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
+    const Real distance = scene::file::view_fraction(scene) * length(scene.camera.look_at - scene.camera.eye);
     return StretchedScene{std::move(*farther_scene), double_of(k * distance)};
 }
 

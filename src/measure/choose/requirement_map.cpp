@@ -110,8 +110,8 @@ double RequirementMap::least_time(const std::vector<Candidate>& candidates) cons
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
 
-RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
-                                  const MetPixelsByForm& met_pixels) {
+RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
+                                    const MetPixelsByForm& met_pixels) {
     RequirementMap map{.width = request.scene->width, .height = request.scene->height};
 
     std::vector<RankedForm> ranked;

@@ -86,12 +86,12 @@ void TrueLengths::resize(std::size_t rays) {
     for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
 }
 
-void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction direction_kind) {
-    const truth::Certified& x = direction_kind == Direction::unit ? truth.distance : truth.t;
-    decision[i] = truth.decision;
-    object[i] = truth.primitive;
+void TrueLengths::set(std::size_t i, const truth::Truth& ray_truth, Direction direction_kind) {
+    const truth::Certified& x = direction_kind == Direction::unit ? ray_truth.distance : ray_truth.t;
+    decision[i] = ray_truth.decision;
+    object[i] = ray_truth.primitive;
     hi[i] = missing;
-    if (!truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
+    if (!ray_truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
     if (x.lo != 0 && std::fabs(x.lo) < 0x1p-200) return;
     const int e = static_cast<int>(x.exponent);
     hi[i] = std::ldexp(x.hi, e);
@@ -117,7 +117,7 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
         copy_lengths(direction_kind == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(),
                      columns);
     });
-    for (const auto& [i, truth] : truths.complete_truths) columns.set(i, truth, direction_kind);
+    for (const auto& [i, ray_truth] : truths.complete_truths) columns.set(i, ray_truth, direction_kind);
     if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
@@ -127,7 +127,7 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
     return columns;
 }
 
-double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
+double find_errors(std::span<const double> answers, const TrueLengths& true_lengths, const FloatFormat& format,
                    const ErrorColumns& out, std::vector<std::uint32_t>& unhandled) {
     const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
     if (!raw_kernels) {
@@ -141,8 +141,8 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
         BlockIndices block_indices;
         RawErrors batch{
             .size = std::min(rays_per_block, answers.size() - begin),
-            .in = {answers.data() + begin, truth.hi.data() + begin, truth.lo.data() + begin,
-                   truth.inverse.data() + begin},
+            .in = {answers.data() + begin, true_lengths.hi.data() + begin, true_lengths.lo.data() + begin,
+                   true_lengths.inverse.data() + begin},
             .out = {column_from(out.ulp, begin), column_from(out.lost, begin), column_from(out.correct, begin),
                     column_from(out.relative, begin), column_from(out.absolute, begin)},
             .precision = static_cast<double>(format.precision),

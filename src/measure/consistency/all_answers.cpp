@@ -39,7 +39,7 @@ AllAnswers evaluate_all(const FormKernels& kernels, const RayBlock& rays, std::s
         for (const Primitive<double>& primitive : primitives) stored.push_back(lift_primitive<S>(primitive));
         const std::span<const Primitive<S>> targets = stored;
         answer::KernelBuffers<S> buffers(rays);
-        for (const double end : rays.tmax) buffers.columns[6].push_back(static_cast<S>(end));
+        for (const double end : rays.tmax) buffers.columns[buffers.tmax_column].push_back(static_cast<S>(end));
 
         // A call takes primitives of one shape.
         const auto batch_end = [&](std::size_t begin) {

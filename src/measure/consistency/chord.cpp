@@ -17,7 +17,7 @@ using truth::Truth;
 namespace {
 
 template <class E>
-std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Primitive<double>& primitive) {
+std::optional<Ends<E>> enclose_chord(const Ray<double>& ray, const Primitive<double>& primitive) {
     return with_span(lift_ray<E>(ray), lift_primitive<E>(primitive), [](const auto& span) { return ends_of(span); });
 }
 
@@ -36,7 +36,7 @@ std::optional<double> to_double_within(const Interval& x, double error) {
 template <class E>
 std::optional<ChordError> chord_error_in(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
                                          double ulp) {
-    const auto forth = chord_of<E>(rays.forth, rays.primitive), back = chord_of<E>(rays.back, rays.primitive);
+    const auto forth = enclose_chord<E>(rays.forth, rays.primitive), back = enclose_chord<E>(rays.back, rays.primitive);
     if (!forth || !back) return std::nullopt;
     const E segment_length = are_distances ? length(lift_vec<E>(rays.forth.direction)) : E(1);
 
@@ -80,9 +80,9 @@ struct BallOnRay {
 /// Returns the primitive that the ray of the pixel truly meets. If there is none, returns the primitive ahead that the
 /// ray passes nearest to, in units of its radius. Of a large mesh, only primitives whose box the ray comes near are
 /// considered.
-std::optional<std::size_t> primitive_of(const FormOnBand& band_form, std::size_t i) {
-    const Truth truth = band_form.band.truth(i, band_form.row.convention());
-    if (truth.is_hit()) return static_cast<std::size_t>(truth.primitive);
+std::optional<std::size_t> find_primitive(const FormOnBand& band_form, std::size_t i) {
+    const Truth ray_truth = band_form.band.truth(i, band_form.row.convention());
+    if (ray_truth.is_hit()) return static_cast<std::size_t>(ray_truth.primitive);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
     const FormOnBand::Candidates candidates = band_form.candidates(band_form.inputs.rays[i]);
@@ -98,8 +98,8 @@ std::optional<std::size_t> primitive_of(const FormOnBand& band_form, std::size_t
 
 /// Returns the segment of a pixel from p, the origin of its ray, to q, its end, rounded to the format. Returns nothing
 /// if there is no primitive.
-std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t i) {
-    const auto k = primitive_of(band_form, i);
+std::optional<ReversedRays> make_segment(const FormOnBand& band_form, std::size_t i) {
+    const auto k = find_primitive(band_form, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = band_form.inputs.rays[i];
     const BallOnRay ball(ray, band_form.inputs.primitives[*k]);
@@ -167,7 +167,7 @@ struct BandSegments {
 BandSegments collect_segments(const FormOnBand& band_form) {
     BandSegments found;
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
-        const auto segment = segment_of(band_form, i);
+        const auto segment = make_segment(band_form, i);
         if (!segment) continue;
         found.pixels.push_back(i);
         found.segments.push_back(*segment);

@@ -50,7 +50,7 @@ bool is_diagonal(const Affine<double>& m) {
 /// - a box, under a matrix that is not diagonal;
 /// - a shape with a radius for each axis;
 /// - a matrix that is stored as its inverse.
-std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, const FloatFormat& format) {
+std::optional<Primitive<double>> compute_image(const Primitive<double>& primitive, const FloatFormat& format) {
     if (!primitive.placed || primitive.placed->is_inverse) return std::nullopt;
     const Affine<double> m = primitive.placed->map();
     const std::span<const Key> keys = row_of(primitive.shape).keys;
@@ -100,7 +100,7 @@ std::vector<Primitive<double>> convert_primitives(const FormOnBand& band_form,
     bool any_converted = false;
     std::vector<Primitive<double>> converted;
     for (const Primitive<double>& primitive : primitives) {
-        const auto other_primitive = primitive.placed ? image_of(primitive, band_form.format())
+        const auto other_primitive = primitive.placed ? compute_image(primitive, band_form.format())
                                                       : std::optional(move_under_matrix(primitive, band_form.format()));
         any_converted = any_converted || other_primitive;
         converted.push_back(other_primitive.value_or(primitive));

@@ -34,12 +34,12 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
     intersect::Convention convention(shape_convention.touching,
                                      takes_end ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
     convention.facing = shape_convention.facing;
-    const Truth truth = truth::find_truth(ray, primitives, {}, convention, {.tmax = takes_end ? end : HUGE_VAL});
-    if (takes_end || !truth.is_hit()) return truth.decision;
+    const Truth ray_truth = truth::find_truth(ray, primitives, {}, convention, {.tmax = takes_end ? end : HUGE_VAL});
+    if (takes_end || !ray_truth.is_hit()) return ray_truth.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
-    std::optional<int> side = truth::compare(truth.t, truth::as_certified(end));
-    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(truth.primitive)], end);
+    std::optional<int> side = truth::compare(ray_truth.t, truth::as_certified(end));
+    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(ray_truth.primitive)], end);
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
@@ -47,9 +47,9 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
 /// Returns the point seen at a pixel: o + t*·d of its ray, each coordinate rounded to the format. Returns nothing if
 /// the ray truly misses.
 std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i) {
-    const Truth truth = band_form.band.truth(i, band_form.row.convention());
-    if (!truth.is_hit()) return std::nullopt;
-    const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
+    const Truth ray_truth = band_form.band.truth(i, band_form.row.convention());
+    if (!ray_truth.is_hit()) return std::nullopt;
+    const double t = std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent));
     const Ray<double> ray = band_form.inputs.rays[i];
     const auto coordinate_at = [&](double o, double d) {
         return rounding::to_format(std::fma(t, d, o), 0, band_form.format());

@@ -93,14 +93,14 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
             bound.rays);
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
-                        100 * bound.missed_share, 100 * (1 - bound.missed_share - bound.unknown_share),
-                        100 * bound.unknown_share);
+                        100 * bound.missed_fraction, 100 * (1 - bound.missed_fraction - bound.unknown_fraction),
+                        100 * bound.unknown_fraction);
     text += fmt::format("In {:.3g} % rounding may change hit or miss.\n",
-                        100 * (bound.undecided_share + bound.unknown_share));
+                        100 * (bound.undecided_fraction + bound.unknown_fraction));
     text += "Where rays may hit, rounding puts t off by at most\n";
-    for (const auto& [share, error, ulps] : bound.quantiles)
-        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
-    if (bound.unknown_share < 1 - bound.missed_share)
+    for (const auto& [fraction, error, ulps] : bound.quantiles)
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * fraction);
+    if (bound.unknown_fraction < 1 - bound.missed_fraction)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", bound.largest, bound.largest_ulps);
     text += observed_errors_text(bound.errors_of_given_rays,
                                  request.is_step() ? "the rays of the step" : "the rays of the scene");
@@ -116,8 +116,8 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
             box_json[bound.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
         ranges.push_back(box_json);
     }
-    for (const auto& [share, error, ulps] : bound.quantiles)
-        quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
+    for (const auto& [fraction, error, ulps] : bound.quantiles)
+        quantiles.push_back({{"share", fraction}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
     const TapeText tape_text(bound.tape, bound.names, TapeText::Style::plain);
     for (const NodeId i : nodes_by_share(bound))
         operations.push_back({{"name", tape_text.name(i)},
@@ -129,9 +129,9 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
         {request.is_step() ? "sweep" : "scene", request.id()},
         {"ranges", ranges},
         {"boxes", bound.boxes},
-        {"missed", bound.missed_share},
-        {"unsettled", bound.unknown_share},
-        {"undecided", bound.undecided_share + bound.unknown_share},
+        {"missed", bound.missed_fraction},
+        {"unsettled", bound.unknown_fraction},
+        {"undecided", bound.undecided_fraction + bound.unknown_fraction},
         {"quantiles", quantiles},
         {"largest", {{"error", json_number(bound.largest)}, {"ulps", json_number(bound.largest_ulps)}}},
         {request.is_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(bound.errors_of_given_rays)},

@@ -87,8 +87,8 @@ void read_evidence(TableReader& table, Claim& claim) {
 
 /// Reads `operation = "c"`, or a list of operations.
 void read_operations(TableReader& table, Claim& claim) {
-    constexpr std::string_view share = "culprit_fraction", key = "operation";
-    if (claim.metric != share)
+    constexpr std::string_view metric = "culprit_fraction", key = "operation";
+    if (claim.metric != metric)
         return table.reject(key, "needs metric = \"culprit_fraction\", the share of that operation");
     if (!table.has(key))
         table.fail_at("metric",

@@ -45,14 +45,14 @@ Subject read_timing(TableReader& table, Claim& claim, std::string name) {
     timing.kernel = table.string("kernel");
     claim.format = table.string("format");
     timing.data = table.string("data");
-    timing.all_processors = table.optional_boolean("all_processors").value_or(false);
+    timing.uses_all_processors = table.optional_boolean("all_processors").value_or(false);
     if (auto over = table.optional_table("over")) {
-        if (timing.all_processors)
+        if (timing.uses_all_processors)
             table.reject("over", "cannot be combined with all_processors, which compares with one processor");
         timing.baseline_form = over->optional_string("form").value_or(claim.form);
         timing.baseline_kernel = over->optional_string("kernel").value_or(timing.kernel);
         over->reject_unknown_keys();
-    } else if (!timing.all_processors) {
+    } else if (!timing.uses_all_processors) {
         toml::fail(table.where(),
                    "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or "
                    "`all_processors = true`");

@@ -96,7 +96,7 @@ bool BinaryDump::looks_byte_swapped(const Records& records, const std::vector<st
     for (const std::size_t c : columns) {
         const BinaryColumn& column = record_layout_.columns[c];
         ItemType swapped_type = column.type;
-        swapped_type.big_endian = !swapped_type.big_endian;
+        swapped_type.is_big_endian = !swapped_type.is_big_endian;
         for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
             const char* const bytes = records.bytes.data() + i * record_layout_.record_size + column.offset;
             const double x = column.type.read(bytes).value;
@@ -136,13 +136,13 @@ void BinaryDump::reject_byte_swapped(const Records& records) const {
 
     // Writes the columns again with the other byte order, for the advice.
     std::string columns_text, previous_type;
-    bool big_endian = false;
+    bool is_big_endian = false;
     for (const BinaryColumn& column : record_layout_.columns) {
         const bool is_float = column.type.kind == ItemType::Kind::floating;
         ItemType type = column.type;
         if (type.size > 1 && (is_float ? are_floats_reversed : is_hit_reversed || are_floats_reversed))
-            type.big_endian = !type.big_endian;
-        big_endian |= type.big_endian;
+            type.is_big_endian = !type.is_big_endian;
+        is_big_endian |= type.is_big_endian;
         const std::string name = type.name();
         columns_text += (columns_text.empty() ? "" : ",") + column.name + (name == previous_type ? "" : ":" + name);
         previous_type = name;
@@ -151,7 +151,7 @@ void BinaryDump::reject_byte_swapped(const Records& records) const {
     throw InputError(
         fmt::format("{}: {}, and nearly all numbers are as unusual; in the other byte order they have "
                     "usual sizes, so the {} significant byte comes first; write --columns {}",
-                    source_.name(), first_unusual, big_endian ? "most" : "least", columns_text));
+                    source_.name(), first_unusual, is_big_endian ? "most" : "least", columns_text));
 }
 
 std::vector<BinaryDump::ColumnReader> BinaryDump::make_column_readers(const Records& records) const {

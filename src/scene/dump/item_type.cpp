@@ -14,9 +14,9 @@ static_assert(std::endian::native == std::endian::little);
 namespace {
 
 /// Returns the bytes as an unsigned number.
-std::uint64_t bits_of(const char* bytes, std::size_t size, bool big_endian) {
+std::uint64_t bits_of(const char* bytes, std::size_t size, bool is_big_endian) {
     std::array<char, 8> little_endian{};
-    for (std::size_t i = 0; i < size; ++i) little_endian[i] = bytes[big_endian ? size - 1 - i : i];
+    for (std::size_t i = 0; i < size; ++i) little_endian[i] = bytes[is_big_endian ? size - 1 - i : i];
     return std::bit_cast<std::uint64_t>(little_endian);
 }
 
@@ -49,13 +49,13 @@ std::int64_t extend_sign(std::uint64_t bits, std::size_t size) {
 
 ItemType::Item ItemType::read(const char* bytes) const {
     // The most frequent type is read without a loop over its bytes.
-    if (kind == Kind::floating && !big_endian && size == 4) {
+    if (kind == Kind::floating && !is_big_endian && size == 4) {
         float value;
         std::memcpy(&value, bytes, 4);
         return {value, true};
     }
 
-    const std::uint64_t bits = bits_of(bytes, size, big_endian);
+    const std::uint64_t bits = bits_of(bytes, size, is_big_endian);
     switch (kind) {
         case Kind::floating:
             if (size == 2) return {binary16_value(bits), true};
@@ -73,7 +73,7 @@ ItemType::Item ItemType::read(const char* bytes) const {
 }
 
 std::string ItemType::text(const char* bytes) const {
-    const std::uint64_t bits = bits_of(bytes, size, big_endian);
+    const std::uint64_t bits = bits_of(bytes, size, is_big_endian);
     switch (kind) {
         case Kind::floating: return shortest_float_text(read(bytes).value, size == 4);
         case Kind::signed_integer: return shortest_decimal(extend_sign(bits, size));
@@ -86,7 +86,7 @@ std::string ItemType::text(const char* bytes) const {
 std::string ItemType::name() const {
     if (kind == Kind::boolean) return "bool";
     const char letter = kind == Kind::floating ? 'f' : kind == Kind::signed_integer ? 'i' : 'u';
-    return letter + std::to_string(8 * size) + (big_endian ? "be" : "");
+    return letter + std::to_string(8 * size) + (is_big_endian ? "be" : "");
 }
 
 std::optional<Format> ItemType::format() const {
@@ -99,10 +99,10 @@ std::optional<ItemType> find_item_type(std::string_view word) {
     ItemType type;
     const bool is_numpy = !word.empty() && std::string_view("<>|=").find(word.front()) != std::string_view::npos;
     if (is_numpy) {
-        type.big_endian = word.front() == '>';
+        type.is_big_endian = word.front() == '>';
         word.remove_prefix(1);
     } else if (word.ends_with("be") || word.ends_with("le")) {
-        type.big_endian = word.ends_with("be");
+        type.is_big_endian = word.ends_with("be");
         word.remove_suffix(2);
     }
 

@@ -15,7 +15,7 @@ struct ItemType {
     enum class Kind : std::uint8_t { floating, signed_integer, unsigned_integer, boolean };
     Kind kind = Kind::floating;
     std::uint8_t size = 4;  ///< in bytes: 2, 4 or 8 for floats, 1 to 8 for integers, 1 for booleans
-    bool big_endian = false;
+    bool is_big_endian = false;
 
     struct Item {
         double value;

@@ -46,8 +46,8 @@ TEST_CASE("neighbours differ by at most an ulp per number, keep zeros and repeat
     const OneRay ray(scene, 100, 128);
     const OneRay::Inputs in = ray.inputs(form, f32);
     const std::vector<Primitive<double>> primitives{in.format_inputs.primitives[0]};
-    const auto around = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives),
-               again = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives);
+    const auto around = measure::attribution::make_neighbours(ray, in, f32.parameters, primitives),
+               again = measure::attribution::make_neighbours(ray, in, f32.parameters, primitives);
     REQUIRE(around.size() == measure::attribution::neighbour_count);
     const auto middle = numbers_of(in.format_inputs.rays[in.index]);
     std::vector<int> down(6), up(6);
@@ -82,7 +82,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         const Explanation all = measure::attribution::explain(form, f32, ray);
         if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
-        const auto around = measure::attribution::neighbours_of(
+        const auto around = measure::attribution::make_neighbours(
             ray, in, f32.parameters, {in.format_inputs.primitives[static_cast<std::size_t>(all.primitive_index)]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;

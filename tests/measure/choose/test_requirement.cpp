@@ -70,7 +70,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& te
         asked.all.push_back({.row = tested_forms[r], .quality = quality[r]});
         asked.all.back().time.median = prices[r];
     }
-    asked.requirement_map = requirement_map_of(asked.request, asked.all, meetings);
+    asked.requirement_map = make_requirement_map(asked.request, asked.all, meetings);
     return asked;
 }
 
