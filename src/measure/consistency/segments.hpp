@@ -46,8 +46,8 @@ struct ReversedRays {
 
 /// Errors of two sums of t. Along a chord, near + far′ and far + near′ should each be L, the segment's length. Primed
 /// values are from the ray that starts at q. L is 1 or, for forms that take unit directions, |q − p| as stored. Let δ
-/// be the sum minus L, in units of `ulp`: δ̂ for the answers and δ* for the exact chords. `apart` is the larger |δ̂|, and
-/// `excess` the larger |δ̂ − δ*|. δ* is not 0, because q plus the reversed direction is not quite p.
+/// be the sum minus L, in units of `ulp`: δ̂ for the answers and δ* for the exact chords. `apart` is the larger |δ̂|,
+/// and `excess` the larger |δ̂ − δ*|. δ* is not 0, because q plus the reversed direction is not quite p.
 struct ChordError {
     double apart = 0, excess = 0;
 };
