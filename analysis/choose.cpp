@@ -51,7 +51,7 @@ public:
     void repair_all() {
         ChoiceRequest quiet_request = request_;
         quiet_request.progress = [](std::uint64_t) {};
-        const auto quality = quality_of(quiet_request);
+        const auto quality = measure_quality(quiet_request);
         for (std::size_t r = 0; r < request_.tested_forms.size(); ++r)
             if (!quality[r].meets(request_.requirement) && !request_.tested_forms[r].form->is_placed)
                 repair_one(request_.tested_forms[r]);
@@ -190,7 +190,7 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer, const 
     if (request.scene) request.show = met_pixels.emplace(request, request.tested_forms).show();
     const auto measured_candidates = measure_candidates(request, timed_rays);
     auto requirement_map =
-        met_pixels ? std::optional(requirement_map_of(request, measured_candidates, *met_pixels)) : std::nullopt;
+        met_pixels ? std::optional(make_requirement_map(request, measured_candidates, *met_pixels)) : std::nullopt;
 
     auto choice = output::choose::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
@@ -223,7 +223,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     ChoiceRequest request = make_request(options, common.stop);
     request.scene = &scene;
     request.tested_forms =
-        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
+        select_tested_forms(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.accepts(forms); });
     separate_untimed_rows(request);
 
     const auto folder = std::filesystem::path(options.out) / scene.id;

@@ -92,8 +92,8 @@ GivenRange parse_range(const std::string& text) {
 template <class Subject>
 const intersect::table::Intersector* form_for_primitives(const intersect::table::Intersector& form,
                                                          const Subject& subject) {
-    if (subject.meets(form.shapes())) return &form;
-    if (subject.meets(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
+    if (subject.accepts(form.shapes())) return &form;
+    if (subject.accepts(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
         return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
     throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));

@@ -81,7 +81,7 @@ struct PlannedScene {
 
 PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& tested_forms,
                         const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
-    auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.meets(forms); });
+    auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.accepts(forms); });
     PlannedScene planned{study::map_study(scene, std::move(scene_forms), metrics, metric_set, options.scenes.stop), {}};
     if (options.bits_needed > 0) {
         selection::refuse_generators(tested_forms, "--bits");
@@ -285,7 +285,7 @@ std::vector<Scene> load_testable_scenes(const MapOptions& options, std::vector<T
     auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
     const auto handling_forms = selection::drop_unhandled(
         scenes, {tested_forms, options.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return s.meets(forms); }, [](const Scene& s) { return s.id; });
+        [](const Scene& s, Shapes forms) { return s.accepts(forms); }, [](const Scene& s) { return s.id; });
     selection::note_unmeasured(options.forms, handling_forms, common.quiet);
     return scenes;
 }

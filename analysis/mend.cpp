@@ -187,7 +187,7 @@ struct MendSubject {
         else scene = load_subject_scene(options, selection::data_folder(common.data));
     }
     [[nodiscard]] const std::string& id() const { return scene ? scene->id : rays->id(); }
-    [[nodiscard]] bool meets(Shapes forms) const { return scene ? scene->meets(forms) : forms == rays->shapes(); }
+    [[nodiscard]] bool meets(Shapes forms) const { return scene ? scene->accepts(forms) : forms == rays->shapes(); }
     /// The name of the scene or of the files, quoted for a shell.
     [[nodiscard]] std::string quoted_name(const CommonOptions& common) const {
         return scene ? selection::name_of_scene(*scene, selection::data_folder(common.data)) : rays->quoted_files();

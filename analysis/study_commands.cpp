@@ -194,7 +194,7 @@ PlannedStudies<Adapter> plan_studies(const std::vector<Scene>& scenes,
                                      const StudyOptions& options, const CommonOptions& common) {
     PlannedStudies<Adapter> planned;
     for (const Scene& scene : scenes) {
-        const auto can_test = [&](Shapes forms) { return scene.meets(forms); };
+        const auto can_test = [&](Shapes forms) { return scene.accepts(forms); };
         planned.studies.push_back(Adapter::make_study(scene, selection::filter_tested_forms(tested_forms, can_test),
                                                       options.values, common.stop));
         if constexpr (requires { Adapter::note(scene, options.values); })

@@ -49,7 +49,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
     for (TestedForm tested_form :
-         selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep_.meets(forms); })) {
+         selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep_.accepts(forms); })) {
         if (tested_form.format.engine != Format::Engine::native32) continue;
         tested_form.touching = sweep_.convention;
         request_.tested_forms.push_back(tested_form);
@@ -209,7 +209,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     search.title += chosen.options.title_suffix();
     measure::edges::EdgeRequest request{.search = search,
                                         .tested_forms = selection::filter_tested_forms(
-                                            chosen.tested_forms, [&](Shapes forms) { return search.meets(forms); }),
+                                            chosen.tested_forms, [&](Shapes forms) { return search.accepts(forms); }),
                                         .limit = {.stop = chosen.common.stop}};
     if (chosen.takes_all_forms()) add_contracted(request.tested_forms);
     for (const TestedForm& tested_form : request.tested_forms)

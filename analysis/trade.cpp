@@ -51,7 +51,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
             selection::load_one_scene({{options.scene}, options.size, options.variant, options.set, common.stop}, data);
     TradeRequest request =
         study::trade_request(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
-    const auto can_test = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
+    const auto can_test = [&](Shapes forms) { return scene ? scene->accepts(forms) : forms == request.shape; };
     selection::note_unmeasured(options.forms, selection::filter_tested_forms(rows, can_test), common.quiet);
 
     request.plan = timing_plan(options);

@@ -125,7 +125,7 @@ void self(benchmark::State& state, const intersect::table::Intersector& i) {
     const Primitive<double> sphere(set.sphere);
     for (auto _ : state) {
         for (std::size_t r = 0; r < ray_count; ++r)
-            benchmark::DoNotOptimize(measure::answer::without_rounding(i, set[r], sphere));
+            benchmark::DoNotOptimize(measure::answer::evaluate_exactly(i, set[r], sphere));
     }
     count_rays(state);
 }

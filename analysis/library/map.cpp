@@ -15,7 +15,7 @@ namespace {
 std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
                                                  CallSettings& settings) {
     const scene::file::Scene& scene = scene_handle.scene;
-    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
     static_cast<void>(selection::applicable_metrics(metrics, chosen.tested_forms, "scene " + scene.id));

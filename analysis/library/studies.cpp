@@ -31,7 +31,7 @@ std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& 
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
     const scene::sweep::SweepFile sweep(path, data, {}, settings.stop());
-    chosen.keep_forms_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
+    chosen.keep_forms_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.accepts(forms); });
     std::vector<const measure::metric::Metric*> metrics = chosen.extra_metrics;
     for (const char* name : {"inherent_bits", "excess_bits"}) metrics.push_back(measure::metric::find_metric(name));
     auto request =
@@ -61,7 +61,7 @@ const TestedForm& only_tested_form(const CallSelection& chosen, const std::strin
 
 std::unique_ptr<lostbits_result> make_explanation_result(const scene::file::Scene& scene, int x, int y,
                                                          CallSelection& chosen) {
-    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
     const TestedForm& tested_form = only_tested_form(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*tested_form.form);
     const scene::file::Scene generated = generator ? with_ray_generator(scene, *generator) : scene;
@@ -95,8 +95,9 @@ std::unique_ptr<lostbits_result> make_study_result(const scene::file::Scene& sce
     selection::refuse_generators(chosen.tested_forms, Adapter::name);
     selection::refuse_generated_rays({scene}, Adapter::name);
     Adapter::require(scene);
-    chosen.keep_forms_for("scene " + scene.id,
-                          [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
+    chosen.keep_forms_for("scene " + scene.id, [&scene](Shapes shapes) {
+        return selection::are_primitives(shapes) && scene.accepts(shapes);
+    });
 
     auto study = Adapter::make_study(scene, chosen.tested_forms, study::study_values(Adapter::options(), options),
                                      settings.stop());
@@ -141,7 +142,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                const measure::choose::Requirement& requirement, bool two_words, CallSelection& chosen,
                CallSettings& settings) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
-    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
@@ -176,7 +177,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     request.limit.stop = request.plan.stop = settings.stop();
     request.scene = &scene;
     request.tested_forms = selection::select_timed_forms(scene.id, {chosen.tested_forms, chosen.forms, true},
-                                                         [&scene](Shapes forms) { return scene.meets(forms); });
+                                                         [&scene](Shapes forms) { return scene.accepts(forms); });
     std::erase_if(request.tested_forms, [](const TestedForm& tested_form) { return tested_form.format.is_emulated(); });
     if (request.tested_forms.empty())
         throw InputError(

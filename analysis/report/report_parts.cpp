@@ -242,7 +242,7 @@ std::optional<output::report::OffsetPart> measure_offset_part(const scene::file:
     auto all =
         selection::pair_forms_with_formats(forms, selection::select_formats({std::string(offset::usual_format)}));
     const selection::ShapePredicate can_test = [&scene](Shapes shapes) {
-        return selection::are_primitives(shapes) && scene.meets(shapes);
+        return selection::are_primitives(shapes) && scene.accepts(shapes);
     };
     const auto rows = selection::tested_forms_handling({all, {}, true}, scene.id, can_test);
     if (rows.empty()) return std::nullopt;

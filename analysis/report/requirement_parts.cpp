@@ -87,7 +87,7 @@ PlannedMend parse_mend(const std::string& text, const std::string& size, const s
     auto candidates =
         selection::pair_forms_with_formats(selection::select_forms({form}), selection::select_formats({"f32"}));
     const auto rows = selection::tested_forms_handling({candidates, {form}, true}, scene.id, [&scene](Shapes shapes) {
-        return selection::are_primitives(shapes) && scene.meets(shapes);
+        return selection::are_primitives(shapes) && scene.accepts(shapes);
     });
     if (rows.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");
     selection::refuse_generators({rows.front().form}, "mend");

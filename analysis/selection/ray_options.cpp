@@ -126,8 +126,8 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
     Scene loaded = load_single_scene(options, data);
     const auto scene = std::make_shared<const Scene>(generator ? with_ray_generator(std::move(loaded), *generator)
                                                                : std::move(loaded));
-    const TestedForm tested_form =
-        tested_form_for_primitives(given_form, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+    const TestedForm tested_form = tested_form_for_primitives(given_form, "scene " + scene->id,
+                                                              [&](Shapes forms) { return scene->accepts(forms); });
 
     // Exactly one option names the ray.
     std::vector<std::string> given_options;
@@ -198,7 +198,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         tested_form = tested_form_for_primitives(tested_form, "the file of cases " + file.id,
-                                                 [&](Shapes forms) { return file.meets(forms); });
+                                                 [&](Shapes forms) { return file.accepts(forms); });
         tested_form.touching = judging_convention(options, file);
         return find_worst_in_cases(file, tested_form, options.stop);
     }
@@ -209,7 +209,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
                          "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
     tested_form = tested_form_for_primitives(tested_form, "the sweep " + sweep.id,
-                                             [&](Shapes forms) { return sweep.meets(forms); });
+                                             [&](Shapes forms) { return sweep.accepts(forms); });
     tested_form.touching =
         options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
     return find_worst_in_sweep(sweep, tested_form, options.stop);
@@ -224,7 +224,7 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
             "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
     tested_form = tested_form_for_primitives(tested_form, "the file of cases " + file.id,
-                                             [&](Shapes forms) { return file.meets(forms); });
+                                             [&](Shapes forms) { return file.accepts(forms); });
     const auto [case_index, ray_index] = parse_named_ray(file, options.named_case);
     tested_form.touching = judging_convention(options, file);
 

@@ -113,7 +113,7 @@ scene::file::Scene load_one_scene(const SceneOptions& options, const std::filesy
 
 std::vector<measure::evaluate::TestedForm> select_timed_forms(const scene::file::Scene& scene,
                                                               const SelectedForms& chosen) {
-    return select_timed_forms(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
+    return select_timed_forms(scene.id, chosen, [&scene](Shapes forms) { return scene.accepts(forms); });
 }
 
 std::vector<measure::evaluate::TestedForm> select_timed_forms(const std::string& id, const SelectedForms& chosen,

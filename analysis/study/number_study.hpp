@@ -69,7 +69,7 @@ template <class Quantity>
 struct NumberStudy {
     using Band = NumberBand;
     using Summary = NumberSummary;
-    static constexpr int pixels_together = 1;
+    static constexpr int pixels_per_band = 1;
 
     const scene::file::Scene& scene;
     std::vector<measure::evaluate::TestedForm> tested_forms;

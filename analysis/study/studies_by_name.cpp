@@ -75,7 +75,7 @@ std::optional<output::report::StudySection> measure_part_of(const scene::file::S
     StudyQuestion question{
         .scene = scene,
         .tested_forms = selection::filter_tested_forms(
-            rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
+            rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); }),
         .stop = stop};
     if (question.tested_forms.empty()) return std::nullopt;
 

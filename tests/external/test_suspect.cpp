@@ -271,7 +271,7 @@ TEST_CASE("suspicion: no form of the catalogue is suspected, from outside or fro
             scene::file::load_scene(std::string(LOSTBITS_DATA_DIR) + "/scenes/" + name + ".toml").front();
         for (const auto& form : intersect::table::intersectors()) {
             const bool near_only = form.info->roots == intersect::Roots::near_only;
-            if (!loaded.meets(form.shape) || (near_only && name == "camera-inside")) continue;
+            if (!loaded.accepts(form.shape) || (near_only && name == "camera-inside")) continue;
             INFO(name << ' ' << form.info->name);
             const Format format = *find_format(form.native64 ? "f64" : "f32");
             CHECK(measure::contract::suspicion_text(loaded, {&form, format}).empty());

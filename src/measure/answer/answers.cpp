@@ -188,14 +188,19 @@ OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
         const Vec<S>&o = ray.origin, &d = ray.direction;
         S near{}, far{};
         Primitive<S> primitive(form.shape);
+
         RayBatch<S> rays{.ox = span_of_one(o.x),
                          .oy = span_of_one(o.y),
                          .oz = span_of_one(o.z),
                          .dx = span_of_one(d.x),
                          .dy = span_of_one(d.y),
                          .dz = span_of_one(d.z)};
-        if (!range.is_whole())
-            rays.tmax = span_of_one(range.tmax), rays.tmin = span_of_one(range.tmin), rays.open = range.open;
+        if (!range.is_whole()) {
+            rays.tmax = span_of_one(range.tmax);
+            rays.tmin = span_of_one(range.tmin);
+            rays.open = range.open;
+        }
+
         for (std::size_t i = 0; i < spheres.size(); ++i) {
             for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
                 primitive.numbers[k] = spheres.numbers[k][i];
@@ -289,15 +294,20 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const bool marches = !is_primitive(form.shape),
                takes_batches = !intersect::external::foreign_forms_of(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
+
     // Kernels of packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
                                                   ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
                                                   : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
+
+    // The spheres of an index are tested page by page.
     if (inputs.index && form.shapes() == scene::sphere::Sphereflake::shape) {
         test_spheres(form, rays, inputs, answers);
         return answers;
     }
+
+    // Runs a kernel over all rays: with the candidates of each, in pairs with primitives, or against all primitives.
     const auto run = [&]<class S>(const auto& whole_ray) {
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
@@ -314,6 +324,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
             else find_nearest_hits<S>(kernel, chunk, inputs, answers);
         }
     };
+
     switch (inputs.format.engine) {
         case Format::Engine::native32: run.template operator()<float>(native.f32); break;
         case Format::Engine::native64: run.template operator()<double>(native.f64); break;

@@ -49,6 +49,7 @@ struct AnswerBuffers {
 /// Numbers of some rays in the layout that a kernel takes, without their ranges, and buffers for its answers.
 template <class S>
 struct KernelBuffers : AnswerBuffers<S> {
+    static constexpr std::size_t tmax_column = 6;
     std::array<std::vector<S>, 8> columns;
 
     KernelBuffers(const scene::rays::RayBlock& rays, std::size_t begin, std::size_t count) : AnswerBuffers<S>(count) {

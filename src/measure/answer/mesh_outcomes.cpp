@@ -24,7 +24,7 @@ public:
           first_(band_answers.inputs.primitives.first_of_mesh()),
           mesh_(band_answers.inputs.primitives.mesh()->mesh()) {}
 
-    [[nodiscard]] Outcome outcome_of(std::int32_t true_primitive, Outcome plain_outcome) const {
+    [[nodiscard]] Outcome find_outcome(std::int32_t true_primitive, Outcome plain_outcome) const {
         const std::int32_t hit_primitive = band_answers_.answers.object[ray_];
         if (band_answers_.answers.claimed.empty())
             return plain_outcome == Outcome::wrong_primitive && are_neighbours(true_primitive, hit_primitive)
@@ -82,8 +82,8 @@ private:
         return std::ranges::any_of(candidates.candidates_of(ray_), [&](std::uint32_t k) {
             const auto primitive = static_cast<std::int32_t>(k);
             if (!in_mesh(primitive) || !mesh_.has_border(face_of(primitive))) return false;
-            const Truth truth = truth_at(primitive);
-            return truth.is_hit() && compare(truth.t, first.t) == 0 &&
+            const Truth primitive_truth = truth_at(primitive);
+            return primitive_truth.is_hit() && compare(primitive_truth.t, first.t) == 0 &&
                    crossing::is_beside_border(band_answers_.inputs.rays[ray_], triangle(primitive), mesh_,
                                               face_of(primitive));
         });
@@ -122,8 +122,8 @@ private:
         const Truth hit_truth = truth_at(hit_primitive);
         return hit_truth.is_hit() && claims([&](std::int32_t s) {
                    if (s == hit_primitive || !in_mesh(s) || are_neighbours(s, hit_primitive)) return false;
-                   const Truth truth = truth_at(s);
-                   return truth.is_hit() && compare(truth.t, hit_truth.t) < 0;
+                   const Truth other_truth = truth_at(s);
+                   return other_truth.is_hit() && compare(other_truth.t, hit_truth.t) < 0;
                });
     }
     /// Number of crossings of the surface at these triangles. Triangles that are one crossing form a group, and each
@@ -161,11 +161,11 @@ private:
         for (std::size_t pair = candidates.first_pair(ray_); pair < candidates.first_pair(ray_ + 1); ++pair) {
             const auto primitive = static_cast<std::int32_t>(candidates.primitive(pair));
             if (!in_mesh(primitive)) continue;
-            const Truth truth = truth_at(primitive);
-            if (band_answers_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
-            const CrossedTriangle crossed{primitive, truth, facing(primitive)};
+            const Truth primitive_truth = truth_at(primitive);
+            if (band_answers_.answers.claimed[pair] == 0 && !primitive_truth.is_hit()) continue;
+            const CrossedTriangle crossed{primitive, primitive_truth, facing(primitive)};
             if (band_answers_.answers.claimed[pair] != 0) claimed_crossings.push_back(crossed);
-            if (truth.is_hit()) true_crossings.push_back(crossed);
+            if (primitive_truth.is_hit()) true_crossings.push_back(crossed);
         }
         return !leave_count_open(claimed_crossings) &&
                crossings(std::move(claimed_crossings)) % 2 != crossings(std::move(true_crossings)) % 2;
@@ -181,7 +181,7 @@ private:
 Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive,
                         Outcome plain_outcome) {
     return band_answers.inputs.primitives.mesh() != nullptr
-               ? RayAtMesh(band_answers, ray).outcome_of(true_primitive, plain_outcome)
+               ? RayAtMesh(band_answers, ray).find_outcome(true_primitive, plain_outcome)
                : plain_outcome;
 }
 
@@ -194,7 +194,7 @@ void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths
             meets_first(band_answers.band, i, band_answers.answers.object[i], band_answers.convention))
             outcomes[i] = Outcome::agree_hit;
         if (has_mesh && truth.decision[i] == Truth::Decision::hit)
-            outcomes[i] = RayAtMesh(band_answers, i).outcome_of(truth.object[i], outcomes[i]);
+            outcomes[i] = RayAtMesh(band_answers, i).find_outcome(truth.object[i], outcomes[i]);
     }
 }
 

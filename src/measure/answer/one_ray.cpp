@@ -72,7 +72,7 @@ double OneRay::reach(const intersect::Info& info, const Format& format) const {
 }
 
 truth::Certified OneRay::true_t(const intersect::Info& info) const {
-    const truth::Truth ray_truth = truth(info);
+    const truth::Truth ray_truth = find_truth(info);
     return info.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
 }
 

@@ -53,7 +53,7 @@ public:
     [[nodiscard]] bool is_unrounded(const Inputs& inputs) const {
         return band_->is_unrounded(inputs.format_inputs, index_);
     }
-    [[nodiscard]] truth::Truth truth(const intersect::Info& info) const {
+    [[nodiscard]] truth::Truth find_truth(const intersect::Info& info) const {
         return band_->truth(index_, convention(info));
     }
     /// κ of the true hit; NaN for a miss.
@@ -65,7 +65,7 @@ public:
     /// primitives have no mesh or the ray truly misses.
     [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
                                   Outcome plain_outcome) const {
-        const truth::Truth ray_truth = truth(info);
+        const truth::Truth ray_truth = find_truth(info);
         return ray_truth.is_hit() ? outcome_in_mesh({answers, inputs.format_inputs, *band_, convention(info)}, index_,
                                                     ray_truth.primitive, plain_outcome)
                                   : plain_outcome;

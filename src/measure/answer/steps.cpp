@@ -33,9 +33,12 @@ std::optional<double> evaluate_one(const intersect::table::Intersector& form, co
                                      static_cast<S>(d.x), static_cast<S>(d.y), static_cast<S>(d.z)};
             const auto span_of_one = [](const S& value) { return std::span(&value, 1); };
             const S end = static_cast<S>(tmax);
+
+            // A batch of one ray.
             intersect::table::RayBatch<S> rays{span_of_one(x[0]), span_of_one(x[1]), span_of_one(x[2]),
                                                span_of_one(x[3]), span_of_one(x[4]), span_of_one(x[5])};
             if (!std::isinf(tmax)) rays.tmax = span_of_one(end);
+
             S t{}, near{}, far{};
             std::uint8_t hit = 0;
             kernel(rays, intersect::Target<S>(transformed(primitive, [](double n) { return static_cast<S>(n); })),
@@ -49,17 +52,18 @@ std::optional<double> evaluate_one(const intersect::table::Intersector& form, co
 namespace {
 
 template <class T>
-Vec<Real> exactly(const Vec<T>& v) {
+Vec<Real> to_real(const Vec<T>& v) {
     return {Real(as_double(v.x)), Real(as_double(v.y)), Real(as_double(v.z))};
 }
 template <class T>
-Affine<Real> exactly(const Affine<T>& m) {
-    return {{exactly(m.rows[0]), exactly(m.rows[1]), exactly(m.rows[2])}, exactly(m.shift)};
+Affine<Real> to_real(const Affine<T>& m) {
+    return {{to_real(m.rows[0]), to_real(m.rows[1]), to_real(m.rows[2])}, to_real(m.shift)};
 }
+Real to_real(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
 
-/// Returns t as a certified value. A Real has 256 bits; those that the value leaves out are smaller than its error
-/// bound.
-std::optional<Certified> certified_value(const Real& t) {
+/// Returns t as a certified value. A Real has 256 bits. The bits that do not fit into the value are smaller than its
+/// error bound.
+std::optional<Certified> to_certified(const Real& t) {
     if (t == 0) return Certified{};
     int exponent = 0;
     const Real scaled = frexp(t, &exponent);
@@ -69,52 +73,59 @@ std::optional<Certified> certified_value(const Real& t) {
     return result;
 }
 
-Real value_of(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
-
-/// Runs the transform steps of a row for one ray, in the number type T.
+/// Computes the answers tₖ of a row for one ray, in the number type T: the first k steps are rounded, the others exact.
 template <class T>
-class StepWalk {
+class StepwiseAnswers {
 public:
-    StepWalk(const Intersector& form, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
-             const Range<double>& range)
+    StepwiseAnswers(const Intersector& form, const Format& format, const Ray<double>& ray,
+                    const Primitive<double>& primitive, const Range<double>& range)
         : row_(form),
           parts_(intersect::transform::transformed_parts_of(form)),
           format_(format),
           primitive_(primitive),
           range_(range) {
         world_ = lift_ray<T>(ray);
-        exact_world_ = {exactly(world_.origin), exactly(world_.direction)};
+        exact_world_ = {to_real(world_.origin), to_real(world_.direction)};
         object_primitive_ = primitive;
         object_primitive_.placed.reset();
     }
 
-    Steps walk(const Certified& truth) {
+    Steps compute(const Certified& true_t) {
         const StepFunctions<T>& rounded_steps = intersect::transform::step_functions<T>(*parts_.method);
         const StepFunctions<Real>& exact_steps = parts_.method->real;
         Steps steps;
-        steps.t[0] = truth;
+        steps.t[Steps::none_rounded] = true_t;
+
+        // From here on, both matrices are those that the format computed.
         const Maps<T> maps =
             rounded_steps.maps(transformed(*primitive_.placed, [](double x) { return static_cast<T>(x); }));
-        maps_ = {exactly(maps.to_world), exactly(maps.to_object)};
+        maps_ = {to_real(maps.to_world), to_real(maps.to_object)};
+
+        // Rounds one more step of the ray's transform for each answer.
         const auto finish_exactly = [&](const Vec<Real>& o, const Vec<Real>& d) {
             return exact_steps.finish(maps_, exact_world_.origin, Ray<Real>{o, d});
         };
         const Vec<T> o = rounded_steps.origin(maps, world_.origin), d = rounded_steps.direction(maps, world_.direction);
         const Vec<Real> exact_d = exact_steps.direction(maps_, exact_world_.direction);
-        steps.t[1] = exact_t(finish_exactly(exact_steps.origin(maps_, exact_world_.origin), exact_d));
-        steps.t[2] = exact_t(finish_exactly(exactly(o), exact_d));
-        steps.t[3] = exact_t(finish_exactly(exactly(o), exactly(d)));
+        steps.t[Steps::inverse_rounded] =
+            exact_t(finish_exactly(exact_steps.origin(maps_, exact_world_.origin), exact_d));
+        steps.t[Steps::origin_rounded] = exact_t(finish_exactly(to_real(o), exact_d));
+        steps.t[Steps::direction_rounded] = exact_t(finish_exactly(to_real(o), to_real(d)));
+
+        // The ray in the space of the primitive, as the format computes it.
         const ObjectRay<T> object_ray = rounded_steps.finish(maps, world_.origin, Ray<T>{o, d});
-        const ObjectRay<Real> exact_object_ray{{exactly(object_ray.ray.origin), exactly(object_ray.ray.direction)},
+        const ObjectRay<Real> exact_object_ray{{to_real(object_ray.ray.origin), to_real(object_ray.ray.direction)},
                                                Real(as_double(object_ray.length)),
                                                Real(as_double(object_ray.scale))};
-        steps.t[4] = exact_t(exact_object_ray);
+        steps.t[Steps::finish_rounded] = exact_t(exact_object_ray);
+
+        // Rounds the form too, then the transform of its answer back into the world.
         if (const auto t = rounded_t(object_ray)) {
             if (std::isfinite(as_double(*t)))
-                steps.t[5] =
-                    certified_value(exact_steps.back(maps_, exact_world_, exact_object_ray, Real(as_double(*t))));
+                steps.t[Steps::form_rounded] =
+                    to_certified(exact_steps.back(maps_, exact_world_, exact_object_ray, Real(as_double(*t))));
             const double rounded_world_t = as_double(rounded_steps.back(maps, world_, object_ray, *t));
-            if (std::isfinite(rounded_world_t)) steps.t[6] = truth::as_certified(rounded_world_t);
+            if (std::isfinite(rounded_world_t)) steps.t[Steps::all_rounded] = truth::as_certified(rounded_world_t);
         }
         return steps;
     }
@@ -131,11 +142,11 @@ private:
     std::optional<Certified> exact_t(const ObjectRay<Real>& object_ray) const {
         Primitive<Real> object = transformed(object_primitive_, [](double x) { return Real(x); });
         if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
-        const truth::Truth truth =
+        const truth::Truth object_truth =
             truth::find_truth(object_ray.ray, object, {}, row_.info->convention().of(object.shape),
                               scaled_range(word_of(object_ray.length)));
-        if (!truth.is_hit()) return std::nullopt;
-        return certified_value(parts_.method->real.back(maps_, exact_world_, object_ray, value_of(truth.t)));
+        if (!object_truth.is_hit()) return std::nullopt;
+        return to_certified(parts_.method->real.back(maps_, exact_world_, object_ray, to_real(object_truth.t)));
     }
 
     /// Returns the answer of the form in its format; empty for a miss.
@@ -174,20 +185,23 @@ std::optional<std::size_t> Steps::worst() const {
     double largest = 0;
     for (std::size_t k = 0; k < step_count; ++k) {
         const double size = std::fabs(error(k, t[0]->exponent));
-        if (size > largest) largest = size, worst_step = k;
+        if (size > largest) {
+            largest = size;
+            worst_step = k;
+        }
     }
     return worst_step;
 }
 
-Steps steps_of(const Intersector& form, const Format& format, const Ray<double>& ray,
-               const Primitive<double>& primitive, const Range<double>& range) {
-    const truth::Truth truth =
+Steps measure_steps(const Intersector& form, const Format& format, const Ray<double>& ray,
+                    const Primitive<double>& primitive, const Range<double>& range) {
+    const truth::Truth ray_truth =
         truth::find_truth(ray, primitive, {}, form.info->convention().of(primitive.shape), range);
     const bool has_unit_directions = form.info->direction == intersect::Direction::unit;
     return with_number(format, [&]<class T>() {
-        Steps steps =
-            StepWalk<T>(form, format, ray, primitive, range).walk(has_unit_directions ? truth.distance : truth.t);
-        if (!truth.is_hit()) steps.t[0].reset();
+        Steps steps = StepwiseAnswers<T>(form, format, ray, primitive, range)
+                          .compute(has_unit_directions ? ray_truth.distance : ray_truth.t);
+        if (!ray_truth.is_hit()) steps.t[Steps::none_rounded].reset();
         return steps;
     });
 }
@@ -204,29 +218,35 @@ struct RangedProblem {
 RangedProblem to_object_space(const TransformMethod& method, const Format& format, const RangedProblem& world) {
     return with_number(format, [&]<class T>() {
         const auto lift = [](double x) { return static_cast<T>(x); };
-        const auto& steps = intersect::transform::step_functions<T>(method);
-        const auto in = steps.to_object(steps.maps(transformed(*world.primitive.placed, lift)), lift_ray<T>(world.ray));
+        const auto& step_functions = intersect::transform::step_functions<T>(method);
+        const auto object_ray = step_functions.to_object(
+            step_functions.maps(transformed(*world.primitive.placed, lift)), lift_ray<T>(world.ray));
         Primitive<T> object = lift_primitive<T>(world.primitive);
         object.placed.reset();
-        if (as_double(in.scale) != 1) object = scaled(object, in.scale);
-        RangedProblem object_problem{as_doubles(in.ray), as_doubles(object), world.range};
-        object_problem.range.tmin = as_double(lift(world.range.tmin) * in.length);
-        object_problem.range.tmax = as_double(lift(world.range.tmax) * in.length);
+        if (as_double(object_ray.scale) != 1) object = scaled(object, object_ray.scale);
+
+        RangedProblem object_problem{as_doubles(object_ray.ray), as_doubles(object), world.range};
+        object_problem.range.tmin = as_double(lift(world.range.tmin) * object_ray.length);
+        object_problem.range.tmax = as_double(lift(world.range.tmax) * object_ray.length);
         return object_problem;
     });
 }
 
 }  // namespace
 
-Levels levels_of(const Intersector& form, const Format& format, const Ray<double>& ray,
-                 const Primitive<double>& primitive, const Range<double>& range) {
+Levels find_lost_level(const Intersector& form, const Format& format, const Ray<double>& ray,
+                       const Primitive<double>& primitive, const Range<double>& range) {
     Levels levels;
     RangedProblem problem{ray, primitive, range};
+
+    // The first level that misses loses the hit, if the row misses at all.
     bool is_lost = !evaluate_one(form, format, ray, primitive, range.tmax);
     const auto lose_to = [&](Level level) {
         if (is_lost) levels.lost_to = level;
         is_lost = false;
     };
+
+    // Takes the form apart from the outside in: a box around it, a transform, or the form itself.
     const Intersector* current = &form;
     for (;;) {
         if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
@@ -251,11 +271,13 @@ Levels levels_of(const Intersector& form, const Format& format, const Ray<double
     }
 }
 
-/// A box test that hits still hits with a later end of the ray. So k is doubled until the row hits, and then bisected.
+/// Searches for the smallest number k of ulps by which the end must move until the form hits. If it hits at one end, it
+/// hits at every later one, so bisection is valid.
 double end_margin(const Intersector& form, const Format& format, const Ray<double>& ray,
                   const Primitive<double>& primitive, const Range<double>& range) {
     const auto t = evaluate_one(form, format, ray, primitive, range.tmax);
     if (!t || !std::isfinite(*t)) return truth::missing;
+
     const double ulp =
         std::ldexp(1, static_cast<int>(ulp_exponent(format.parameters, *t == 0 ? -100000 : std::ilogb(*t))));
     const auto hits_with = [&](double k) {
@@ -263,11 +285,14 @@ double end_margin(const Intersector& form, const Format& format, const Ray<doubl
         return evaluate_one(form, format, ray, primitive, std::min(end, range.tmax)).has_value();
     };
     if (hits_with(0)) return 0;
+
+    // Doubles k until the form hits.
     double too_small = 0, large_enough = 1;
     for (; !hits_with(large_enough); large_enough *= 2) {
         if (large_enough > std::ldexp(1, format.parameters.precision)) return HUGE_VAL;
         too_small = large_enough;
     }
+
     while (large_enough - too_small > 1) {
         const double middle = std::floor((too_small + large_enough) / 2);
         (hits_with(middle) ? large_enough : too_small) = middle;

@@ -34,6 +34,16 @@ inline constexpr auto step_categories = [] {
 /// Let tₖ be the answer where the first k steps are rounded and the others are exact. t₀ is the truth for the stored
 /// numbers, and the last is the form's answer. Step k is assigned tₖ − tₖ₋₁, and these sum to the whole error.
 struct Steps {
+    /// Indices of `t`, each named by the last step that is rounded.
+    enum Index : std::size_t {
+        none_rounded,
+        inverse_rounded,
+        origin_rounded,
+        direction_rounded,
+        finish_rounded,
+        form_rounded,
+        all_rounded
+    };
     /// t₀ to t₆, in the unit of the row's answers; empty where the ray misses.
     std::array<std::optional<truth::Certified>, step_count + 1> t;
 
@@ -44,10 +54,10 @@ struct Steps {
     [[nodiscard]] std::optional<std::size_t> worst() const;
 };
 
-/// Returns the steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given
+/// Measures the steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given
 /// as the form received it, and the primitive under a matrix. Uses the convention of the row, within a range.
-Steps steps_of(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
-               const Primitive<double>& primitive, const Range<double>& range = {});
+Steps measure_steps(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
+                    const Primitive<double>& primitive, const Range<double>& range = {});
 
 enum class Level {
     nothing,    ///< the hit is found
@@ -68,10 +78,10 @@ struct Levels {
     std::vector<BoxTest> boxes;
 };
 
-/// Returns the levels of a row behind a box, for a ray that truly hits the primitive in its range, both as the form
-/// received them. The hit is lost to the first level, from the outside in, that misses.
-Levels levels_of(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
-                 const Primitive<double>& primitive, const Range<double>& range);
+/// Finds the level to which a row behind a box loses the hit, for a ray that truly hits the primitive in its range,
+/// both as the form received them. It is the first level, from the outside in, that misses.
+Levels find_lost_level(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
+                       const Primitive<double>& primitive, const Range<double>& range);
 
 /// Returns the margin, in ulps of t, that an earlier and farther hit must leave for the row to find this hit: the
 /// earlier hit ends the ray. The margin is the least k for which the row hits when the ray ends at t + k ulp(t), where

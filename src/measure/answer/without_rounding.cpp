@@ -24,7 +24,7 @@ bool try_to_answer(const Hit<E>& hit, std::optional<Certified>& answer) {
 
 }  // namespace
 
-std::optional<Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray,
+std::optional<Certified> evaluate_exactly(const intersect::table::Intersector& form, const Ray<double>& ray,
                                           const intersect::Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
     const intersect::LiftedTarget<Ball> ball_target(target);
@@ -86,7 +86,7 @@ Interval exact_interval(Real2048 x) {
 
 }  // namespace
 
-std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arguments) {
+std::optional<Ball> evaluate_exactly(const Call& call, std::span<const Ball> arguments) {
     const std::size_t count = count_numbers(call);
     std::optional<Ball> end;
     if (arguments.size() > count && arguments.back().hi() < 0x1p880) end = arguments.back();
@@ -95,7 +95,7 @@ std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arg
         [](const Intersector& form, const auto& ray, const auto& target) { return form.ball(ray, target); });
 }
 
-std::optional<Real2048> without_rounding(const Call& call, std::span<const Real2048> arguments) {
+std::optional<Real2048> evaluate_exactly(const Call& call, std::span<const Real2048> arguments) {
     // 10240 bits: a decision takes products of four numbers of 2048 bits.
     const Interval::Precision precision(10240);
     std::vector<Interval> lifted;

@@ -177,9 +177,9 @@ EnclosedNode smaller_of(const EnclosedNode& a, const EnclosedNode& b) {
                    .computed = least(a.computed, b.computed),
                    .rounding = Interval(0)};
     const Tri exact = a.exact < b.exact, computed = a.computed < b.computed;
-    const Interval first_share =
+    const Interval first_fraction =
         exact == computed && !exact.is_unknown() ? Interval(exact.is_yes() ? 1 : 0) : Interval::between(0, 1);
-    r.quotients = {first_share, Interval(1) - first_share, {}};
+    r.quotients = {first_fraction, Interval(1) - first_fraction, {}};
     return r;
 }
 
@@ -210,10 +210,12 @@ EnclosedNode select_side(const EnclosedNode& mask, const EnclosedNode& a, const 
         r.quotients = {Interval(0), Interval(exact.is_yes() ? 1 : 0), Interval(exact.is_yes() ? 0 : 1)};
         return r;
     }
+
     r.is_known = a.is_known && b.is_known;
     if (!r.is_known) return r;
     r.exact = select(exact, a.exact, b.exact);
     r.computed = select(computed, a.computed, b.computed);
+
     const Interval jump = a.exact - b.exact;
     r.rounding = hull(from_zero(jump), -jump);
     r.may_jump = true;
@@ -283,13 +285,17 @@ EnclosedNode enclose(const NodeContext& context) {
     if (op == TapeOp::select) return select_side(a, b, *context.operands[2]);
     if (is_operation(op) && !std::ranges::all_of(context.operands, [](const auto* x) { return !x || x->is_known; }))
         return {};
+
     switch (op) {
+        // Arithmetic.
         case TapeOp::add: return sum(a, b, 1, context.format);
         case TapeOp::sub: return sum(a, b, -1, context.format);
         case TapeOp::mul: return product(a, b, nullptr, context);
         case TapeOp::fma: return product(a, b, context.operands[2], context);
         case TapeOp::div: return quotient(a, b, context.format);
         case TapeOp::sqrt: return root(a, context.format);
+
+        // Sign and size.
         case TapeOp::neg: {
             EnclosedNode r{.is_known = true, .exact = -a.exact, .computed = -a.computed, .rounding = Interval(0)};
             r.quotients[0] = Interval(-1);
@@ -299,9 +305,13 @@ EnclosedNode enclose(const NodeContext& context) {
         case TapeOp::copysign: return with_sign_of(a, b);
         case TapeOp::min: return smaller_of(a, b);
         case TapeOp::max: return larger_of(a, b);
+
+        // Moves to another number or format.
         case TapeOp::next_up: return neighbour(a, 1, context.format);
         case TapeOp::next_down: return neighbour(a, -1, context.format);
         case TapeOp::convert: return convert_node(a, context);
+
+        // Decisions.
         case TapeOp::less: return compare(a, b, true);
         case TapeOp::less_equal: return compare(a, b, false);
         case TapeOp::greater: return compare(b, a, true);

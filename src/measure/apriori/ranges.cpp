@@ -27,8 +27,11 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
     Tape tape;
     query.form.record(query.format, ray, intersect::Target<double>(primitive), inputs.back(), tape);
     if (tape[tape.outputs.hit].value == 0) return {};
-    const auto exact = answer::without_rounding(query.form, ray, intersect::Target<double>(primitive));
+
+    const auto exact = answer::evaluate_exactly(query.form, ray, intersect::Target<double>(primitive));
     if (!exact) return {};
+
+    // Compares the error of the hit with the bound of its box.
     ObservedErrors observed{.hits = 1};
     if (part.bound.misses) observed.largest_ratio = HUGE_VAL;  // the bound says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return observed;
@@ -36,6 +39,8 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
     observed.largest_error =
         std::fabs(truth::scaled_difference(truth::as_certified(tape[tape.outputs.t].value), *exact, 0));
     observed.largest_ratio = observed.largest_error == 0 ? 0 : observed.largest_error / part.bound.error;
+
+    // Compares the bound that the form itself computes, if it does.
     if (!query.form.bounded) return observed;
     const auto running_bound =
         query.form.bounded(query.format, ray, intersect::Target<double>(primitive), inputs.back());
@@ -117,13 +122,13 @@ double ulps_of(const BoxBound& bound, const FloatFormat& f) {
     return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
 }
 
-/// Smallest x such that the numbers up to x have at least this share of the total weight.
-double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
+/// Smallest x such that the numbers up to x have at least this fraction of the total weight.
+double quantile(std::vector<std::pair<double, double>>& weighted, double fraction) {
     std::ranges::sort(weighted);
     double total_weight = 0, weight_so_far = 0;
     for (const auto& [x, weight] : weighted) total_weight += weight;
     for (const auto& [x, weight] : weighted)
-        if ((weight_so_far += weight) >= share * total_weight) return x;
+        if ((weight_so_far += weight) >= fraction * total_weight) return x;
     return HUGE_VAL;
 }
 
@@ -131,28 +136,33 @@ void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, d
                const FloatFormat& f) {
     std::vector<std::pair<double, double>> errors, ulps;
     const SubBox* worst = nullptr;
-    for (const auto& [part, share] : leaves) {
+    for (const auto& [part, fraction] : leaves) {
         const BoxBound& box_bound = part->bound;
         if (box_bound.misses) {
-            result.missed_share += share;
+            result.missed_fraction += fraction;
             continue;
         }
+
         const double in_ulps = ulps_of(box_bound, f);
-        errors.emplace_back(box_bound.error, share);
-        ulps.emplace_back(in_ulps, share);
+        errors.emplace_back(box_bound.error, fraction);
+        ulps.emplace_back(in_ulps, fraction);
         if (!(box_bound.error < HUGE_VAL)) {
-            result.unknown_share += share;
+            result.unknown_fraction += fraction;
             continue;
         }
-        if (!box_bound.decides) result.undecided_share += share;
+
+        if (!box_bound.decides) result.undecided_fraction += fraction;
         result.largest = std::fmax(result.largest, box_bound.error);
         if (!worst || in_ulps > result.largest_ulps) worst = part;
         result.largest_ulps = std::fmax(result.largest_ulps, in_ulps);
     }
+
     result.boxes = leaves.size();
-    for (const double share_of_ranges : {0.5, 0.9, 0.99})
+    for (const double fraction_of_ranges : {0.5, 0.9, 0.99})
         result.quantiles.push_back(
-            {share_of_ranges, quantile(errors, share_of_ranges), quantile(ulps, share_of_ranges)});
+            {fraction_of_ranges, quantile(errors, fraction_of_ranges), quantile(ulps, fraction_of_ranges)});
+
+    // Shows which operations the bound of the worst box comes from.
     if (!worst) return;
     for (const double contribution : bound.node_contributions(worst->box))
         result.node_contributions.push_back(ulps_of({.error = contribution, .least_t = worst->bound.least_t}, f));
@@ -211,11 +221,14 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
             fmt::format("{}: it has {} primitives. Bounds over ranges are computed for each primitive separately, "
                         "for at most {} of them; write the primitives that you need into a scene of their own",
                         request.id(), primitive_count, most_primitives));
+
+    // The operations of the form, which are the same for all primitives.
     const Primitive<double> first = given.primitive(0);
     RangesBound result;
     result.tape = tape::record_tape(*request.form, request.format, first.placed && first.placed->is_inverse);
     result.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
     const TapeBound bound(result.tape);
+
     std::deque<BoxSubdivision> divided;
     std::vector<std::pair<const SubBox*, double>> leaves;
     for (std::size_t s = 0; s < primitive_count; ++s) {
@@ -224,15 +237,20 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         result.rays = rays.size();
         result.ranges.push_back(input_box_of(rays));
         apply_given_ranges(result.ranges.back(), request, result.names);
+
+        // Divides the ranges of the rays into boxes, each with a bound.
         divided.emplace_back(bound, result.ranges.back(), std::max<std::size_t>(request.boxes / primitive_count, 1),
                              request.limit.stop);
         for (const SubBox* const part : divided.back().leaves())
-            leaves.emplace_back(part, part->share / static_cast<double>(primitive_count));
+            leaves.emplace_back(part, part->volume_fraction / static_cast<double>(primitive_count));
+
+        // Checks the bounds with the given rays in the ranges, and with drawn ones.
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !contains(result.ranges.back(), ray); });
         const BoundQuery query{*request.form, request.format, divided.back(), primitive, request.limit.stop};
         result.errors_of_given_rays.append(observe_errors(query, rays));
         result.errors_of_drawn_rays.append(observe_errors(query, draw_inputs(query, drawn_boxes, drawn_rays_per_box)));
     }
+
     summarize(result, leaves, bound, request.format.parameters);
     return result;
 }

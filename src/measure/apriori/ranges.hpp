@@ -71,19 +71,19 @@ struct RangesRequest {
     }
 };
 
-/// Bound on the rounding errors of hits over a share of the ranges: no error in that share is above the bound, in units
-/// of t and in ulps of t. The share is relative to the volume in which hits are possible.
+/// Bound on the rounding errors of hits over a fraction of the ranges: no error in that part is above the bound, in
+/// units of t and in ulps of t. The fraction is relative to the volume in which hits are possible.
 struct Quantile {
-    double share, error, ulps;
+    double fraction, error, ulps;
 };
 
 struct RangesBound {
     Tape tape = {};
     std::vector<std::string> names = {};  ///< names of the inputs
     std::vector<InputBox> ranges;         ///< one box for each primitive
-    double missed_share = 0;              ///< share of the ranges that no ray hits in
-    double unknown_share = 0;             ///< share of the ranges in which the bound is unknown
-    double undecided_share = 0;           ///< share of the ranges with a bound in which the decision is not proved
+    double missed_fraction = 0;           ///< fraction of the ranges that no ray hits in
+    double unknown_fraction = 0;          ///< fraction of the ranges in which the bound is unknown
+    double undecided_fraction = 0;        ///< fraction of the ranges with a bound in which the decision is not proved
     std::size_t boxes = 0;
     double largest = 0, largest_ulps = 0;  ///< largest bound over the boxes with a bound, in units of t and in ulps
     /// Quantiles for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown.

@@ -86,11 +86,15 @@ private:
             error_[index_of(i)] = node.rounding;
             return;
         }
+
+        // The error: the node's own rounding, and the errors of its operands by their quotients.
         const auto operands = tape_.operands_of(i);
         Interval error = node.rounding;
         for (std::size_t k = 0; k < operands.size(); ++k)
             if (!is_decision(tape_[operands[k]].op)) error = error + node.quotients[k] * error_[index_of(operands[k])];
         error_[index_of(i)] = error;
+
+        // The range, by the mean value theorem: the value in the middle, and the slopes times the distances from there.
         set_slopes(i);
         if (!slopes_[index_of(i)].empty() || variable_inputs_.empty()) {
             Interval range = middle_[index_of(i)].exact;
@@ -102,6 +106,7 @@ private:
             }
             if (range.is_bounded()) node.exact = intersection(node.exact, range);
         }
+
         if (error.is_bounded()) node.computed = intersection(node.computed, node.exact + error);
     }
 
@@ -237,7 +242,7 @@ std::vector<std::size_t> BoxSubdivision::boxes_to_halve(std::size_t limit) const
         if (p.is_halved() || p.bound.misses || p.bound.error == 0 || p.stale_halvings >= 2 * variable_count_) continue;
         if (widest(p.box, parts_.front().box) < 0) continue;
         const double excess_bits = p.bound.error < HUGE_VAL ? 1 + std::log2(p.bound.error / best) : unknown_bits;
-        candidates.emplace_back(-p.share * excess_bits, i);
+        candidates.emplace_back(-p.volume_fraction * excess_bits, i);
     }
     std::ranges::sort(candidates);
     candidates.resize(std::min(limit, candidates.size()));
@@ -254,15 +259,18 @@ void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const Ta
         p.axis = widest(p.box, parts_.front().box);
         InputRange& range = p.box[static_cast<std::size_t>(p.axis)];
         p.middle = range.low / 2 + range.high / 2;
+
         p.lower_half = parts_.size();
         SubBox lower = p, upper = p;
         lower.axis = upper.axis = -1;
-        lower.share = upper.share = p.share / 2;
+        lower.volume_fraction = upper.volume_fraction = p.volume_fraction / 2;
         lower.box[static_cast<std::size_t>(p.axis)].high = p.middle;
         upper.box[static_cast<std::size_t>(p.axis)].low = p.middle;
         parts_.push_back(std::move(lower));
         parts_.push_back(std::move(upper));
     }
+
+    // A half never gets a larger bound than the whole.
     intersect::process::in_parallel(first, parts_.size(), [&](std::size_t i) {
         stop.check();
         SubBox& p = parts_[i];

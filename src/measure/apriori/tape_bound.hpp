@@ -60,8 +60,8 @@ private:
 struct SubBox {
     InputBox box = {};
     BoxBound bound = {};
-    double share = 1;        ///< share of the volume of the whole box
-    int stale_halvings = 0;  ///< number of successive halvings that did not make the bound smaller by 2 %
+    double volume_fraction = 1;  ///< fraction of the volume of the whole box
+    int stale_halvings = 0;      ///< number of successive halvings that did not make the bound smaller by 2 %
     int axis = -1;
     double middle = 0;
     std::size_t lower_half = 0;  ///< index of the lower half; the upper half follows it

@@ -177,10 +177,12 @@ private:
                         x[k] = Exact::round_to(exact(n.operands[k]), tape_.format_of(n.operands[k]));
                     return bits_lost_by(i, result_of(n.op, x, tape_.format_of(i)));
                 }
+
                 case OperationKind::called:
                     return bits_lost_by(i, error_of(i).operands_have_error
                                                ? Exact::round_to(exact(i), tape_.format_of(i))
                                                : computed(i));
+
                 case OperationKind::given:
                 case OperationKind::exact:  // rounding the operand alone costs half an ulp, which is no bit
                 case OperationKind::moved:  // its change is intended
@@ -212,17 +214,23 @@ private:
         if (!e.is_live || is_given(n.op)) return;
         if (n.op == TapeOp::call) return pass_through_call(i);
         has_failed_ |= !is_decision(n.op) && !Exact::is_accurate_enough(exact(i), n.value);
+
         const NodeId computed_side = e.chosen_side;
         if (e.decision_changed && computed_side != no_node && lacks_exact_value(computed_side)) return;
+
+        // Factors of the finite differences and, for a full attribution, of the derivatives at the computed values.
         std::array<OperandError, 3> differences{}, points{};
+
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (is_decision(tape_[n.operands[k]].op)) continue;
             const double x = computed(n.operands[k]);
             differences[k] = {error_of(n.operands[k]).exact, x};
             points[k] = {x, x, true};
         }
+
         const ErrorFactors difference = error_factors_of(n, differences, computed_side);
         const ErrorFactors derivative = depth_.full ? error_factors_of(n, points, computed_side) : ErrorFactors{};
+
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
             if (!difference[k]) continue;
             OperationError& operand = error_of(n.operands[k]);
@@ -237,8 +245,10 @@ private:
         for (const NodeId k : arguments) error_of(k).is_live = true;
         if constexpr (std::same_as<Exact, DeepExact>) {
             std::vector<Number> exact_arguments, computed_arguments;
-            for (const NodeId k : arguments)
-                exact_arguments.push_back(exact(k)), computed_arguments.push_back(Number(computed(k)));
+            for (const NodeId k : arguments) {
+                exact_arguments.push_back(exact(k));
+                computed_arguments.push_back(Number(computed(k)));
+            }
             const CallSlopes slopes(tape_.call_at(i).callee, std::move(exact_arguments), computed_arguments);
             for (std::size_t k = 0; k < arguments.size(); ++k) {
                 error_of(arguments[k]).adjoint += error_of(i).adjoint * slopes.quotients[k];

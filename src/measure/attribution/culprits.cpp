@@ -136,7 +136,7 @@ std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
     return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
 }
 
-double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories) {
+double culprit_fraction(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories) {
     const std::uint64_t total = rays_with_culprit(counts);
     std::uint64_t sum = 0;
     for (const std::size_t category : categories) sum += counts[category];
@@ -190,22 +190,28 @@ RayAttribution Attributor::attribute_ray(const Ray<double>& ray, const Target<do
                                          const Range<double>& range,
                                          const std::optional<scene::rays::RecordedRay>& recorded_ray) {
     form_.record(format_, ray, target, range.tmax, tape_);
+
     const bool begins_with_ray = recorded_ray && recorded_ray->try_put_before(tape_);
     const auto names_without_range = [&] {
         return names_of_inputs(form_, target, begins_with_ray ? &*recorded_ray : nullptr);
     };
+
     std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
         names = names_without_range();
         append_range_checks(tape_, names, form_.of(target.primitives.front().shape), format_, range);
     }
+
     attribution_ = attribute(tape_);
     RayAttribution result{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
     if (subject == no_node) return result;
     result.ulp = ulp_at(attribution_[subject].exact, format_.parameters);
+
     if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
         result.culprit_alone = counterfactuals(tape_, attribution_.culprit);
+
+    // Finds the category of the culprit. A plain miss has none; category 0 means that there is no culprit.
     if (categories_.empty() || is_plain_miss(tape_, attribution_)) return result;
     if (attribution_.culprit == no_node) {
         result.culprit = 0;

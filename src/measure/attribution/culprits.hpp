@@ -75,7 +75,7 @@ std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts);
 
 /// Share of some categories in the rays that have a culprit, from the counts of `culprit`'s categories. NaN if no ray
 /// has a culprit. Rays without rounding errors have none.
-double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories);
+double culprit_fraction(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories);
 
 /// Sum of the contributions of the operation that the formula calls `label` and of the unnamed operations that lead to
 /// it first; NaN if no operation has that label.

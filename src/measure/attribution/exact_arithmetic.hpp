@@ -74,7 +74,7 @@ template <class Exact, class Value>
 std::optional<typename Exact::Number> result_of_call(const Tape& tape, NodeId call, const Value& value) {
     std::vector<typename Exact::Number> arguments;
     for (const NodeId operand : tape.operands_of(call)) arguments.push_back(value(operand));
-    return answer::without_rounding(tape.call_at(call).callee, std::span<const typename Exact::Number>(arguments));
+    return answer::evaluate_exactly(tape.call_at(call).callee, std::span<const typename Exact::Number>(arguments));
 }
 
 /// Factors by which errors of the arguments pass through a call. The arguments move from their exact to their computed
@@ -98,10 +98,10 @@ private:
     static inline const Number near_one = Number(1) + ldexp(Number(1), -600);
 
     static double quotient(const Call& call, std::vector<Number> arguments, std::size_t k, const Number& end) {
-        const auto value_before = answer::without_rounding(call, std::span<const Number>(arguments));
+        const auto value_before = answer::evaluate_exactly(call, std::span<const Number>(arguments));
         const Number step = end - arguments[k];
         arguments[k] = end;
-        const auto value_after = answer::without_rounding(call, std::span<const Number>(arguments));
+        const auto value_after = answer::evaluate_exactly(call, std::span<const Number>(arguments));
         const double q =
             value_before && value_after && step != 0 ? DeepExact::nearest((*value_after - *value_before) / step) : 0;
         return std::isfinite(q) ? q : 0;

@@ -20,7 +20,7 @@ struct FormResult {
     double t = 0;                       ///< the form's answer
     double ulps = truth::missing;       ///< (t − t*)/ulp(t*); NaN unless both hit
     double lost_bits = truth::missing;  ///< bits; NaN unless both hit
-    /// Mean lost bits over the ray'sneighbours (`neighbours_of`), or over the pixels around it if a camera makes the
+    /// Mean lost bits over the ray's neighbours (`make_neighbours`), or over the pixels around it if a camera makes the
     /// ray. A wrong decision counts as all bits. NaN if not computed, or if no truth is proved.
     double mean_lost_nearby = truth::missing;
     bool has_other_truth = false;  ///< its contract gives the ray another truth than the contract of the explained form
@@ -76,7 +76,7 @@ struct Explanation {
     std::vector<FormResult> compared_forms = {};  ///< results of the forms that were named for comparison
     std::vector<const intersect::table::Intersector*> incomparable_forms =
         {};                      ///< named forms of another shape, or not available in the format
-    int nearby_pixel_count = 0;  ///< number of rays in the means; 0: the ray'sneighbours (`neighbours_of`) are used
+    int nearby_pixel_count = 0;  ///< number of rays in the means; 0: the ray's neighbours (`make_neighbours`) are used
     /// Errors of external intersectors that were tried in the comparison and did not answer.
     std::vector<std::string> failures = {};
 
@@ -119,7 +119,8 @@ inline constexpr int neighbour_count = 64;
 /// Makes `neighbour_count` rays near this one, with these primitives. Each number moves by one ulp of the format down,
 /// up or not at all, in the same way in every run. 0 and values that are not finite stay: an ulp of 0 is not a small
 /// change of a direction.
-std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
-                                          const FloatFormat& format, const std::vector<Primitive<double>>& primitives);
+std::vector<answer::OneRay> make_neighbours(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
+                                            const FloatFormat& format,
+                                            const std::vector<Primitive<double>>& primitives);
 
 }  // namespace lostbits::measure::attribution

@@ -68,12 +68,15 @@ double rounding_of(const Tape& tape, NodeId i) {
     if (is_given(n.op)) {
         return visit_operation<OperationKind::given>(n.op, [&]<TapeOp op>() { return Operation<op>::rounding(n); });
     }
+
+    // Only finite operands and results have a rounding error.
     if (std::isnan(n.value)) return 0;
     std::array<double, 3> x{};
     for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
         x[k] = tape[n.operands[k]].value;
         if (!std::isfinite(x[k])) return 0;
     }
+
     switch (kind_of(n.op)) {
         case OperationKind::rounded:
             return visit_operation<OperationKind::rounded>(n.op,

@@ -21,6 +21,7 @@ public:
     explicit Run(const Tape& tape) : tape_(tape), is_rounded_([](NodeId) { return true; }) {
         for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
     }
+
     /// Runs as `base`, except that `operation` rounds, or chooses, as in `other`. Recomputes only what depends on
     /// `operation`.
     Run(const Run& base, const Run& other, NodeId operation) : Run(base) {

@@ -70,7 +70,8 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
 void TapeText::find_numbers() {
     constexpr int least_piece = 1 << 19;
     struct Number {
-        bool is_known = false, has_piece = false;
+        bool is_known = false;
+        bool has_piece = false;  ///< true if an integer m is part of it
         double value = 0;
     };
     std::vector<Number> numbers(tape_.nodes.size());
@@ -81,6 +82,8 @@ void TapeText::find_numbers() {
             number = {true, n.operands[0] >= least_piece, static_cast<double>(n.operands[0])};
             continue;
         }
+
+        // Computes negations, sums, products and quotients of known numbers.
         const auto side = [&](std::size_t k) { return numbers[static_cast<std::size_t>(n.operands[k])]; };
         if (n.op == TapeOp::neg) {
             number = side(0);
@@ -92,6 +95,7 @@ void TapeText::find_numbers() {
                       : n.op == TapeOp::mul ? a.value * b.value
                                             : a.value / b.value};
         }
+
         if (!number.is_known || !number.has_piece || !std::isfinite(number.value)) continue;
         const auto narrow = static_cast<float>(number.value);
         number_texts_[static_cast<std::size_t>(i)] =

@@ -91,6 +91,8 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
         const OperationError& e = attribution[i];
         return e.is_live && e.rounding != 0 && !(below && size(i) >= *below);
     };
+
+    // Finds the largest contribution, and all that equal it within the tolerance.
     double largest = -1;
     for (NodeId i = 0; i <= attribution.subject; ++i) {
         if (is_considered(i)) largest = std::max(largest, size(i));
@@ -100,6 +102,7 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
     for (NodeId i = 0; i <= attribution.subject; ++i) {
         if (is_considered(i) && size(i) >= least) equals.push_back(i);
     }
+
     if (equals.size() < 2) return equals;
     NodePositions positions(tape, attribution);
     std::ranges::sort(equals, {}, [&](NodeId i) { return positions.position_of(i); });

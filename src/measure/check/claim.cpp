@@ -34,6 +34,7 @@ std::string unmet_requirement(const Claim& claim) {
     };
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, has_name))
         return "no loaded library has " + claim.form + "; add --plugin, --pipe, --shader or --function";
+
     for (const std::string& requirement : claim.requirements) {
         // The source text of a shader names its driver.
         if (requirement.starts_with("driver-")) {
@@ -42,10 +43,12 @@ std::string unmet_requirement(const Claim& claim) {
                 return claim.form + " does not run on " + requirement.substr(7);
             continue;
         }
+
         if (requirement == "processors-2") {
             if (trade::allowed_processors().size() < 2) return "this program may use only one processor";
             continue;
         }
+
         const auto isa =
             requirement.starts_with("isa-") ? intersect::simd::find_isa(requirement.substr(4)) : std::nullopt;
         if (!isa)
@@ -80,6 +83,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         if (claim.metric == "wrong_fraction" && summary->first_fault() != nullptr)
             result.witness = *summary->first_fault();
     }
+
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.reason = text::count_with_noun(summary->count(answer::Outcome::unresolved), "ray has no proved truth",
                                               "rays have no proved truth");
@@ -107,40 +111,55 @@ std::vector<const Row*> find_part(const Claim& claim, std::span<const Row> table
     return {&table[static_cast<std::size_t>(found - names.begin())]};
 }
 
-const intersect::table::Intersector& find_form(const Claim& claim, const std::string& form) {
+/// Finds a form of the catalogue; null if it has no form with this name.
+const intersect::table::Intersector* find_catalogue_form(const std::string& form) {
     const auto rows = intersect::table::intersectors();
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& known) { return known.info->name == form; });
-    if (found != rows.end()) return *found;
+    returnfound == rows.end() ? nullptr : &*found;
+}
+
+const intersect::table::Intersector& find_form(const Claim& claim, const std::string& form);
+
+/// Makes a form from the parts that its name consists of.
+const intersect::table::Intersector& compose_form(const Claim& claim, const scene::rays::ComposedName& composed) {
+    return *rows_of(composed, {.forms = [&](const std::string& name) { return std::vector{&find_form(claim, name)}; },
+                               .transform_methods =
+                                   [&](const std::string& name) {
+                                       return find_part(claim, intersect::transform::transform_methods(), name,
+                                                        "transform method");
+                                   },
+                               .ray_generators =
+                                   [&](const std::string& name) {
+                                       return find_part(claim, scene::camera::ray_generators(), name, "ray generator");
+                                   },
+                               .box_methods =
+                                   [&](const std::string& name) {
+                                       return find_part(claim, intersect::bounding_box::box_methods(), name,
+                                                        "bounding-box method");
+                                   },
+                               .contracted = tape::contracted_form})
+                .front();
+}
+
+[[noreturn]] void fail_unknown_form(const Claim& claim, const std::string& form) {
+    std::vector<std::string> known_names;
+    for (const intersect::table::Intersector& known : intersect::table::intersectors())
+        known_names.emplace_back(known.info->name);
+    scene::toml::fail(claim.where, "unknown form \"" + form +
+                                       "\" (load a form of your own with --plugin, --pipe, --shader or --function); " +
+                                       text::did_you_mean(form, known_names));
+}
+
+/// Finds a form by its name: a form of the catalogue, a composed form, or a set of forms joined by `+`.
+const intersect::table::Intersector& find_form(const Claim& claim, const std::string& form) {
+    if (const auto* const catalogue_form = find_catalogue_form(form)) return *catalogue_form;
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
-    if (const auto composed = scene::rays::split_composed_name(form); composed && names.size() == 1) {
-        return *rows_of(*composed,
-                        {.forms = [&](const std::string& name) { return std::vector{&find_form(claim, name)}; },
-                         .transform_methods =
-                             [&](const std::string& name) {
-                                 return find_part(claim, intersect::transform::transform_methods(), name,
-                                                  "transform method");
-                             },
-                         .ray_generators =
-                             [&](const std::string& name) {
-                                 return find_part(claim, scene::camera::ray_generators(), name, "ray generator");
-                             },
-                         .box_methods =
-                             [&](const std::string& name) {
-                                 return find_part(claim, intersect::bounding_box::box_methods(), name,
-                                                  "bounding-box method");
-                             },
-                         .contracted = tape::contracted_form})
-                    .front();
-    }
     if (names.size() == 1) {
-        std::vector<std::string> known_names;
-        for (const intersect::table::Intersector& known : rows) known_names.emplace_back(known.info->name);
-        scene::toml::fail(claim.where,
-                          "unknown form \"" + form +
-                              "\" (load a form of your own with --plugin, --pipe, --shader or --function); " +
-                              text::did_you_mean(form, known_names));
+        if (const auto composed = scene::rays::split_composed_name(form)) return compose_form(claim, *composed);
+        fail_unknown_form(claim, form);
     }
+
     std::vector<const intersect::table::Intersector*> parts;
     for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(find_form(claim, name)));
     if (const std::string refusal = intersect::table::refusal_of_set(parts); !refusal.empty())
@@ -209,10 +228,25 @@ std::string slow_work(const Claim& claim) {
     return slow == nullptr ? "" : std::string(slow->name);
 }
 
+/// Measures the claims with these indices, all about one subject, and sets their results.
+void measure_group(const std::vector<Claim>& claims, const std::vector<std::size_t>& indices,
+                   const ClaimRequest& request, std::vector<ClaimResult>& results) {
+    std::visit(
+        [&]<class Kind>(const Kind&) {
+            SubjectClaims<Kind> subject_claims;
+            for (const std::size_t i : indices)
+                subject_claims.push_back({claims[i], *claims[i].subject_if<Kind>(), results[i]});
+            measure(subject_claims, request);
+        },
+        claims[indices.front()].subject);
+}
+
 }  // namespace
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const ClaimRequest& request) {
     std::vector<ClaimResult> results(claims.size());
+
+    // Groups the claims that can be measured together.
     std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& claim = claims[i];
@@ -221,19 +255,15 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             groups[{claim.subject.index(), claim.subject_name(), slow_work(claim)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;
     }
+
+    // The claims of a group share its time.
     for (const auto& [subject, indices] : groups) {
         const auto begin = std::chrono::steady_clock::now();
-        std::visit(
-            [&]<class Kind>(const Kind&) {
-                SubjectClaims<Kind> subject_claims;
-                for (const std::size_t i : indices)
-                    subject_claims.push_back({claims[i], *claims[i].subject_if<Kind>(), results[i]});
-                measure(subject_claims, request);
-            },
-            claims[indices.front()].subject);
+        measure_group(claims, indices, request, results);
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
         for (const std::size_t i : indices) results[i].seconds = elapsed.count() / static_cast<double>(indices.size());
     }
+
     for (std::size_t i = 0; i < claims.size(); ++i) {
         if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_random())
             scene::toml::fail(claims[i].where,

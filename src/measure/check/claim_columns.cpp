@@ -88,6 +88,7 @@ void ClaimColumns::add_metric_of_label(const Claim& claim) {
         if (!claim.metric.starts_with(kind)) continue;
         for (const std::string_view label : attribution::labels_of(*tested_form_of(claim).form, setting_)) {
             const Metric* const metric = metric_set_.find(std::string(kind) + ":" + std::string(label));
+
             for (const metric::Statistic& statistic : metric::statistics) {
                 names.push_back(evaluate::column_name(*metric, statistic));
                 if (names.back() != claim.metric) continue;
@@ -96,9 +97,12 @@ void ClaimColumns::add_metric_of_label(const Claim& claim) {
             }
         }
     }
+
+    // The plain `cancellation` of a form needs no label.
     for (const metric::Statistic& statistic : metric::statistics) {
         const std::string column = evaluate::column_name(*metric::find_metric("cancellation"), statistic);
         if (claim.metric == column) return;
+
         if (!names.empty()) names.push_back(column);
     }
     if (!names.empty())
@@ -106,7 +110,7 @@ void ClaimColumns::add_metric_of_label(const Claim& claim) {
                                               text::did_you_mean(claim.metric, names));
 }
 
-double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
+double ClaimColumns::culprit_fraction(const Claim& claim, const FormSummary& summary) const {
     const auto culprit_index =
         static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::depends_on_forms) - metrics_.begin());
     const auto categories = metrics_[culprit_index]->categories;
@@ -117,11 +121,11 @@ double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summar
             if (std::ranges::find(category_indices, index) == category_indices.end()) category_indices.push_back(index);
         }
     }
-    return attribution::culprit_share(summary.categories[culprit_index], category_indices);
+    return attribution::culprit_fraction(summary.categories[culprit_index], category_indices);
 }
 
 double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const {
-    if (!claim.operations.empty()) return culprit_share(claim, summary);
+    if (!claim.operations.empty()) return culprit_fraction(claim, summary);
     const auto columns = number_columns(metrics_);
     if (const SummaryColumn* const column = evaluate::find_column(columns, claim.metric)) return column->value(summary);
     std::vector<std::string> names;

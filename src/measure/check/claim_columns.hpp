@@ -29,7 +29,7 @@ public:
 
 private:
     void add_metric_of_label(const scene::check::Claim& claim);
-    [[nodiscard]] double culprit_share(const scene::check::Claim& claim, const evaluate::FormSummary& summary) const;
+    [[nodiscard]] double culprit_fraction(const scene::check::Claim& claim, const evaluate::FormSummary& summary) const;
 
     attribution::Setting setting_;
     metric::MetricSet metric_set_;

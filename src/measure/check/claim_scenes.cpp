@@ -81,6 +81,8 @@ scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
 
 void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
+
+    // Claims about a step of a march are judged alone, the others together.
     SubjectClaims<SceneSubject> pictures;
     for (const auto& subject_claim : claims) {
         const auto& [claim, subject, result] = subject_claim;
@@ -88,6 +90,7 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
         else pictures.push_back(subject_claim);
     }
     if (pictures.empty()) return;
+
     evaluate::MapStudy request{.scene = &scene, .tested_forms = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& subject_claim : pictures)
@@ -95,9 +98,12 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
     const OwnedSetting setting(scene);
     const ClaimColumns columns(claim_pointers(pictures), request.tested_forms, setting.get());
     request.metrics = columns.metrics();
+
+    // The whole picture is measured only if a claim is about it.
     const auto is_whole_picture = [](const auto& subject_claim) { return !subject_claim.subject.pixel; };
     const auto summaries = std::ranges::any_of(pictures, is_whole_picture) ? evaluate::run_map(request)
                                                                            : std::vector<evaluate::FormSummary>();
+
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, subject, result] = pictures[k];
         const TestedForm& tested_form = request.tested_forms[rows[k]];

@@ -67,6 +67,19 @@ std::string list_text(const Texts& texts) {
     return fmt::format("{}", fmt::join(items, ", "));
 }
 
+/// Fails for a claim that no row matches; says which other texts the rows have.
+[[noreturn]] void fail_without_row(const StudyClaim& subject_claim, const Texts& row_texts,
+                                   const std::vector<StudyRow>& rows) {
+    std::set<std::string> other_values;
+    for (const auto& [name, value] : row_texts)
+        for (const StudyRow& row : rows)
+            if (row.texts.at(name) != value) other_values.insert(fmt::format("{} = \"{}\"", name, row.texts.at(name)));
+    scene::toml::fail(
+        subject_claim.claim.where,
+        fmt::format("the summary of {} has no row with {}; {}", subject_claim.subject.study, list_text(row_texts),
+                    other_values.empty() ? "it is empty" : fmt::format("there is {}", fmt::join(other_values, ", "))));
+}
+
 /// Finds the one row that a claim is about. Throws InputError if no row or several rows match.
 const StudyRow& find_row(const StudyClaim& subject_claim, const StudyNames& names, const std::vector<StudyRow>& rows) {
     const Texts row_texts = row_texts_for(subject_claim, names);
@@ -76,6 +89,8 @@ const StudyRow& find_row(const StudyClaim& subject_claim, const StudyNames& name
         if (std::ranges::any_of(row_texts,
                                 [&](const auto& entry) { return row.texts.at(entry.first) != entry.second; }))
             continue;
+
+        // If several rows match, the message names the columns in which they differ.
         if (found != nullptr)
             for (const std::string& name : names.text_columns) {
                 const std::string &text = found->texts.at(name), &other_text = row.texts.at(name);
@@ -84,18 +99,8 @@ const StudyRow& find_row(const StudyClaim& subject_claim, const StudyNames& name
             }
         found = &row;
     }
-    if (found == nullptr) {
-        std::set<std::string> other_values;
-        for (const auto& [name, value] : row_texts)
-            for (const StudyRow& row : rows)
-                if (row.texts.at(name) != value)
-                    other_values.insert(fmt::format("{} = \"{}\"", name, row.texts.at(name)));
-        scene::toml::fail(
-            subject_claim.claim.where,
-            fmt::format(
-                "the summary of {} has no row with {}; {}", subject_claim.subject.study, list_text(row_texts),
-                other_values.empty() ? "it is empty" : fmt::format("there is {}", fmt::join(other_values, ", "))));
-    }
+
+    if (found == nullptr) fail_without_row(subject_claim, row_texts, rows);
     if (!differing_columns.empty())
         scene::toml::fail(
             subject_claim.claim.where,

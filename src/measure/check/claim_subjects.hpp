@@ -115,7 +115,7 @@ std::vector<const scene::check::Claim*> claim_pointers(const SubjectClaims<Kind>
 template <class Rays>
 evaluate::TestedForm tested_form_for(const scene::check::Claim& claim, const Rays& rays) {
     const evaluate::TestedForm tested_form = tested_form_of(claim);
-    if (rays.meets(tested_form.form->shapes())) return tested_form;
+    if (rays.accepts(tested_form.form->shapes())) return tested_form;
     scene::toml::fail(claim.where,
                       claim.form + " cannot handle " + claim.subject_name() + ": it has " +
                           (!is_primitive(tested_form.form->shape) ? "no [march] table" : "other primitives") +

@@ -31,7 +31,7 @@ namespace {
 void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
                    truth::ProofLimit limit) {
     const scene::sweep::CaseFile file(path);
-    sweep::CaseRequest request{.file = file, .tested_forms = {}, .metrics = {}, .limit = limit};
+    sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
     for (const auto& subject_claim : claims) request.tested_forms.push_back(tested_form_for(subject_claim.claim, file));
     const OwnedSetting setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claim_pointers(claims), request.tested_forms, setting.get());
@@ -104,12 +104,14 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
         const Claim& claim = axes_claims.claims[k].claim;
         request.wanted_onsets.push_back({axes_claims.rows[k], claim.onset, claim.statistic, claim.threshold});
     }
+
     const auto onsets = sweep::find_onsets(request, sweep::run_sweep(request));
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const Claim& claim = axes_claims.claims[k].claim;
         ClaimResult& result = axes_claims.claims[k].result;
         const auto onset = std::ranges::find_if(
             onsets, [&](const sweep::Onset& candidate) { return candidate.is_same_event(request.wanted_onsets[k]); });
+
         if (onset == onsets.end()) {
             scene::toml::fail(
                 claim.where,
@@ -117,6 +119,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
                     "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, "
                     "false_miss, not_a_number and, for marches, max_dist, max_steps, stagnated (count; 1)");
         }
+
         result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
         if (request.sweep.has_random_rays()) result.samples = onset->views;
         if (!onset->found) result.reason = "it does not happen within the sweep";
@@ -128,7 +131,7 @@ using AxesPosition = std::optional<std::vector<double>>;
 
 void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& position,
                   const scene::sweep::SweepFile& sweep, truth::ProofLimit limit) {
-    sweep::SweepRequest request{.sweep = sweep, .tested_forms = {}, .metrics = {}, .limit = limit};
+    sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         TestedForm tested_form = tested_form_for(claim, sweep);
@@ -140,6 +143,17 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
     request.metrics = columns.metrics();
     if (position) measure_position({claims, columns, rows}, request, *position);
     else measure_onsets({claims, columns, rows}, std::move(request));
+}
+
+/// Fails for a claim about every float, if the sweep is over axes.
+void reject_every_float(const SubjectClaims<SweepSubject>& claims, const std::string& sweep_name) {
+    for (const auto& [claim, subject, result] : claims) {
+        if (subject.part_if<SweepSubject::EveryFloat>())
+            scene::toml::fail(claim.where,
+                              "`exhaustive = true` belongs to claims about sweeps over every float, and "
+                              "sweep \"" +
+                                  sweep_name + "\" is of another kind; leave it out");
+    }
 }
 
 }  // namespace
@@ -157,19 +171,16 @@ void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run)
         case SweepKind::every_float: return measure_exhaustive(claims, path, run);
         case SweepKind::axes: break;
     }
-    for (const auto& [claim, subject, result] : claims) {
-        if (subject.part_if<SweepSubject::EveryFloat>())
-            scene::toml::fail(claim.where,
-                              "`exhaustive = true` belongs to claims about sweeps over every float, and "
-                              "sweep \"" +
-                                  subject_name + "\" is of another kind; leave it out");
-    }
+    reject_every_float(claims, subject_name);
+
+    // Claims about one position are measured together, and so are all claims about onsets.
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
     std::map<AxesPosition, SubjectClaims<SweepSubject>> claims_by_position;
     for (const auto& subject_claim : claims)
         claims_by_position[subject_claim.claim.onset.empty() ? AxesPosition(position_on_axes(subject_claim, sweep))
                                                              : std::nullopt]
             .push_back(subject_claim);
+
     for (const auto& entry : claims_by_position) {
         measure_draws(entry.second, run, [&](const SubjectClaims<SweepSubject>& draw_claims, int draw) {
             measure_axes(draw_claims, entry.first, sweep.with_seed_offset(draw), {.stop = run.stop});
@@ -217,14 +228,14 @@ std::uint64_t count_rays(const edges::EdgeFinding& finding, const CensusMetric& 
 void measure_census(const SubjectClaims<SearchSubject>& claims, const std::filesystem::path& path,
                     const ClaimRequest& run) {
     edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
-                               .tested_forms = {},
+                               .rows = {},
                                .limit = {.stop = run.stop},
                                .census_only = true};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         census_metric(claim);
         const evaluate::TestedForm tested_form = tested_form_of(claim);
-        if (!request.search.meets(tested_form.form->shapes()))
+        if (!request.search.accepts(tested_form.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
         rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form));
     }
@@ -233,6 +244,49 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
         const auto& [claim, subject, result] = claims[k];
         result = judge(claim, static_cast<double>(count_rays(findings[rows[k]], census_metric(claim))), nullptr);
     }
+}
+
+/// Returns the metric that a search maximises. Throws InputError if the metric is unknown.
+const metric::Metric& check_search_file(const Claim& claim, const scene::sweep::SearchFile& file) {
+    const metric::Metric* const searched_metric = metric::find_metric(file.metric);
+    if (searched_metric == nullptr)
+        scene::toml::fail(claim.where, "search \"" + claim.subject_name() + "\" maximises the unknown metric \"" +
+                                           file.metric + "\"; `lostbits list metrics` shows the metrics");
+    return *searched_metric;
+}
+
+/// Adds the forms of the claims to the request, and returns the row of each claim.
+std::vector<std::size_t> add_searched_forms(const SubjectClaims<SearchSubject>& claims, sweep::WorstRequest& request) {
+    const scene::sweep::SearchFile& file = request.search;
+    std::vector<std::size_t> rows;
+    for (const auto& [claim, subject, result] : claims) {
+        if (claim.metric != "worst")
+            scene::toml::fail(claim.quantity, "a search measures only `metric = \"worst\"`: the largest " +
+                                                  file.metric + " that it finds");
+        const evaluate::TestedForm tested_form = tested_form_of(claim);
+        if (tested_form.form->shape != file.shape)
+            scene::toml::fail(claim.where, "search \"" + claim.subject_name() + "\" has other primitives than " +
+                                               claim.form + " takes; name a form of its shape");
+        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form));
+    }
+    return rows;
+}
+
+/// Judges a claim by the worst ray that was found. A wrong decision counts more than any number.
+ClaimResult judge_worst(const Claim& claim, const sweep::WorstResult& worst) {
+    const bool is_right = worst.outcome == answer::Outcome::agree_hit;
+    ClaimResult result = judge(claim, is_right ? worst.value : std::numeric_limits<double>::infinity(), nullptr);
+    result.evaluations = worst.evaluations;
+    scene::rays::RayGroup group = scene::rays::group_of(worst.ray);
+    group.primitives = {worst.primitive};
+    result.witness = {.x = 0,
+                      .y = 0,
+                      .ray = worst.ray,
+                      .primitive = worst.primitive,
+                      .t = worst.t,
+                      .outcome = worst.outcome,
+                      .given = std::make_shared<const scene::rays::RayGroup>(std::move(group))};
+    return result;
 }
 
 }  // namespace
@@ -248,47 +302,21 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
                           "\"" + subject_name +
                               "\" has no [search] or [edge_search] table; write `sweep = ` for axes and "
                               "cases, or name a search (data/sweeps/worst)");
+
     const scene::sweep::SearchFile file(path);
-    const metric::Metric* const searched_metric = metric::find_metric(file.metric);
-    if (searched_metric == nullptr)
-        scene::toml::fail(first_claim.where, "search \"" + subject_name + "\" maximises the unknown metric \"" +
-                                                 file.metric + "\"; `lostbits list metrics` shows the metrics");
+    const metric::Metric& searched_metric = check_search_file(first_claim, file);
     sweep::WorstRequest request{
         .search = file,
-        .tested_forms = {},
-        .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched_metric},
+        .rows = {},
+        .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), &searched_metric},
         .limit = {.stop = run.stop}};
-    std::vector<std::size_t> rows;
-    for (const auto& [claim, subject, result] : claims) {
-        if (claim.metric != "worst")
-            scene::toml::fail(claim.quantity, "a search measures only `metric = \"worst\"`: the largest " +
-                                                  file.metric + " that it finds");
-        const evaluate::TestedForm tested_form = tested_form_of(claim);
-        if (tested_form.form->shape != file.shape)
-            scene::toml::fail(claim.where, "search \"" + subject_name + "\" has other primitives than " + claim.form +
-                                               " takes; name a form of its shape");
-        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form));
-    }
-    const auto results = sweep::find_worst(request);
+    const std::vector<std::size_t> rows = add_searched_forms(claims, request);
+
+    const auto worst_cases = sweep::find_worst(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, subject, result] = claims[k];
-        const auto& worst = results[rows[k]];
-        if (!worst) {
-            result.reason = "no ray of the search's ranges hits";
-            continue;
-        }
-        const bool is_right = worst->outcome == answer::Outcome::agree_hit;
-        result = judge(claim, is_right ? worst->value : std::numeric_limits<double>::infinity(), nullptr);
-        result.evaluations = worst->evaluations;
-        scene::rays::RayGroup group = scene::rays::group_of(worst->ray);
-        group.primitives = {worst->primitive};
-        result.witness = {.x = 0,
-                          .y = 0,
-                          .ray = worst->ray,
-                          .primitive = worst->primitive,
-                          .t = worst->t,
-                          .outcome = worst->outcome,
-                          .given = std::make_shared<const scene::rays::RayGroup>(std::move(group))};
+        if (const auto& worst = worst_cases[rows[k]]) result = judge_worst(claim, *worst);
+        else result.reason = "no ray of the search's ranges hits";
     }
 }
 

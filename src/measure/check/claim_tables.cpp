@@ -18,8 +18,8 @@ using truth::FormatInputs;
 
 namespace {
 
-/// A row of the table "arithmetic": a share of seeded samples, mostly the share whose result does not depend on an
-/// operand.
+/// A row of the table "arithmetic": a fraction of seeded samples, mostly the fraction whose result does not depend on
+/// an operand.
 struct ArithmeticRow {
     std::string_view name;
     int samples;  ///< number of significands that are drawn; 0: the row is about fixed numbers
@@ -28,9 +28,10 @@ struct ArithmeticRow {
 
 constexpr int sample_count = 4096;
 
-/// Share of significands in [1, 2) on which the test is true; `random_unit` gives further numbers in [0, 1).
+/// Measures the fraction of significands in [1, 2) on which the test is true; `random_unit` gives further numbers in
+/// [0, 1).
 template <class Test>
-double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
+double measure_fraction(const FloatFormat& f, std::uint64_t seed, const Test& test) {
     std::mt19937_64 engine(seed);
     const auto random_unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     int true_count = 0;
@@ -45,8 +46,8 @@ double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
 /// Tests a ± a/ratio = a, with the quotient rounded.
 template <int sign>
 double sum(const FloatFormat& f, double ratio, std::uint64_t seed) {
-    return share(f, seed,
-                 [&](double a, const auto&) { return rounding::add(a, sign * rounding::div(a, ratio, f), f) == a; });
+    return measure_fraction(
+        f, seed, [&](double a, const auto&) { return rounding::add(a, sign * rounding::div(a, ratio, f), f) == a; });
 }
 
 /// Tests a ± a/ratio = a for a = 1.
@@ -57,7 +58,7 @@ double power_of_two(const FloatFormat& f, double ratio, std::uint64_t) {
 
 /// Tests f·f − r² = f·f for |f| = distance·r, with r over a binade and f in a random direction.
 double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
-    return share(f, seed, [&](double r, const auto& random_unit) {
+    return measure_fraction(f, seed, [&](double r, const auto& random_unit) {
         double direction[3], squares = 0;
         do {
             squares = 0;
@@ -78,7 +79,7 @@ double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
 
 /// Tests that r² − l² is the same if r² is replaced by the next number; l = ratio·r.
 double radius_over_l(const FloatFormat& f, double ratio, std::uint64_t seed) {
-    return share(f, seed, [&](double r, const auto&) {
+    return measure_fraction(f, seed, [&](double r, const auto&) {
         const double r2 = rounding::mul(r, r, f), l = rounding::to_format(ratio * r, 0, f), l2 = rounding::mul(l, l, f);
         return rounding::add(r2, -l2, f) == rounding::add(rounding::next_up(r2, f), -l2, f);
     });
@@ -103,7 +104,7 @@ int sign_of_difference(double a, double b, double c, double d) {
 /// difference. d is one of the numbers next to ab/c, up to `max_steps` ulps away.
 template <bool fused>
 double wrong_sign(const FloatFormat& f, double max_steps, std::uint64_t seed) {
-    return share(f, seed, [&](double a, const auto& random_unit) {
+    return measure_fraction(f, seed, [&](double a, const auto& random_unit) {
         const double b = rounding::to_format(1 + random_unit(), 0, f), c = rounding::to_format(1 + random_unit(), 0, f);
         const double ulp = std::ldexp(1.0, 1 - f.precision);
         const double d = rounding::to_format(a * b / c + std::round((2 * random_unit() - 1) * max_steps) * ulp, 0, f);

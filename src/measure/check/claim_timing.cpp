@@ -83,10 +83,10 @@ void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run
     for (const auto& [claim, subject, result] : claims) {
         const std::size_t bytes = trade::working_set_bytes(subject.data, trade::cache_sizes());
         if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + subject.data + "\"; write l1, l2 or memory");
-        const std::string_view metric = subject.all_processors ? "speedup_per_processor" : "speed_ratio";
+        const std::string_view metric = subject.uses_all_processors ? "speedup_per_processor" : "speed_ratio";
         if (claim.metric != metric)
             scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; write " + std::string(metric));
-        const auto measure_metric = subject.all_processors ? speedup_per_processor : speed_ratio;
+        const auto measure_metric = subject.uses_all_processors ? speedup_per_processor : speed_ratio;
         result = judge(claim, measure_metric(claim, subject, bytes, run.stop), nullptr);
     }
 }
@@ -154,7 +154,7 @@ double meets_as_number(const Claim& claim, const OtherForms& others, const Scene
                        intersect::process::StopToken stop) {
     ChoiceRequest request = make_request(claim, others, scene, stop);
     request.tested_forms = {timeable_form(claim, scene)};
-    return quality_of(request).front().meets(request.requirement) ? 1 : 0;
+    return measure_quality(request).front().meets(request.requirement) ? 1 : 0;
 }
 
 /// Number of other forms that fit the scene and meet the requirement, over all of the formats.
@@ -165,7 +165,7 @@ double count_others_that_meet(const Claim& claim, const OtherForms& others, cons
     std::erase_if(request.tested_forms,
                   [&claim](const TestedForm& tested_form) { return tested_form.form->info->name == claim.form; });
     if (request.tested_forms.empty()) return 0;
-    const auto qualities = quality_of(request);
+    const auto qualities = measure_quality(request);
     return static_cast<double>(std::ranges::count_if(
         qualities, [&request](const choose::FormQuality& quality) { return quality.meets(request.requirement); }));
 }

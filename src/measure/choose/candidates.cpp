@@ -33,21 +33,21 @@ std::vector<const metric::Metric*> Requirement::metrics() const {
     return metrics_to_measure;
 }
 
-std::vector<FormQuality> quality_of(const ChoiceRequest& request) {
+std::vector<FormQuality> measure_quality(const ChoiceRequest& request) {
     evaluate::MapStudy study{
-        .scene = request.scene, .tested_forms = request.tested_forms, .metrics = request.requirement.metrics()};
+        .scene = request.scene, .rows = request.tested_forms, .metrics = request.requirement.metrics()};
     study.limit = request.limit;
     study.progress = request.progress;
     const auto summaries = evaluate::run_map(study, request.show);
     std::vector<FormQuality> qualities;
     for (std::size_t r = 0; r < summaries.size(); ++r)
-        qualities.push_back(quality_of(summaries[r], request.tested_forms[r], request.requirement));
+        qualities.push_back(to_quality(summaries[r], request.tested_forms[r], request.requirement));
     return qualities;
 }
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-FormQuality quality_of(const evaluate::FormSummary& summary, const TestedForm& tested_form,
+FormQuality to_quality(const evaluate::FormSummary& summary, const TestedForm& tested_form,
                        const Requirement& requirement) {
     return {.rays = summary.rays - summary.count(answer::Outcome::unresolved),
             .wrong = summary.wrong_count(),
@@ -69,11 +69,13 @@ FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& input
     const std::vector<const metric::Metric*> metrics = requirement.metrics();
     evaluate::FormSummary summary(metrics);
     evaluate::measure_form({tested_form, metrics}, band, inputs, summary);
-    return quality_of(summary, tested_form, requirement);
+    return to_quality(summary, tested_form, requirement);
 }
 
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed) {
-    const auto quality = request.scene ? quality_of(request) : request.rays->quality;
+    const auto quality = request.scene ? measure_quality(request) : request.rays->quality;
+
+    // Plans the kernel of each row: for a register of rays where the form has one, else for single rays.
     std::vector<Candidate> candidates;
     auto scene_work = request.scene ? trade::SceneWork(*request.scene, request.limit)
                                     : trade::SceneWork(request.rays->sample, request.limit);
@@ -88,6 +90,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
         candidates.push_back({tested_form, name_of(isa), {}, quality[r]});
         work.push_back(scene_work.work_for(tested_form, packed_kernels(*tested_form.form, isa)));
     }
+
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].time = timings[c];
     return candidates;
@@ -158,7 +161,7 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidate
         candidates, [](const Candidate&) { return true; }, is_more_accurate);
 }
 
-std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
+std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     const auto nearest_deciding = least_of(
         candidates, [&requirement](const Candidate& c) { return c.quality.decides_as_required(requirement); },
         [&requirement](const Candidate& a, const Candidate& b) {

@@ -18,10 +18,11 @@ using trade::with_smaller_picture;
 
 /// Requirement of a user on an intersector.
 struct Requirement {
-    double bits = 0;   ///< least number of correct bits of t
-    double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another primitive
-    double quantile = 0.99;  ///< share of the hits on which form and truth agree that must keep these bits; 1: all
-    double tolerance = std::numeric_limits<double>::infinity();  ///< largest `distance_error` of the same share
+    double bits = 0;  ///< least number of correct bits of t
+    /// Fraction of the rays whose decision may be wrong: false or missed hits, NaN, another primitive.
+    double wrong = 0;
+    double quantile = 0.99;  ///< fraction of the hits on which form and truth agree that must keep these bits; 1: all
+    double tolerance = std::numeric_limits<double>::infinity();  ///< largest `distance_error` of the same hits
 
     [[nodiscard]] bool has_tolerance() const { return tolerance < std::numeric_limits<double>::infinity(); }
     /// Metrics to measure: `lost_bits`, and `distance_error` if there is a tolerance.
@@ -55,7 +56,7 @@ struct FormQuality {
 
 /// A form in a format, as a program would call it.
 struct Candidate {
-    evaluate::TestedForm tested_form;
+    evaluate::TestedForm row;
     std::string_view isa = {};  ///< register width: `scalar`, `128`, ...
     trade::Timing time{};       ///< seconds for one ray and primitive
     FormQuality quality{};
@@ -64,16 +65,16 @@ struct Candidate {
 struct FileRays;
 
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;  ///< scene to choose for; null for rays of files
-    const FileRays* rays = nullptr;             ///< rays of files, judged for `tested_forms` and `requirement`
-    std::vector<evaluate::TestedForm> tested_forms = {};   ///< in f32 and f64 only
-    std::vector<evaluate::TestedForm> untimed_forms = {};  ///< in emulated formats; used only for the requirement
+    const scene::file::Scene* scene = nullptr;             ///< scene to choose for; null for rays of files
+    const FileRays* rays = nullptr;                        ///< rays of files, judged for `rows` and `requirement`
+    std::vector<evaluate::TestedForm> rows = {};           ///< in f32 and f64 only
+    std::vector<evaluate::TestedForm> untimed_forms = {};  ///< rows in emulated formats; used only for the requirement
                                                            ///< of each pixel
     Requirement requirement{};
     bool times_single_rays = false;  ///< time kernels of one ray at a time instead of a register of rays
     trade::TimingPlan plan{};
     truth::ProofLimit limit{};
-    evaluate::ShowForms show = {};  ///< receives the results of `measure_candidates`; may be empty
+    evaluate::ShowForms show = {};  ///< receives the rows of `measure_candidates`; may be empty
     /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
     /// counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
@@ -83,7 +84,7 @@ struct ChoiceRequest {
 };
 
 /// Converts a summary whose metrics are those of the requirement.
-FormQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
+FormQuality to_quality(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
                        const Requirement& requirement);
 /// Measures a row on a band.
 FormQuality quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form,
@@ -93,7 +94,7 @@ FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& input
                        const evaluate::TestedForm& tested_form, const Requirement& requirement);
 
 /// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
-std::vector<FormQuality> quality_of(const ChoiceRequest& request);
+std::vector<FormQuality> measure_quality(const ChoiceRequest& request);
 
 /// Returns the format in which a row computes: the format of its inputs and answers, or f64 if they are f32 and the
 /// formula converts them to f64 and back.
@@ -118,6 +119,6 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidate
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.
-std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement);
 
 }  // namespace lostbits::measure::choose

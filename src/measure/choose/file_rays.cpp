@@ -39,7 +39,8 @@ private:
             column.resize((column.size() + 1) / 2);
         };
         for (auto* numbers : sample_.rays.numbers()) drop_every_other(*numbers);
-        drop_every_other(sample_.rays.tmin), drop_every_other(sample_.rays.tmax);
+        drop_every_other(sample_.rays.tmin);
+        drop_every_other(sample_.rays.tmax);
         drop_every_other(sample_.primitives);
     }
 
@@ -56,6 +57,8 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
                                       .metrics = request.requirement.metrics(),
                                       .limit = request.limit};
     judge_request.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
+
+    // The answers of the file, if it has some, are judged as a form of their own.
     intersect::Info contract = terms.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.representatives().front().shape;
@@ -65,16 +68,19 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
         judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
                                           {judge_request.file_answers_form, dump.format()});
     }
+
+    // Keeps a sample of the rays, which are read only once.
     Sampler sampler;
     const judge::JudgeResult result = judge::run_judge(
         dump, judge_request,
         [&sampler](std::size_t form_index, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
             if (form_index == 0) sampler.add(chunk);
         });
+
     FileRays rays{
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
     for (std::size_t r = 0; r < judge_request.tested_forms.size(); ++r) {
-        const FormQuality quality = quality_of(result.summaries[r], judge_request.tested_forms[r], request.requirement);
+        const FormQuality quality = to_quality(result.summaries[r], judge_request.tested_forms[r], request.requirement);
         if (judge_request.is_file_form(judge_request.tested_forms[r]))
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
         else rays.quality.push_back(quality);

@@ -53,13 +53,13 @@ std::optional<StretchedRays> stretch_distance(IdealRays ideal, const Real& k) {
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) {
         const Ray<Real> ray = ideal.rays[i];
         const Vec<Real>& target = targets[ideal.paired ? i : 0];
-        const Real share = dot(target - ray.origin, ray.direction) / dot(ray.direction, ray.direction);
-        if (!(share > 0)) continue;
-        const Real back = (k - 1) * share;
+        const Real target_t = dot(target - ray.origin, ray.direction) / dot(ray.direction, ray.direction);
+        if (!(target_t > 0)) continue;
+        const Real back = (k - 1) * target_t;
         set_origin(ideal.rays, i, ray.origin - back * ray.direction);
         for (auto* const ends : {&ideal.rays.tmin, &ideal.rays.tmax})
             if (!ends->empty()) (*ends)[i] += to_double(back);
-        distances.push_back(to_double(k * share * length(ray.direction)));
+        distances.push_back(to_double(k * target_t * length(ray.direction)));
     }
     if (distances.empty()) return std::nullopt;
     return StretchedRays{std::move(ideal), median_of(std::move(distances))};
@@ -98,7 +98,7 @@ std::optional<StretchedRays> stretch_offset(IdealRays ideal, const Real& k) {
 
 }  // namespace
 
-IdealRays ideal_of(const scene::rays::RayGroup& group) {
+IdealRays exact_rays(const scene::rays::RayGroup& group) {
     IdealRays ideal;
     ideal.rays.width = group.rays.width;
     ideal.rays.y0 = group.rays.y0;
@@ -115,7 +115,7 @@ IdealRays ideal_of(const scene::rays::RayGroup& group) {
     return ideal;
 }
 
-IdealRays ideal_of(const scene::file::Scene& scene) {
+IdealRays exact_rays(const scene::file::Scene& scene) {
     return {scene::rays::make_own_rays(scene, 0, scene.height), scene.primitives(), false};
 }
 

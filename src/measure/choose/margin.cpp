@@ -31,7 +31,7 @@ StretchedScene stretch_offset(const Scene& scene, const Real& k) {
 std::optional<StretchedScene> stretch_distance(const Scene& scene, const Real& k) {
     auto farther_scene = scene::file::move_farther(scene, k);
     if (!farther_scene) return std::nullopt;
-    const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
+    const Real distance = scene::file::view_fraction(scene) * length(scene.camera.look_at - scene.camera.eye);
     return StretchedScene{std::move(*farther_scene), double_of(k * distance)};
 }
 
@@ -148,12 +148,16 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
                                          const Scene& small_scene, Growth growth, double factor) {
     const auto larger_scene = stretch(small_scene, growth, factor);
     if (!larger_scene) return std::nullopt;
+
     const Scene& scene = larger_scene->scene;
     culling::Culler culler(scene);
     const truth::Band band(scene, 0, scene.height, request.limit, &culler);
     const FormQuality quality = quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
+
     if (scene.inputs == scene::file::Inputs::own) return Measurement{larger_scene->value, quality, true};
+
+    // Shared inputs were rounded, and a large growth may make another scene of them.
     Scene ideal = scene;
     ideal.inputs = scene::file::Inputs::own;
     culling::Culler ideal_culler(ideal);
@@ -174,8 +178,8 @@ std::optional<Measurement> measure_rays(const ChoiceRequest& request, const eval
 
 }  // namespace
 
-std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
-                                     int pixels) {
+std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
+                                       int pixels) {
     MeasureAt measure_at;
     if (request.scene) {
         // Far away, rounding makes every triangle of a mesh a possible hit, so each ray is tested against each
@@ -188,10 +192,11 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
             return measure_scene(request, tested_form, small_scene, growth, factor);
         };
     } else {
-        measure_at = [&, rays = ideal_of(request.rays->sample)](Growth growth, double factor) {
+        measure_at = [&, rays = exact_rays(request.rays->sample)](Growth growth, double factor) {
             return measure_rays(request, tested_form, rays, growth, factor);
         };
     }
+
     std::vector<GrowthMargin> margins;
     for (const Growth growth : growths) {
         if (const auto margin = Search(measure_at, request.requirement, growth).run()) margins.push_back(*margin);
@@ -208,6 +213,8 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     if (other_primitives + faces == 0 || other_primitives > offset::most_primitives ||
         !offset::can_measure_offsets(*tested_form.form))
         return std::nullopt;
+
+    // Measures as many pixels as the tests of their points allow.
     const std::size_t tests_per_point = other_primitives + std::min(faces, most_near_triangles);
     const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_tests / tests_per_point, 64, 65536));
     const scene::file::Scene small_scene = with_smaller_picture(scene, std::min(pixels, affordable_pixels));
@@ -217,6 +224,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
                                            .limit = limit,
                                            .finds_quiet_offset = false};
     const offset::OffsetSummary summary = std::move(study::run_study(offset_study).front());
+
     SafeOffsets safe;
     safe.points = summary.points;
     for (const offset::Side side : offset::both_sides) safe.rays += summary.side_summary(side).rays;

@@ -53,8 +53,8 @@ struct GrowthMargin {
 /// growth ends, at most to 2^64, and narrows the last step down to 2 %. A failure between two steps is not found if the
 /// requirement holds at both. Works on a picture of at most `pixels`, or on the sample of the files' rays
 /// (`StretchedRays` says how those grow).
-std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
-                                     int pixels = 4096);
+std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evaluate::TestedForm& tested_form,
+                                       int pixels = 4096);
 
 /// Offset strategies that are right for every ray that leaves a hit of a form on a scene.
 struct SafeOffsets {

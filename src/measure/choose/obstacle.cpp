@@ -30,10 +30,13 @@ FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedFor
     for (std::size_t i = 0; i < ideal.pixels(); ++i) {
         const Truth stored_truth = stored.truth(i, tested_form.convention()),
                     ideal_truth = ideal.truth(i, tested_form.convention());
+
+        // Counts only rays whose truth is known for both inputs.
         const auto unresolved = Truth::Decision::unresolved;
         if (stored_truth.decision == unresolved || ideal_truth.decision == unresolved) continue;
         ++quality.rays;
         quality.hits += ideal_truth.is_hit() ? 1 : 0;
+
         if (stored_truth.decision != ideal_truth.decision ||
             (stored_truth.is_hit() &&
              !answer::meets_first(ideal, i, stored_truth.primitive, tested_form.convention()))) {
@@ -46,6 +49,7 @@ FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedFor
             distances.add(std::fabs(truth::scaled_difference(stored_truth.distance, ideal_truth.distance, 0)));
         }
     }
+
     quality.kept_bits = binary64.precision - lost_bits.quantile(requirement.quantile);
     if (requirement.has_tolerance()) quality.distance_error = distances.quantile(requirement.quantile);
     return quality;
@@ -175,43 +179,59 @@ Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form
     return reached.decides_as_required(requirement) && is_hard ? Cause::inherent : Cause::formula;
 }
 
+/// The rays on which an obstacle is sought: few enough for exact arithmetic.
+struct TrialRays {
+    std::optional<Scene> scene;  ///< a smaller picture of the request's scene; absent for rays of files
+    std::optional<Band> band;
+    IdealRays ideal;  ///< empty
+    if wider
+        inputs are not tried
+};
+
+void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& rays) {
+    const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
+    const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
+    rays.scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
+    rays.band.emplace(*rays.scene, 0, rays.scene->height, request.limit);
+    if (primitives < = most_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
+}
+
+void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
+    const auto& sample = request.rays->sample;
+    const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
+    const auto affordable_rays = std::max<std::size_t>(64, most_trial_pairs / primitives);
+    const auto smaller_sample =
+        sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));
+    rays.band.emplace(smaller_sample, request.limit);
+    rays.ideal = exact_rays(smaller_sample);
+}
+
 }  // namespace
 
 Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_form, int pixels) {
     Obstacle obstacle;
-    std::optional<Scene> small_scene;
-    IdealRays ideal;
-    std::optional<Band> band;
-    if (request.scene) {
-        const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
-        const bool can_try_inputs = primitives <= most_primitives && !request.scene->flake;
-        const auto affordable_pixels =
-            static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
-        small_scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
-        band.emplace(*small_scene, 0, small_scene->height, request.limit);
-        if (can_try_inputs) ideal = ideal_of(*small_scene);
-        obstacle.rounds_to_binary32_first = small_scene->inputs == scene::file::Inputs::shared;
-    } else {
-        const auto& sample = request.rays->sample;
-        const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
-        const auto rays =
-            sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
-                                                      std::max<std::size_t>(64, most_trial_pairs / primitives)));
-        band.emplace(rays, request.limit);
-        ideal = ideal_of(rays);
-    }
-    const InherentLimit row_limit = inherent(*band, tested_form, tested_form.format, request.requirement);
+    TrialRays rays;
+    if (request.scene) take_smaller_picture(request, pixels, rays);
+    else take_sample_of_files(request, pixels, rays);
+    const Band& band = *rays.band;
+    obstacle.rounds_to_binary32_first = rays.scene && rays.scene->inputs == scene::file::Inputs::shared;
+
+    // What the inputs allow in the row's own format and in f64, and what the row reaches.
+    const InherentLimit row_limit = inherent(band, tested_form, tested_form.format, request.requirement);
     obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_distance = row_limit.distance_error;
-    obstacle.inherent_kept_f64 = inherent(*band, tested_form, *find_format("f64"), request.requirement).kept_bits;
-    const FormQuality reached = quality_on(*band, tested_form, request.requirement);
+    obstacle.inherent_kept_f64 = inherent(band, tested_form, *find_format("f64"), request.requirement).kept_bits;
+    const FormQuality reached = quality_on(band, tested_form, request.requirement);
+
+    // Tries wider inputs with exact arithmetic.
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
-    if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, ideal, obstacle).run();
+    if (!rays.ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, rays.ideal, obstacle).run();
+
     // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first
     // trial, in which no input is wide, has the inputs that the row gets.
     if (obstacle.rounds_to_binary32_first || obstacle.trials.empty())
-        obstacle.exact = exact_quality(*band, *band, tested_form, request.requirement);
+        obstacle.exact = exact_quality(band, band, tested_form, request.requirement);
     else obstacle.exact = obstacle.trials.front().exact;
     obstacle.cause = cause_of(obstacle, tested_form, request.requirement, reached);
     return obstacle;

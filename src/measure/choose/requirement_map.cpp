@@ -82,6 +82,8 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_f
         const auto index = std::ranges::find(map.formats, computing_format(tested_forms[k])) - map.formats.begin();
         forms_by_format[static_cast<std::size_t>(index)].push_back({met_pixels[k], static_cast<int>(index)});
     }
+
+    // At each pixel, the first format in which any form meets the requirement is the narrowest.
     map.pixels_any_form_meets.assign(map.formats.size(), 0);
     for (std::size_t i = 0; i < map.pixels(); ++i) {
         int narrowest = RequirementMap::none;
@@ -92,6 +94,7 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_f
         }
         map.narrowest.push_back(narrowest);
     }
+
     map.pixels_narrowest = counts_of(map.narrowest, map.formats.size());
 }
 
@@ -107,9 +110,10 @@ double RequirementMap::least_time(const std::vector<Candidate>& candidates) cons
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
 
-RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
-                                  const MetPixelsByForm& met_pixels) {
+RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
+                                    const MetPixelsByForm& met_pixels) {
     RequirementMap map{.width = request.scene->width, .height = request.scene->height};
+
     std::vector<RankedForm> ranked;
     for (const std::size_t c : order_by_price(candidates)) ranked.push_back({&met_pixels.rows[c], static_cast<int>(c)});
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) map.cheapest.push_back(first_at(ranked, i));
@@ -124,12 +128,15 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
         study.progress = request.progress;
         (void)evaluate::run_map(study, emulated.show());
     }
+
+    // Any of the forms counts for the narrowest format, timed or not.
     std::vector<TestedForm> tested_forms = request.tested_forms;
     tested_forms.insert(tested_forms.end(), request.untimed_forms.begin(), request.untimed_forms.end());
     std::vector<const MetPixels*> all_met_pixels;
     for (const MetPixels& row : met_pixels.rows) all_met_pixels.push_back(&row);
     for (const MetPixels& row : emulated.rows) all_met_pixels.push_back(&row);
     find_narrowest(map, tested_forms, all_met_pixels);
+
     map.pixels_none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
     map.pixels_unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
     return map;

@@ -60,7 +60,7 @@ struct RequirementMap {
 
 /// `met_pixels` belongs to the request's forms, in their order, and is already filled. `untimed_forms` are in
 /// emulated formats and have no time: they are measured here, and only the members about formats depend on them.
-RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
-                                  const MetPixelsByForm& met_pixels);
+RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
+                                    const MetPixelsByForm& met_pixels);
 
 }  // namespace lostbits::measure::choose

@@ -86,12 +86,12 @@ void TrueLengths::resize(std::size_t rays) {
     for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
 }
 
-void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction direction_kind) {
-    const truth::Certified& x = direction_kind == Direction::unit ? truth.distance : truth.t;
-    decision[i] = truth.decision;
-    object[i] = truth.primitive;
+void TrueLengths::set(std::size_t i, const truth::Truth& ray_truth, Direction direction_kind) {
+    const truth::Certified& x = direction_kind == Direction::unit ? ray_truth.distance : ray_truth.t;
+    decision[i] = ray_truth.decision;
+    object[i] = ray_truth.primitive;
     hi[i] = missing;
-    if (!truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
+    if (!ray_truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
     if (x.lo != 0 && std::fabs(x.lo) < 0x1p-200) return;
     const int e = static_cast<int>(x.exponent);
     hi[i] = std::ldexp(x.hi, e);
@@ -117,7 +117,7 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
         copy_lengths(direction_kind == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(),
                      columns);
     });
-    for (const auto& [i, truth] : truths.complete_truths) columns.set(i, truth, direction_kind);
+    for (const auto& [i, ray_truth] : truths.complete_truths) columns.set(i, ray_truth, direction_kind);
     if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
@@ -127,21 +127,22 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
     return columns;
 }
 
-double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
+double find_errors(std::span<const double> answers, const TrueLengths& true_lengths, const FloatFormat& format,
                    const ErrorColumns& out, std::vector<std::uint32_t>& unhandled) {
     const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
     if (!raw_kernels) {
         leave_all_to_scalar(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, unhandled);
         return 0;
     }
+
     const auto column_from = [](double* column, std::size_t begin) { return column ? column + begin : nullptr; };
     double largest = 0;
     for (std::size_t begin = 0; begin < answers.size(); begin += rays_per_block) {
         BlockIndices block_indices;
         RawErrors batch{
             .size = std::min(rays_per_block, answers.size() - begin),
-            .in = {answers.data() + begin, truth.hi.data() + begin, truth.lo.data() + begin,
-                   truth.inverse.data() + begin},
+            .in = {answers.data() + begin, true_lengths.hi.data() + begin, true_lengths.lo.data() + begin,
+                   true_lengths.inverse.data() + begin},
             .out = {column_from(out.ulp, begin), column_from(out.lost, begin), column_from(out.correct, begin),
                     column_from(out.relative, begin), column_from(out.absolute, begin)},
             .precision = static_cast<double>(format.precision),
@@ -149,6 +150,7 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
             .most_inverse = std::ldexp(1.0, -format.emin),
             .largest = largest,
             .unhandled = block_indices.raw()};
+
         raw_kernels->errors(batch);
         largest = batch.largest;
         block_indices.append(batch.unhandled, begin, unhandled);
@@ -162,15 +164,20 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
     const auto has_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.placed; };
+
+    // A kernel takes primitives of one shape without matrices.
     const bool has_one_shape = std::ranges::all_of(points.primitives.listed(), has_shape) &&
                                (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
                                (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
+
     void (*const residuals)(RawResiduals&) =
         raw_kernels ? raw_kernels->residuals[static_cast<std::size_t>(shape)] : nullptr;
     if (!residuals || points.engine == Format::Engine::rounded || !has_one_shape) {
         leave_all_to_scalar(answers, {out}, unhandled);
         return;
     }
+
+    // The numbers of the primitives, one column each. A single primitive is loaded once.
     const std::size_t number_count = first.shape_numbers().size();
     std::array<std::array<double, rays_per_block>, most_numbers> numbers;
     const auto load_primitive = [&](std::size_t i, std::size_t primitive) {
@@ -180,10 +187,13 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     if (points.primitives.size() == 1) {
         for (std::size_t i = 0; i < rays_per_block; ++i) load_primitive(i, 0);
     }
+
     const std::span<const Primitive<double>> listed = points.primitives.listed();
     const scene::rays::RayBlock& rays = points.rays;
     for (std::size_t begin = 0; begin < answers.size(); begin += rays_per_block) {
         const std::size_t size = std::min(rays_per_block, answers.size() - begin);
+
+        // Loads the primitive of each ray of the block.
         for (std::size_t i = 0; points.primitives.size() > 1 && i < size; ++i) {
             const auto primitive = static_cast<std::size_t>(std::max(0, points.primitive_indices[begin + i]));
             if (primitive < listed.size()) {
@@ -192,6 +202,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
                 load_primitive(i, primitive);
             }
         }
+
         BlockIndices block_indices;
         RawResiduals batch{
             .size = size,
@@ -201,6 +212,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
             .binary32 = points.engine == Format::Engine::native32,
             .unhandled = block_indices.raw()};
         for (std::size_t k = 0; k < most_numbers; ++k) batch.in[RawResiduals::primitive + k] = numbers[k].data();
+
         residuals(batch);
         block_indices.append(batch.unhandled, begin, unhandled);
     }

@@ -21,7 +21,7 @@ struct TrueLengths {
     std::vector<double> hi, lo, inverse;
 
     void resize(std::size_t rays);
-    void set(std::size_t i, const truth::Truth& truth, intersect::Direction direction_kind);
+    void set(std::size_t i, const truth::Truth& ray_truth, intersect::Direction direction_kind);
 };
 
 /// Truth of a band as columns, for each convention and kind of direction in use.
@@ -56,7 +56,7 @@ struct ErrorColumns {
 
 /// Computes the errors of `answers` (NaN: not measured) in a format. Adds the rays that are left to `unhandled`, and
 /// returns the largest |ulp| of the others, at least 0.
-double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
+double find_errors(std::span<const double> answers, const TrueLengths& true_lengths, const FloatFormat& format,
                    const ErrorColumns& out, std::vector<std::uint32_t>& unhandled);
 
 /// Inputs of hit points: the rays as the form received them, and the primitives. `primitive_indices` names the

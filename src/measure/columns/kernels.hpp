@@ -88,36 +88,45 @@ template <class Width>
     using P = Pack<double, Width>;
     const double *const answers = batch.in[RawErrors::answer], *const truth_hi = batch.in[RawErrors::hi];
     const double *const truth_lo = batch.in[RawErrors::lo], *const inverses = batch.in[RawErrors::inverse];
+
     double *const ulp_out = batch.out[RawErrors::ulp], *const lost_out = batch.out[RawErrors::lost];
     double *const correct_out = batch.out[RawErrors::correct], *const relative_out = batch.out[RawErrors::relative];
     double* const absolute_out = batch.out[RawErrors::absolute];
+
     const std::size_t size = batch.size;
     const P low(0x1p-400), high(0x1p+400), nan(std::numeric_limits<double>::quiet_NaN());
     const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), most_inverse(batch.most_inverse);
     P largest(batch.largest);
     RawUnhandledRays unhandled = batch.unhandled;
+
     for_each_pack<P>(size, [&](const auto& pass) {
         const P t = pass.load(answers), hi = pass.load(truth_hi), lo = pass.load(truth_lo);
         const auto is_measured = t >= t;
         const auto is_in_range = is_measured && abs(t) >= low && abs(t) <= high && abs(hi) >= low && abs(hi) <= high;
         pass.leave_to_scalar(is_measured && !is_in_range, unhandled);
+
+        // The difference t − (hi + lo).
         const TwoWords<P> raw_difference = stages::sum_of<P>(t, -hi);
         const P tail = P(0) - lo;
         const TwoWords<P> sum = stages::sum_of<P>(raw_difference.hi, tail);
         const P difference = sum.hi + (sum.lo + raw_difference.lo + P(0));
+
         const P ulps = difference * (min(pass.load(inverses), most_inverse) * ulps_of_binade);
         const P magnitude = abs(ulps);
         pass.store(select(is_in_range, ulps, nan), ulp_out);
         largest = max(select(is_in_range, magnitude, P(0)), largest);
+
         if (lost_out || correct_out) {
             const P bits_lost = min(bits::log2_by<LaneBits<Width>>(magnitude) + P(1), precision);
             const P lost = select(magnitude > P(0.5), bits_lost, P(0));
             if (lost_out) pass.store(select(is_in_range, lost, nan), lost_out);
             if (correct_out) pass.store(select(is_in_range, precision - lost, nan), correct_out);
         }
+
         if (relative_out) pass.store(select(is_in_range, abs(difference / (hi + lo)), nan), relative_out);
         if (absolute_out) pass.store(select(is_in_range, abs(difference), nan), absolute_out);
     });
+
     batch.unhandled = unhandled;
     double lanes[most_lanes];
     largest.store(lanes);
@@ -132,21 +141,26 @@ template <class Width>
     constexpr std::size_t packs = most_lanes / P::lanes;
     const double* const values = batch.values;
     const std::size_t size = batch.size;
+
     P hi[packs], lo[packs], count(0), zeros(0), beyond(0), largest(batch.largest);
     for (std::size_t k = 0; k < packs; ++k) {
         hi[k] = P::load(batch.hi + k * P::lanes);
         lo[k] = P::load(batch.lo + k * P::lanes);
     }
+
     const auto add = [&](std::size_t k, const P& value) {
         const P x = abs(value);
         count += select(x >= P(0), P(1), P(0));
         zeros += select(x <= P(0), P(1), P(0));
         beyond += select(x > P(largest_summed), P(1), P(0));
         largest = max(x, largest);  // a NaN leaves it unchanged
+
         const TwoWords<P> sum = stages::sum_of<P>(hi[k], select(x <= P(largest_summed), x, P(0)));
         hi[k] = sum.hi;
         lo[k] += sum.lo;
     };
+
+    // Adds whole blocks, then the rest.
     std::size_t i = 0;
     for (; i + most_lanes <= size; i += most_lanes) {
         for (std::size_t k = 0; k < packs; ++k) add(k, P::load(values + i + k * P::lanes));
@@ -157,6 +171,8 @@ template <class Width>
         hi[k].store(batch.hi + k * P::lanes);
         lo[k].store(batch.lo + k * P::lanes);
     }
+
+    // Sums the lanes.
     double lanes[4][most_lanes];
     count.store(lanes[0]);
     zeros.store(lanes[1]);
@@ -207,6 +223,7 @@ template <bool binary32, class Width, class Residual>
     const double* in[RawResiduals::columns_in];
     for (int k = 0; k < RawResiduals::columns_in; ++k) in[k] = batch.in[k];
     double* const out = batch.out;
+
     const P nan(std::numeric_limits<double>::quiet_NaN());
     RawUnhandledRays unhandled = batch.unhandled;
     for_each_pack<P>(
@@ -214,9 +231,12 @@ template <bool binary32, class Width, class Residual>
             const auto load = [&](int column) __attribute__((always_inline)) { return pass.load(in[column]); };
             const P t = load(RawResiduals::answer);
             const auto is_measured = t >= t;
+
+            // The hit point, as the format computes it.
             const P p[3] = {hit_coordinate<binary32, P, Width>(load(RawResiduals::ox), t, load(RawResiduals::dx)),
                             hit_coordinate<binary32, P, Width>(load(RawResiduals::oy), t, load(RawResiduals::dy)),
                             hit_coordinate<binary32, P, Width>(load(RawResiduals::oz), t, load(RawResiduals::dz))};
+
             P value;
             const auto is_proved =
                 is_measured &&

@@ -30,8 +30,8 @@ CheckResult compare_answers(const intersect::Info& info, const AllAnswers& a, co
 
 }  // namespace
 
-AllAnswers answers_of(const FormKernels& kernels, const RayBlock& rays, std::span<const Primitive<double>> primitives,
-                      Calls calls) {
+AllAnswers evaluate_all(const FormKernels& kernels, const RayBlock& rays, std::span<const Primitive<double>> primitives,
+                        Calls calls) {
     AllAnswers answers;
     const std::size_t n = rays.size();
     intersect::simd::with_kernel(kernels.form, kernels.native, kernels.format, [&]<class S>(const auto& kernel) {
@@ -39,7 +39,8 @@ AllAnswers answers_of(const FormKernels& kernels, const RayBlock& rays, std::spa
         for (const Primitive<double>& primitive : primitives) stored.push_back(lift_primitive<S>(primitive));
         const std::span<const Primitive<S>> targets = stored;
         answer::KernelBuffers<S> buffers(rays);
-        for (const double end : rays.tmax) buffers.columns[6].push_back(static_cast<S>(end));
+        for (const double end : rays.tmax) buffers.columns[buffers.tmax_column].push_back(static_cast<S>(end));
+
         // A call takes primitives of one shape.
         const auto batch_end = [&](std::size_t begin) {
             if (calls == Calls::one_by_one) return begin + 1;
@@ -50,12 +51,14 @@ AllAnswers answers_of(const FormKernels& kernels, const RayBlock& rays, std::spa
             return static_cast<std::size_t>(std::ranges::find_if(targets.subspan(begin), has_other_shape) -
                                             targets.begin());
         };
+
         for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
             kernels.stop.check();
             end = batch_end(begin);
             const auto batch_targets = targets.size() == 1 ? targets : targets.subspan(begin, end - begin);
             kernel(buffers.rays(begin, end), intersect::Target<S>(batch_targets), buffers.hits(begin, end));
         }
+
         const auto widen = [](const std::vector<S>& column) {
             return std::vector<double>(column.begin(), column.end());
         };
@@ -71,7 +74,7 @@ std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const Ray
     std::vector<std::uint8_t> meets;
     const bool form_checks_tmax = takes_tmax(primitive.shape);
     const bool has_both_roots = kernels.form.of(primitive.shape).info->roots == intersect::Roots::both;
-    const AllAnswers a = answers_of(kernels, rays, std::span(&primitive, 1));
+    const AllAnswers a = evaluate_all(kernels, rays, std::span(&primitive, 1));
     for (std::size_t i = 0; i < a.size(); ++i) {
         const auto is_ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
         const bool is_any_ahead = form_checks_tmax || is_ahead(a.t[i]) || (has_both_roots && is_ahead(a.far[i]));
@@ -99,12 +102,14 @@ void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
             kernels_by_width.emplace_back(*band_form.tested_form.form, band_form.tested_form.format,
                                           band_form.kernels.stop, isa);
     }
+
+    // Calls the kernels of each width for many rays at a time, and compares with calls for single rays.
     band_form.for_each_primitive(
         band_form.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
             const std::span<const Primitive<double>> target(&primitive, 1);
-            const AllAnswers single_answers = answers_of(band_form.kernels, rays, target, Calls::one_by_one);
+            const AllAnswers single_answers = evaluate_all(band_form.kernels, rays, target, Calls::one_by_one);
             for (const FormKernels& width_kernels : kernels_by_width) {
-                const AllAnswers batch_answers = answers_of(width_kernels, rays, target);
+                const AllAnswers batch_answers = evaluate_all(width_kernels, rays, target);
                 for (std::size_t k = 0; k < ray_indices.size(); ++k) {
                     const std::size_t i = ray_indices[k];
                     if (is_disagreement(out.results[i])) continue;

@@ -13,8 +13,8 @@ using scene::file::Scene;
 namespace {
 
 /// Returns the tree over the triangles of a large mesh; null for scenes whose primitives are all tested.
-std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, const FloatFormat& format,
-                                                       const scene::rays::PrimitiveList<double>& primitives) {
+std::shared_ptr<const culling::PrimitiveIndex> find_tree(const truth::Band& band, const FloatFormat& format,
+                                                         const scene::rays::PrimitiveList<double>& primitives) {
     if (primitives.size() <= offset::most_primitives || !primitives.mesh() || !band.culler()) return nullptr;
     return band.culler()->index_for_stored_truth(format, primitives);
 }
@@ -29,7 +29,7 @@ FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& fo
       kernels(*tested_form.form, tested_form.format, tested_band.stop()),
       inputs(tested_band.inputs_for(tested_form.format, *tested_form.form->info)),
       closest_hits(answer::evaluate(*tested_form.form, inputs)),
-      tree_(tree_of(tested_band, tested_form.format.parameters, inputs.primitives)) {}
+      tree_(find_tree(tested_band, tested_form.format.parameters, inputs.primitives)) {}
 
 scene::rays::RayGroup FormOnBand::group_to_explain(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
@@ -77,7 +77,8 @@ FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& band_form, cons
     std::ranges::sort(pairs);
     for (const auto& [primitive, ray] : pairs) {
         if (primitives_.empty() || primitives_.back() != primitive) runs_.emplace_back(ray_indices_.size(), 0);
-        primitives_.push_back(primitive), ray_indices_.push_back(ray);
+        primitives_.push_back(primitive);
+        ray_indices_.push_back(ray);
         runs_.back().second = ray_indices_.size();
     }
 }

@@ -111,8 +111,8 @@ struct FormKernels {
 
 /// Evaluates the form on rays whose numbers and ends are in the format. A single primitive is tested with all rays.
 /// With as many primitives as rays, ray i is tested against primitive i, by the kernels for single rays.
-AllAnswers answers_of(const FormKernels& kernels, const scene::rays::RayBlock& rays,
-                      std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
+AllAnswers evaluate_all(const FormKernels& kernels, const scene::rays::RayBlock& rays,
+                        std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
 
 /// True if the form reports t, so that an end can be compared with it.
 bool returns_t(const intersect::Info& info);

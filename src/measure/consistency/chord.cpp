@@ -17,7 +17,7 @@ using truth::Truth;
 namespace {
 
 template <class E>
-std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Primitive<double>& primitive) {
+std::optional<Ends<E>> enclose_chord(const Ray<double>& ray, const Primitive<double>& primitive) {
     return with_span(lift_ray<E>(ray), lift_primitive<E>(primitive), [](const auto& span) { return ends_of(span); });
 }
 
@@ -36,9 +36,10 @@ std::optional<double> to_double_within(const Interval& x, double error) {
 template <class E>
 std::optional<ChordError> chord_error_in(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
                                          double ulp) {
-    const auto forth = chord_of<E>(rays.forth, rays.primitive), back = chord_of<E>(rays.back, rays.primitive);
+    const auto forth = enclose_chord<E>(rays.forth, rays.primitive), back = enclose_chord<E>(rays.back, rays.primitive);
     if (!forth || !back) return std::nullopt;
     const E segment_length = are_distances ? length(lift_vec<E>(rays.forth.direction)) : E(1);
+
     ChordError largest;
     const auto add_sum = [&](const E& exact, double t, double t_back) {
         const E sum = E(t) + E(t_back);
@@ -49,6 +50,7 @@ std::optional<ChordError> chord_error_in(const ReversedRays& rays, const ChordAn
         largest.excess = std::max(largest.excess, std::fabs(*excess / ulp));
         return true;
     };
+
     // A near side that may lie behind the origin is not compared.
     const bool near_is_ahead = (forth->near > E(0)).is_yes(), near_back_is_ahead = (back->near > E(0)).is_yes();
     if (near_is_ahead && !add_sum(forth->near + back->far, answer.near, answer.far_back)) return std::nullopt;
@@ -78,28 +80,32 @@ struct BallOnRay {
 /// Returns the primitive that the ray of the pixel truly meets. If there is none, returns the primitive ahead that the
 /// ray passes nearest to, in units of its radius. Of a large mesh, only primitives whose box the ray comes near are
 /// considered.
-std::optional<std::size_t> primitive_of(const FormOnBand& band_form, std::size_t i) {
-    const Truth truth = band_form.band.truth(i, band_form.tested_form.convention());
-    if (truth.is_hit()) return static_cast<std::size_t>(truth.primitive);
+std::optional<std::size_t> find_primitive(const FormOnBand& band_form, std::size_t i) {
+    const Truth ray_truth = band_form.band.truth(i, band_form.tested_form.convention());
+    if (ray_truth.is_hit()) return static_cast<std::size_t>(ray_truth.primitive);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
     const FormOnBand::Candidates candidates = band_form.candidates(band_form.inputs.rays[i]);
     for (std::size_t k = 0; k < candidates.indices.size(); ++k) {
         const BallOnRay ball(band_form.inputs.rays[i], candidates.primitives[k]);
-        if (ball.is_ahead() && ball.centre_distance2 < least)
-            least = ball.centre_distance2, nearest = candidates.indices[k];
+        if (ball.is_ahead() && ball.centre_distance2 < least) {
+            least = ball.centre_distance2;
+            nearest = candidates.indices[k];
+        }
     }
     return nearest;
 }
 
 /// Returns the segment of a pixel from p, the origin of its ray, to q, its end, rounded to the format. Returns nothing
 /// if there is no primitive.
-std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t i) {
-    const auto k = primitive_of(band_form, i);
+std::optional<ReversedRays> make_segment(const FormOnBand& band_form, std::size_t i) {
+    const auto k = find_primitive(band_form, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = band_form.inputs.rays[i];
     const BallOnRay ball(ray, band_form.inputs.primitives[*k]);
     if (!ball.is_ahead()) return std::nullopt;
+
+    // The direction is q − p, rounded once in each component.
     const Vec<double> p = ray.origin;
     Vec<double> q{0, 0, 0}, difference{0, 0, 0};
     with_number(band_form.tested_form.format, [&]<class T>() {
@@ -109,6 +115,7 @@ std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t 
             difference[axis] = as_double(end - static_cast<T>(p[axis]));
         }
     });
+
     const ReversedRays rays{{p, difference},
                             {q, Vec<double>(-difference.x, -difference.y, -difference.z)},
                             band_form.inputs.primitives[*k]};
@@ -128,9 +135,9 @@ struct SegmentsFromEnd {
 
     SegmentsFromEnd(const FormOnBand& band_form, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
         : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
-          answers(answers_of(band_form.kernels,
-                             band_form.takes_unit_directions() ? with_unit_directions(rays, band_form.format()) : rays,
-                             primitives)) {}
+          answers(evaluate_all(
+              band_form.kernels,
+              band_form.takes_unit_directions() ? with_unit_directions(rays, band_form.format()) : rays, primitives)) {}
 };
 
 CheckResult check_result_of_numbers(const FormOnBand& band_form, const ReversedRays& rays, const ChordAnswer& answer,
@@ -149,6 +156,44 @@ CheckResult check_result_of_numbers(const FormOnBand& band_form, const ReversedR
                                            : CheckResult::agree;
 }
 
+/// The segments of a band that have a primitive, and their rays from either end.
+struct BandSegments {
+    std::vector<std::size_t> pixels;
+    std::vector<ReversedRays> segments;
+    std::vector<Primitive<double>> primitives;
+    RayBlock from_p_rays, from_q_rays;
+};
+
+BandSegments collect_segments(const FormOnBand& band_form) {
+    BandSegments found;
+    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
+        const auto segment = make_segment(band_form, i);
+        if (!segment) continue;
+        found.pixels.push_back(i);
+        found.segments.push_back(*segment);
+        found.primitives.push_back(segment->primitive);
+        found.from_p_rays.push(segment->forth);
+        found.from_q_rays.push(segment->back);
+    }
+    return found;
+}
+
+/// Compares the answers for segment k from either end: the decisions and, if all of them are hits, the numbers.
+CheckResult compare_chords(const FormOnBand& band_form, const ReversedRays& segment, std::size_t k,
+                           const SegmentsFromEnd& forth, const SegmentsFromEnd& back, double& apart, double& excess) {
+    const AllAnswers &a = forth.answers, &b = back.answers;
+    const auto p_decision = forth.band.truth(k, band_form.tested_form.convention()).decision;
+    const auto q_decision = back.band.truth(k, band_form.tested_form.convention()).decision;
+    if (p_decision == Truth::Decision::unresolved || q_decision == Truth::Decision::unresolved)
+        return CheckResult::unresolved;
+
+    const bool p_hits = p_decision == Truth::Decision::hit, q_hits = q_decision == Truth::Decision::hit;
+    const bool has_numbers = band_form.tested_form.form->info->roots == intersect::Roots::both;
+    if (has_numbers && a.hit[k] != 0 && b.hit[k] != 0 && p_hits && q_hits)
+        return check_result_of_numbers(band_form, segment, {a.near[k], a.far[k], b.near[k], b.far[k]}, apart, excess);
+    return check_result_of(a.hit[k] != 0, b.hit[k] != 0, p_hits, q_hits);
+}
+
 }  // namespace
 
 std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
@@ -162,39 +207,18 @@ std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswe
 void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
     out.apart.assign(band_form.pixels(), truth::missing);
     out.excess.assign(band_form.pixels(), truth::missing);
-    std::vector<std::size_t> pixels;
-    std::vector<ReversedRays> segments;
-    std::vector<Primitive<double>> primitives;
-    RayBlock from_p_rays, from_q_rays;
-    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
-        const auto segment = segment_of(band_form, i);
-        if (!segment) continue;
-        pixels.push_back(i);
-        segments.push_back(*segment);
-        primitives.push_back(segment->primitive);
-        from_p_rays.push(segment->forth);
-        from_q_rays.push(segment->back);
-    }
-    if (pixels.empty()) return;
-    const SegmentsFromEnd forth(band_form, from_p_rays, primitives), back(band_form, from_q_rays, primitives);
-    const bool has_numbers = band_form.tested_form.form->info->roots == intersect::Roots::both;
-    const AllAnswers &a = forth.answers, &b = back.answers;
-    for (std::size_t k = 0; k < pixels.size(); ++k) {
-        const std::size_t i = pixels[k];
-        const auto p_decision = forth.band.truth(k, band_form.tested_form.convention()).decision;
-        const auto q_decision = back.band.truth(k, band_form.tested_form.convention()).decision;
-        CheckResult result = check_result_of(a.hit[k] != 0, b.hit[k] != 0, p_decision == Truth::Decision::hit,
-                                             q_decision == Truth::Decision::hit);
-        if (p_decision == Truth::Decision::unresolved || q_decision == Truth::Decision::unresolved)
-            result = CheckResult::unresolved;
-        const bool all_hit =
-            a.hit[k] != 0 && b.hit[k] != 0 && p_decision == Truth::Decision::hit && q_decision == Truth::Decision::hit;
-        if (has_numbers && all_hit)
-            result = check_result_of_numbers(band_form, segments[k], {a.near[k], a.far[k], b.near[k], b.far[k]},
-                                             out.apart[i], out.excess[i]);
+    const BandSegments found = collect_segments(band_form);
+    if (found.pixels.empty()) return;
+    const SegmentsFromEnd forth(band_form, found.from_p_rays, found.primitives);
+    const SegmentsFromEnd back(band_form, found.from_q_rays, found.primitives);
+
+    for (std::size_t k = 0; k < found.pixels.size(); ++k) {
+        const std::size_t i = found.pixels[k];
+        const ReversedRays& segment = found.segments[k];
+        const CheckResult result = compare_chords(band_form, segment, k, forth, back, out.apart[i], out.excess[i]);
         out.set(i, result, [&] {
-            TwoRays two_rays{i, scene::rays::group_of(segments[k].forth), scene::rays::group_of(segments[k].back)};
-            two_rays.first.primitives = two_rays.second.primitives = {segments[k].primitive};
+            TwoRays two_rays{i, scene::rays::group_of(segment.forth), scene::rays::group_of(segment.back)};
+            two_rays.first.primitives = two_rays.second.primitives = {segment.primitive};
             return two_rays;
         });
     }

@@ -27,7 +27,7 @@ double pixel_count(const C& s) {
     return as_number(s.count_of(a));
 }
 template <CheckResult a>
-double share_of(const C& s) {
+double result_fraction(const C& s) {
     return truth::fraction(s.count_of(a), s.asked());
 }
 template <metric::Distribution C::*numbers, int percent>
@@ -54,7 +54,7 @@ constexpr ConsistencyColumn column_rows[] = {
      [](const C& s) { return truth::fraction(s.disagreements(), s.asked()); }},
     {"decision_fraction", "", "share of first_alone and second_alone", false,
      [](const C& s) { return truth::fraction(s.decisions(), s.asked()); }},
-    {"by_inputs_fraction", "", "share of by_inputs", false, share_of<CheckResult::by_inputs>},
+    {"by_inputs_fraction", "", "share of by_inputs", false, result_fraction<CheckResult::by_inputs>},
     {"apart_p50", "ulp",
      "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, as "
      "computed: "

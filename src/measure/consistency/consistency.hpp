@@ -53,7 +53,7 @@ struct ConsistencyBand {
 struct ConsistencyStudy {
     using Band = ConsistencyBand;
     using Summary = FormChecks;
-    static constexpr int pixels_together = 1;  ///< few, so that the rays of a band stay in the cache
+    static constexpr int pixels_per_band = 1;  ///< few, so that the rays of a band stay in the cache
 
     const scene::file::Scene& scene;
     std::vector<evaluate::TestedForm> tested_forms;  ///< with forms of primitives

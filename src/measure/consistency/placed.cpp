@@ -50,10 +50,12 @@ bool is_diagonal(const Affine<double>& m) {
 /// - a box, under a matrix that is not diagonal;
 /// - a shape with a radius for each axis;
 /// - a matrix that is stored as its inverse.
-std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, const FloatFormat& format) {
+std::optional<Primitive<double>> compute_image(const Primitive<double>& primitive, const FloatFormat& format) {
     if (!primitive.placed || primitive.placed->is_inverse) return std::nullopt;
     const Affine<double> m = primitive.placed->map();
     const std::span<const Key> keys = row_of(primitive.shape).keys;
+
+    // Properties of the shape, and of the matrix.
     const bool is_axis_aligned =
         std::ranges::any_of(keys, [](const Key& key) { return key.limit == Key::Limit::at_least_previous; });
     const bool has_only_points = std::ranges::all_of(keys, [](const Key& key) { return key.kind == Key::Kind::point; });
@@ -61,6 +63,7 @@ std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, co
         std::ranges::any_of(keys, [](const Key& key) { return key.kind == Key::Kind::lengths; });
     const auto scale = common_scale(m, format);
     if (is_axis_aligned ? !is_diagonal(m) : has_axis_lengths || (!has_only_points && !scale)) return std::nullopt;
+
     Primitive<double> image = primitive;
     image.placed.reset();
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
@@ -70,6 +73,8 @@ std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, co
             default: image.numbers[k] = scale.value_or(1) * primitive.numbers[k];
         }
     });
+
+    // A negative scale on an axis swaps the coordinates of the two corners.
     if (is_axis_aligned)
         for (std::size_t i = 0; i < 3; ++i)
             if (image.numbers[i] > image.numbers[i + 3]) std::swap(image.numbers[i], image.numbers[i + 3]);
@@ -95,7 +100,7 @@ std::vector<Primitive<double>> convert_primitives(const FormOnBand& band_form,
     bool any_converted = false;
     std::vector<Primitive<double>> converted;
     for (const Primitive<double>& primitive : primitives) {
-        const auto other_primitive = primitive.placed ? image_of(primitive, band_form.format())
+        const auto other_primitive = primitive.placed ? compute_image(primitive, band_form.format())
                                                       : std::optional(move_under_matrix(primitive, band_form.format()));
         any_converted = any_converted || other_primitive;
         converted.push_back(other_primitive.value_or(primitive));
@@ -132,17 +137,21 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
     out.excess.assign(band_form.pixels(), truth::missing);
     const std::vector<Primitive<double>> primitives = primitives_of(band_form),
                                          converted = convert_primitives(band_form, primitives);
+
     if (converted.empty()) return;
     const BandAmongPrimitives given_band(band_form, primitives), converted_band(band_form, converted);
     const truth::Band &given_truth = *given_band.band, &converted_truth = *converted_band.band;
+
     const Intersector& form = form_with_matrices(*band_form.tested_form.form);
     const bool is_unit = form.info->direction == intersect::Direction::unit;
     const auto converted_answers =
         answer::evaluate(form, converted_truth.inputs_for(band_form.tested_form.format, *form.info));
     const answer::Answers &a = band_form.closest_hits, &b = converted_answers;
+
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
         const Truth p = given_truth.truth(i, band_form.tested_form.convention()),
                     q = converted_truth.truth(i, band_form.tested_form.convention());
+
         CheckResult result = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
         if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
             result = CheckResult::unresolved;
@@ -159,6 +168,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
                      : out.apart[i] > 1    ? CheckResult::by_inputs
                                            : CheckResult::agree;
         }
+
         out.set(i, result, [&] {
             TwoRays two_rays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
                              scene::rays::group_of(band_form.inputs.rays[i])};

@@ -34,12 +34,12 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
     intersect::Convention convention(shape_convention.touching,
                                      takes_end ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
     convention.facing = shape_convention.facing;
-    const Truth truth = truth::find_truth(ray, primitives, {}, convention, {.tmax = takes_end ? end : HUGE_VAL});
-    if (takes_end || !truth.is_hit()) return truth.decision;
+    const Truth ray_truth = truth::find_truth(ray, primitives, {}, convention, {.tmax = takes_end ? end : HUGE_VAL});
+    if (takes_end || !ray_truth.is_hit()) return ray_truth.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
-    std::optional<int> side = truth::compare(truth.t, truth::as_certified(end));
-    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(truth.primitive)], end);
+    std::optional<int> side = truth::compare(ray_truth.t, truth::as_certified(end));
+    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(ray_truth.primitive)], end);
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
@@ -47,9 +47,9 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
 /// Returns the point seen at a pixel: o + t*·d of its ray, each coordinate rounded to the format. Returns nothing if
 /// the ray truly misses.
 std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i) {
-    const Truth truth = band_form.band.truth(i, band_form.tested_form.convention());
-    if (!truth.is_hit()) return std::nullopt;
-    const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
+    const Truth ray_truth = band_form.band.truth(i, band_form.tested_form.convention());
+    if (!ray_truth.is_hit()) return std::nullopt;
+    const double t = std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent));
     const Ray<double> ray = band_form.inputs.rays[i];
     const auto coordinate_at = [&](double o, double d) {
         return rounding::to_format(std::fma(t, d, o), 0, band_form.format());
@@ -76,7 +76,8 @@ CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRa
 
 /// Compares the segments of all pixels. The segment of pixel i starts at `start_of(i)`.
 template <class StartOf>
-void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndOfSegment end, PixelCheckResults& out) {
+void compare_segments(const FormOnBand& band_form, const StartOf& start_of, SegmentEnd end, PixelCheckResults& out) {
+    // Writes the segments of the pixels that see a point.
     std::vector<std::size_t> pixels;
     std::vector<SegmentRays> segments;
     RayBlock first, second;
@@ -92,6 +93,7 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndO
         second.push(s.by_unit);
         second.tmax.push_back(s.unit_end);
     }
+
     const auto first_meets = hits_before_tmax(band_form, first), second_meets = hits_before_tmax(band_form, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentRays& s = segments[k];
@@ -142,12 +144,12 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
     return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
 }
 
-SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
+SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, SegmentEnd end) {
     return with_number(format, [&]<class T>() {
         const Vec<T> start = lift_vec<T>(p), difference = lift_vec<T>(q) - start;
         const T distance = length(difference);
         T fraction(1);
-        if (end == EndOfSegment::shortened) fraction = T(1) - T(1) / T(10000);
+        if (end == SegmentEnd::shortened) fraction = T(1) - T(1) / T(10000);
         return SegmentRays{.by_difference = {p, as_doubles(difference)},
                            .difference_end = as_double(fraction),
                            .by_unit = {p, as_doubles(unit_of<T>(difference))},
@@ -157,18 +159,18 @@ SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Form
 
 void check_segment(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_segments(
-        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, EndOfSegment::whole, out);
+        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, SegmentEnd::whole, out);
 }
 
 void check_short(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_segments(
-        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
+        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, SegmentEnd::shortened, out);
 }
 
 void check_light(const FormOnBand& band_form, PixelCheckResults& out) {
     const Vec<double> light = render::input_appearance(band_form.scene, band_form.format()).light;
     compare_segments(
-        band_form, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+        band_form, [&](std::size_t) { return light; }, SegmentEnd::shortened, out);
 }
 
 void check_beyond(const FormOnBand& band_form, PixelCheckResults& out) {

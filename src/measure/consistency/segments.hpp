@@ -12,7 +12,7 @@
 namespace lostbits::measure::consistency {
 
 /// End of a segment: at q, or after 1 − 1e-4 of the way to q, like pbrt's shadow rays (ShadowEpsilon).
-enum class EndOfSegment : std::uint8_t { whole, shortened };
+enum class SegmentEnd : std::uint8_t { whole, shortened };
 
 struct SegmentRays {
     Ray<double> by_difference;  ///< direction q − p, rounded once
@@ -23,7 +23,7 @@ struct SegmentRays {
 };
 
 /// Writes a segment in both ways. p and q are numbers of the format.
-SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end);
+SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, SegmentEnd end);
 
 /// Decides exactly whether a ray with this end meets any of the primitives. A sphere counts at 0 < t < end. A box
 /// counts at 0 ≤ t ≤ end if it is closed, and at 0 < t < end if it is open; the convention on touching says which it
@@ -37,17 +37,17 @@ struct ChordAnswer {
     double near = 0, far = 0, near_back = 0, far_back = 0;
 };
 
-/// A ray from p, the reversed ray from q, and one primitive. The reverse is exact in the direction; q is p + d only up
-/// to rounding.
+/// A ray from p, the reversed ray from q, and one primitive. `back` has exactly the negated direction. It starts at q,
+/// which is p + d rounded.
 struct ReversedRays {
     Ray<double> forth, back;
     Primitive<double> primitive;
 };
 
-/// Errors of two sums of t, one of the ray from p and one (primed) of the ray from q, that should be the length L of
-/// the segment: near + far′ and far + near′. L is 1 or, for forms that take unit directions, |q − p| as stored. Let δ
-/// be the sum minus L, in units of `ulp`, δ̂ of the answers and δ* of the exact chords. `apart` is the larger |δ̂|, and
-/// `excess` the larger |δ̂ − δ*|. δ* is not 0, because q plus the reversed direction is not quite p.
+/// Errors of two sums of t. Along a chord, near + far′ and far + near′ should each be L, the segment's length. Primed
+/// values are from the ray that starts at q. L is 1 or, for forms that take unit directions, |q − p| as stored. Let δ
+/// be the sum minus L, in units of `ulp`: δ̂ for the answers and δ* for the exact chords. `apart` is the larger |δ̂|,
+/// and `excess` the larger |δ̂ − δ*|. δ* is not 0, because q plus the reversed direction is not quite p.
 struct ChordError {
     double apart = 0, excess = 0;
 };

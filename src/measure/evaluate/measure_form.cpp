@@ -249,7 +249,7 @@ private:
         // The form without rounding, the operations to blame, and the form's own statements.
         std::optional<truth::Certified> unrounded;
         if (needs_ & metric::needs_unrounded)
-            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
+            unrounded = answer::evaluate_exactly(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
         if (unrounded) sample.unrounded = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;

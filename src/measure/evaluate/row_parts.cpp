@@ -66,7 +66,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
         const Primitive<double> hit_primitive = inputs.primitives[static_cast<std::size_t>(true_primitive)];
         const intersect::table::Intersector& part_form = form.of(hit_primitive.shape);
         if (intersect::bounding_box::has_box(part_form))
-            levels_ = answer::levels_of(part_form, tested_form.format, ray, hit_primitive, rays.range(i));
+            levels_ = answer::find_lost_level(part_form, tested_form.format, ray, hit_primitive, rays.range(i));
     }
 
     // The margin at the end of the ray, and the steps, for the tested primitive.
@@ -78,8 +78,8 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     if (!(needs & metric::needs_steps)) return;
     if (!tested_primitive.placed || !part_form.is_placed) return;
     // A box in the world is not a transform step.
-    steps_ = answer::steps_of(intersect::bounding_box::without_world_boxes(part_form), tested_form.format, ray,
-                              tested_primitive, rays.range(i));
+    steps_ = answer::measure_steps(intersect::bounding_box::without_world_boxes(part_form), tested_form.format, ray,
+                                   tested_primitive, rays.range(i));
 }
 
 void FormStatements::fill(metric::Sample& sample) const {

@@ -126,8 +126,8 @@ void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
                        "its share of the rays that have a culprit", [m](const S& s) {
                            const double culprit = most_frequent_culprit(s.categories[m]);
                            if (std::isnan(culprit)) return missing;
-                           return attribution::culprit_share(s.categories[m],
-                                                             std::array{static_cast<std::size_t>(culprit)});
+                           return attribution::culprit_fraction(s.categories[m],
+                                                                std::array{static_cast<std::size_t>(culprit)});
                        }});
 }
 

@@ -104,7 +104,7 @@ struct OffsetBand {
 struct OffsetStudy {
     using Band = OffsetBand;
     using Summary = OffsetSummary;
-    static constexpr int pixels_together = 1;  ///< few, because every pixel takes some kilobytes
+    static constexpr int pixels_per_band = 1;  ///< few, because every pixel takes some kilobytes
 
     const scene::file::Scene& scene;
     std::vector<OffsetForm> tested_forms;  ///< their forms are of primitives and report t

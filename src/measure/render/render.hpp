@@ -140,7 +140,7 @@ struct SharedRenderInputs {
 struct RenderStudy {
     using Band = RenderBand;
     using Summary = std::vector<RenderSummary>;
-    static constexpr int pixels_together = 32768;
+    static constexpr int pixels_per_band = 32768;
 
     const scene::file::Scene& scene;         ///< a scene of spheres
     std::vector<scene::file::Stage> stages;  ///< in rising order, only stages that the scene asks for

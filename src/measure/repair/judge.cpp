@@ -171,7 +171,7 @@ std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& t
 
     std::vector<FormQuality> qualities;
     for (std::size_t r = 0; r < tested_forms.size(); ++r)
-        qualities.push_back(choose::quality_of(summaries[r], tested_forms[r], request_.requirement));
+        qualities.push_back(choose::to_quality(summaries[r], tested_forms[r], request_.requirement));
     return qualities;
 }
 
@@ -235,7 +235,7 @@ std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request) {
                                          .tested_forms = list_comparable_forms(request.tested_form),
                                          .requirement = request.requirement};
     choice_request.limit = request.limit;
-    const auto quality = request.scene ? quality_of(choice_request) : request.rays->quality;
+    const auto quality = request.scene ? measure_quality(choice_request) : request.rays->quality;
     std::vector<FormWithQuality> ranked;
     for (std::size_t k = 0; k < quality.size(); ++k) ranked.push_back({choice_request.tested_forms[k], quality[k]});
     std::ranges::stable_sort(ranked, is_more_accurate, &FormWithQuality::quality);
@@ -247,7 +247,7 @@ std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& requ
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
     const tape::TapeForm form(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
-    return margins_of(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays);
+    return find_margins(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays);
 }
 
 }  // namespace lostbits::measure::repair

@@ -98,16 +98,16 @@ std::optional<RequestRays> take_request_rays(const RepairRequest& request, int r
     const std::size_t max_rays = std::clamp<std::size_t>(max_pairs / primitives, 64, static_cast<std::size_t>(rays));
     if (!request.scene) {
         if (request.rays->sample.mesh) return std::nullopt;
-        return RequestRays{choose::ideal_of(sample_rays(request.rays->sample, max_rays)),
+        return RequestRays{choose::exact_rays(sample_rays(request.rays->sample, max_rays)),
                            request.rays->format.parameters};
     }
     if (request.scene->flake) return std::nullopt;
     const scene::file::Scene smaller_scene = choose::with_smaller_picture(*request.scene, static_cast<int>(max_rays));
     if (smaller_scene.inputs == scene::file::Inputs::own)
-        return RequestRays{choose::ideal_of(smaller_scene), std::nullopt};
+        return RequestRays{choose::exact_rays(smaller_scene), std::nullopt};
     scene::rays::RayGroup stored_rays{.rays = scene::rays::make_shared_rays(smaller_scene, 0, smaller_scene.height),
                                       .primitives = scene::rays::shared_primitives(smaller_scene)};
-    return RequestRays{choose::ideal_of(stored_rays), binary32};
+    return RequestRays{choose::exact_rays(stored_rays), binary32};
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 // - `share`: the share of the bands that this run measures;
 // - `progress`: called with the number of pixels after each band of a form;
 // - `Band`, `Summary`: the results of a form on a band, and over the picture;
-// - `pixels_together`: about how many pixels a band has;
+// - `pixels_per_band`: about how many pixels a band has;
 // - `require()`: throws InputError for a scene that cannot be measured;
 // - `begin(form_index)`: returns an empty summary of the form;
 // - `prepare(band)`: returns everything that the forms share on a band, their truth above all;
@@ -89,7 +89,7 @@ concept Study = requires(const S& study, truth::Band& band, std::size_t form_ind
     study.require();
     { study.begin(form_index) } -> std::same_as<typename S::Summary>;
     measure_form(study, prepare_band(study, band, {}), form_index, summary, show);
-    { S::pixels_together } -> std::convertible_to<int>;
+    { S::pixels_per_band } -> std::convertible_to<int>;
     { study.share } -> std::convertible_to<shard::Share>;
     study.progress(band.pixels());
     study.tested_forms.size();
@@ -118,7 +118,7 @@ std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& sh
     study.require();
     auto summaries = begin_all(study);
     for (const FormsOfScene& forms_of_scene : scenes_of(study)) {
-        const Bands bands(*forms_of_scene.scene, study.share, S::pixels_together);
+        const Bands bands(*forms_of_scene.scene, study.share, S::pixels_per_band);
         bands.each(truth_limit(study.limit), [&](truth::Band& band) {
             if constexpr (requires { *study.stages += band.stages(); })
                 if (study.stages) *study.stages += band.stages();

@@ -13,7 +13,7 @@ namespace {
 
 std::string answer_line(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray, const MarchLog& log) {
-    const measure::truth::Truth& truth = ray.truth(*form.info);
+    const measure::truth::Truth& truth = ray.find_truth(*form.info);
     const bool truly_hits = truth.decision == measure::truth::Truth::Decision::hit;
     const double true_t = truly_hits ? ray.rounded_truth(*form.info, binary64) : 0;
     const Outcome outcome = measure::answer::classify(truth.decision, log.hit.hit, log.hit.t);

@@ -95,15 +95,15 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
 
     // The parts of the ranges without hits, with a bound, and without one.
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
-                        100 * bound.missed_share, 100 * (1 - bound.missed_share - bound.unknown_share),
-                        100 * bound.unknown_share);
+                        100 * bound.missed_fraction, 100 * (1 - bound.missed_fraction - bound.unknown_fraction),
+                        100 * bound.unknown_fraction);
     text += fmt::format("In {:.3g} % rounding may change hit or miss.\n",
-                        100 * (bound.undecided_share + bound.unknown_share));
+                        100 * (bound.undecided_fraction + bound.unknown_fraction));
 
     text += "Where rays may hit, rounding puts t off by at most\n";
     for (const auto& [fraction, error, ulps] : bound.quantiles)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * fraction);
-    if (bound.unknown_share < 1 - bound.missed_share)
+    if (bound.unknown_fraction < 1 - bound.missed_fraction)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", bound.largest, bound.largest_ulps);
 
     // Errors of rays, for comparison with the bound.
@@ -139,9 +139,9 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
         {request.is_step() ? "sweep" : "scene", request.id()},
         {"ranges", ranges},
         {"boxes", bound.boxes},
-        {"missed", bound.missed_share},
-        {"unsettled", bound.unknown_share},
-        {"undecided", bound.undecided_share + bound.unknown_share},
+        {"missed", bound.missed_fraction},
+        {"unsettled", bound.unknown_fraction},
+        {"undecided", bound.undecided_fraction + bound.unknown_fraction},
         {"quantiles", quantiles},
         {"largest", {{"error", json_number(bound.largest)}, {"ulps", json_number(bound.largest_ulps)}}},
         {request.is_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(bound.errors_of_given_rays)},

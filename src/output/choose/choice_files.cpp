@@ -21,8 +21,10 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     measure::choose::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
-    if (result.cheapest_index) result.margins = margins_of(quiet_request, candidates[*result.cheapest_index].row);
-    else result.obstacle = find_obstacle(quiet_request, candidates[*nearest(candidates, request.requirement)].row);
+    if (result.cheapest_index) result.margins = find_margins(quiet_request, candidates[*result.cheapest_index].row);
+    else
+        result.obstacle =
+            find_obstacle(quiet_request, candidates[*nearest_candidate(candidates, request.requirement)].row);
     return result;
 }
 

@@ -122,7 +122,7 @@ std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, co
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))
         culprits.push_back({tested_form, (*metric)->categories[c], counts[c],
-                            measure::attribution::culprit_share(counts, std::array{c})});
+                            measure::attribution::culprit_fraction(counts, std::array{c})});
     return culprits;
 }
 

@@ -12,10 +12,10 @@ namespace lostbits::scene::camera {
 namespace {
 
 template <class Generator, class T>
-void make_rays(const CameraNumbers<T>& camera, RowRange rows, const std::function<void(const Ray<T>&)>& take) {
+void make_rays(const CameraNumbers<T>& camera, RowRange rows, const std::function<void(const Ray<T>&)>& add) {
     const auto prepared = Generator::prepare(camera);
     for (int y = rows.first; y < rows.last; ++y)
-        for (int x = 0; x < camera.width; ++x) take(Generator::ray(camera, prepared, Pixel<T>{T(x), T(y), T(x - 1)}));
+        for (int x = 0; x < camera.width; ++x) add(Generator::ray(camera, prepared, Pixel<T>{T(x), T(y), T(x - 1)}));
 }
 
 template <class Generator>

@@ -19,9 +19,9 @@ struct RowRange {
     int first, last;
 };
 
-/// Makes the rays of every pixel of some rows, and calls `take` with each ray, in the order of the pixels.
+/// Makes the rays of every pixel of some rows, and calls `add` with each ray, in the order of the pixels.
 template <class T>
-using MakeRays = void (*)(const CameraNumbers<T>&, RowRange, const std::function<void(const Ray<T>&)>& take);
+using MakeRays = void (*)(const CameraNumbers<T>&, RowRange, const std::function<void(const Ray<T>&)>& add);
 
 /// Column and row of a pixel.
 struct PixelCoordinates {

@@ -87,8 +87,8 @@ void read_evidence(TableReader& table, Claim& claim) {
 
 /// Reads `operation = "c"`, or a list of operations.
 void read_operations(TableReader& table, Claim& claim) {
-    constexpr std::string_view share = "culprit_fraction", key = "operation";
-    if (claim.metric != share)
+    constexpr std::string_view metric = "culprit_fraction", key = "operation";
+    if (claim.metric != metric)
         return table.reject(key, "needs metric = \"culprit_fraction\", the share of that operation");
     if (!table.has(key))
         table.fail_at("metric",
@@ -138,27 +138,33 @@ std::optional<Criterion> read_criterion(TableReader& table) {
     return Criterion{low, high, fmt::format("[{}, {}]", low, high)};
 }
 
+/// Reads the onset that a claim is about: its event along the sweep, its statistic and its threshold.
+void read_onset(TableReader& table, bool is_whole_sweep, bool is_every_float, Claim& claim) {
+    if (!is_whole_sweep && !is_every_float) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
+    const char* const usual_statistic = is_every_float && claim.onset == "lost_bits" ? "max" : "count";
+    claim.statistic = table.optional_string("statistic").value_or(usual_statistic);
+    if (is_every_float && claim.statistic != usual_statistic)
+        table.fail_at("statistic",
+                      "must be " + std::string(usual_statistic) + " for a sweep over every float; leave it out");
+    claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
+}
+
 void read_expect(TableReader table, Claim& claim) {
     claim.metric = table.optional_string("metric").value_or("");
     claim.onset = table.optional_string("onset").value_or("");
     if (claim.metric.empty() == claim.onset.empty())
         toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
+
     const auto* const sweep = claim.subject_if<SweepSubject>();
     const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::Along>(),
                is_every_float = sweep && sweep->part_if<SweepSubject::EveryFloat>();
-    if (!claim.onset.empty()) {
-        if (!is_whole_sweep && !is_every_float) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
-        const char* const usual_statistic = is_every_float && claim.onset == "lost_bits" ? "max" : "count";
-        claim.statistic = table.optional_string("statistic").value_or(usual_statistic);
-        if (is_every_float && claim.statistic != usual_statistic)
-            table.fail_at("statistic",
-                          "must be " + std::string(usual_statistic) + " for a sweep over every float; leave it out");
-        claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
-    } else if (is_whole_sweep) {
+    if (!claim.onset.empty()) read_onset(table, is_whole_sweep, is_every_float, claim);
+    else if (is_whole_sweep)
         table.fail_at("metric", "along a sweep needs the position on the axis, `at` in claim.given, or a `case`");
-    }
     claim.quantity = table.where("metric");
     read_operations(table, claim);
+
+    // The interval that the number must be in, and the criterion that the statement sets for it.
     const auto bounds = table.numbers("in", 2);
     claim.low = static_cast<double>(bounds[0]);
     claim.high = static_cast<double>(bounds[1]);
@@ -167,6 +173,26 @@ void read_expect(TableReader table, Claim& claim) {
     if (claim.criterion) claim.criterion->require_verdict(table, name_of(claim.verdict), claim.low, claim.high);
     claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
     table.reject_unknown_keys();
+}
+
+Claim read_claim(TableReader& table, Claim::Profile profile) {
+    Claim claim;
+    claim.where = table.where();
+    claim.id = table.string("id");
+    claim.statement = table.string("statement");
+    read_source(table, claim);
+    claim.note = table.optional_string("note").value_or("");
+    read_verdict(table, claim);
+    read_evidence(table, claim);
+    claim.profile = profile;
+    if (profile == Claim::Profile::timing && table.has("severity"))
+        table.reject("severity", "has no meaning here: times never fail a check");
+    claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
+
+    read_given(table.table("given"), claim);
+    read_expect(table.table("expect"), claim);
+    table.reject_unknown_keys();
+    return claim;
 }
 
 }  // namespace
@@ -205,23 +231,8 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
     std::vector<Claim> claims;
     std::set<std::string> ids;
     for (TableReader& table : file.tables("claim")) {
-        Claim claim;
-        claim.where = table.where();
-        claim.id = table.string("id");
-        if (!ids.insert(claim.id).second) table.fail_at("id", "is given twice; each id may be used once");
-        claim.statement = table.string("statement");
-        read_source(table, claim);
-        claim.note = table.optional_string("note").value_or("");
-        read_verdict(table, claim);
-        read_evidence(table, claim);
-        claim.profile = profile;
-        if (profile == Claim::Profile::timing && table.has("severity"))
-            table.reject("severity", "has no meaning here: times never fail a check");
-        claim.severity = table.optional_one_of<S>("severity", severities).value_or(S::error);
-        read_given(table.table("given"), claim);
-        read_expect(table.table("expect"), claim);
-        table.reject_unknown_keys();
-        claims.push_back(std::move(claim));
+        if (!ids.insert(table.string("id")).second) table.fail_at("id", "is given twice; each id may be used once");
+        claims.push_back(read_claim(table, profile));
     }
     file.reject_unknown_keys();
     return claims;

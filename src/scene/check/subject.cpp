@@ -45,14 +45,14 @@ Subject read_timing(TableReader& table, Claim& claim, std::string name) {
     timing.kernel = table.string("kernel");
     claim.format = table.string("format");
     timing.data = table.string("data");
-    timing.all_processors = table.optional_boolean("all_processors").value_or(false);
+    timing.uses_all_processors = table.optional_boolean("all_processors").value_or(false);
     if (auto over = table.optional_table("over")) {
-        if (timing.all_processors)
+        if (timing.uses_all_processors)
             table.reject("over", "cannot be combined with all_processors, which compares with one processor");
         timing.baseline_form = over->optional_string("form").value_or(claim.form);
         timing.baseline_kernel = over->optional_string("kernel").value_or(timing.kernel);
         over->reject_unknown_keys();
-    } else if (!timing.all_processors) {
+    } else if (!timing.uses_all_processors) {
         toml::fail(table.where(),
                    "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or "
                    "`all_processors = true`");
@@ -238,12 +238,9 @@ constexpr OwnKey own_keys[] = {
     {"options", "study", needs_study},
     {"where", "study", needs_study}};
 
-/// Reads a subject that is neither timed nor repaired: a form, and rays of a scene, a sweep or another source.
-Subject read_measured(TableReader& table, Claim& claim) {
-    for (const Kind& timed_kind : {timing_kind, choice_kind})
-        table.reject(timed_kind.key, "needs `profile = \"timing\"` at the head of the file");
+/// Finds the one kind of subject that a claim names, and the name.
+std::pair<const Kind*, std::string> find_named_subject(TableReader& table, bool is_study) {
     std::vector<std::pair<const Kind*, std::string>> named_subjects;
-    const bool is_study = table.has("study");
     for (const Kind& candidate : measured_kinds) {
         const Kind& kind = is_study && candidate.key == study_kind.key ? study_kind : candidate;
         const std::string name = table.optional_string(kind.key).value_or("");
@@ -254,15 +251,21 @@ Subject read_measured(TableReader& table, Claim& claim) {
             table.where(),
             "claim.given needs a scene, a sweep, a search, a table, a scene to render, or a scene for offsets or "
             "consistency; write one of them. A study needs a scene besides its name");
-    auto& [kind, name] = named_subjects.front();
-    if (!kind->no_position_reason.empty()) {
-        for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_position_reason);
+    return std::move(named_subjects.front());
+}
+
+/// Rejects the keys that have a meaning only for subjects of other kinds.
+void reject_foreign_keys(TableReader& table, const Kind& kind, bool is_study) {
+    if (!kind.no_position_reason.empty()) {
+        for (const char* key : {"at", "case", "convention"}) table.reject(key, kind.no_position_reason);
     }
     for (const OwnKey& own_key : own_keys) {
-        if (own_key.kind != (is_study ? "study" : kind->key)) table.reject(own_key.key, own_key.message);
+        if (own_key.kind != (is_study ? "study" : kind.key)) table.reject(own_key.key, own_key.message);
     }
-    Subject subject = kind->read(table, claim, std::move(name));
-    mark_position_keys(table);
+}
+
+/// Rejects the keys of a position that does not fit the subject.
+void reject_foreign_positions(TableReader& table, const Subject& subject) {
     if (!std::holds_alternative<SweepSubject>(subject)) {
         if (table.optional_string("case")) table.reject("case", needs_cases);
         read_every_float(table, false);
@@ -271,6 +274,19 @@ Subject read_measured(TableReader& table, Claim& claim) {
         table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
     if (!std::holds_alternative<SceneSubject>(subject))
         table.reject("pixel", "needs a scene: it is the column and the row of one of its rays");
+}
+
+/// Reads a subject that is neither timed nor repaired: a form, and rays of a scene, a sweep or another source.
+Subject read_measured(TableReader& table, Claim& claim) {
+    for (const Kind& timed_kind : {timing_kind, choice_kind})
+        table.reject(timed_kind.key, "needs `profile = \"timing\"` at the head of the file");
+    const bool is_study = table.has("study");
+    auto [kind, name] = find_named_subject(table, is_study);
+    reject_foreign_keys(table, *kind, is_study);
+
+    Subject subject = kind->read(table, claim, std::move(name));
+    mark_position_keys(table);
+    reject_foreign_positions(table, subject);
     claim.convention = sweep::read_convention(table);
     return subject;
 }

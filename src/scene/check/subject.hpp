@@ -79,7 +79,7 @@ struct TableSubject {
 struct TimingSubject {
     std::string name, data = {};  ///< see measure/trade/timing_work.hpp
     std::string kernel = {}, baseline_form = {}, baseline_kernel = {};
-    bool all_processors = false;
+    bool uses_all_processors = false;
 };
 
 /// A form and format among others on the rays of a scene. They are judged by a requirement, which they meet or not, or

@@ -36,6 +36,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     finish_header(options, *layout_, default_format(*layout_, record_layout_.columns));
     records_ = record_layout_.records;
     if (!source_.size()) return;
+
     // Faults that the size of the file shows are reported before the work.
     const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), record_layout_.begin);
     const std::uint64_t whole_records = bytes / record_layout_.record_size;
@@ -95,7 +96,7 @@ bool BinaryDump::looks_byte_swapped(const Records& records, const std::vector<st
     for (const std::size_t c : columns) {
         const BinaryColumn& column = record_layout_.columns[c];
         ItemType swapped_type = column.type;
-        swapped_type.big_endian = !swapped_type.big_endian;
+        swapped_type.is_big_endian = !swapped_type.is_big_endian;
         for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
             const char* const bytes = records.bytes.data() + i * record_layout_.record_size + column.offset;
             const double x = column.type.read(bytes).value;
@@ -122,6 +123,7 @@ void BinaryDump::reject_byte_swapped(const Records& records) const {
         if (type.kind == ItemType::Kind::floating) float_columns.push_back(c);
         else if (*column_slot == slot::hit) hit_columns.push_back(c);
     }
+
     // Tests nonzero floats. Lengths of scenes are in this range; at most a sixth of the floats of random bits are.
     std::string first_unusual;
     const bool are_floats_reversed = looks_byte_swapped(
@@ -131,35 +133,28 @@ void BinaryDump::reject_byte_swapped(const Records& records) const {
     const bool is_hit_reversed = looks_byte_swapped(
         records, hit_columns, [](double x) { return x == 1; }, first_unusual);
     if (!are_floats_reversed && !is_hit_reversed) return;
+
+    // Writes the columns again with the other byte order, for the advice.
     std::string columns_text, previous_type;
-    bool big_endian = false;
+    bool is_big_endian = false;
     for (const BinaryColumn& column : record_layout_.columns) {
         const bool is_float = column.type.kind == ItemType::Kind::floating;
         ItemType type = column.type;
         if (type.size > 1 && (is_float ? are_floats_reversed : is_hit_reversed || are_floats_reversed))
-            type.big_endian = !type.big_endian;
-        big_endian |= type.big_endian;
+            type.is_big_endian = !type.is_big_endian;
+        is_big_endian |= type.is_big_endian;
         const std::string name = type.name();
         columns_text += (columns_text.empty() ? "" : ",") + column.name + (name == previous_type ? "" : ":" + name);
         previous_type = name;
     }
+
     throw InputError(
         fmt::format("{}: {}, and nearly all numbers are as unusual; in the other byte order they have "
                     "usual sizes, so the {} significant byte comes first; write --columns {}",
-                    source_.name(), first_unusual, big_endian ? "most" : "least", columns_text));
+                    source_.name(), first_unusual, is_big_endian ? "most" : "least", columns_text));
 }
 
-Chunk BinaryDump::decode(const Records& records) const {
-    if (records.first == 0 && !record_layout_.records) reject_byte_swapped(records);
-    Chunk chunk;
-    chunk.first = records.first;
-    struct ColumnReader {
-        const char* bytes;
-        std::size_t step;
-        ItemType type;
-        std::optional<std::size_t> slot;
-        bool is_kept;
-    };
+std::vector<BinaryDump::ColumnReader> BinaryDump::make_column_readers(const Records& records) const {
     std::vector<ColumnReader> readers;
     std::size_t begin = 0;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
@@ -174,22 +169,32 @@ Chunk BinaryDump::decode(const Records& records) const {
              record_layout_.is_column_major ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
              column.type, layout_column.slot, is_kept});
     }
+    return readers;
+}
+
+void BinaryDump::put_rounded(const ColumnReader& reader, std::uint64_t record, ChunkWriter& writer) const {
+    const auto [value, exact] = reader.type.read(reader.bytes);
+    const double stored = number_in(value, format());
+    if (std::isinf(stored) && !std::isinf(value))
+        throw InputError(
+            fmt::format("{}: record {}: {} is {}, larger than the largest number of {}; name the "
+                        "format that the answers were computed in with --answer-format",
+                        source_.name(), record, record_layout_.columns[layout_->index_of(*reader.slot)].name, value,
+                        format().name));
+    writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
+}
+
+Chunk BinaryDump::decode(const Records& records) const {
+    if (records.first == 0 && !record_layout_.records) reject_byte_swapped(records);
+    Chunk chunk;
+    chunk.first = records.first;
+    std::vector<ColumnReader> readers = make_column_readers(records);
     ChunkWriter writer(*layout_, settings(), records.count, chunk);
+
     for (std::size_t i = 0; i < records.count; ++i) {
         for (ColumnReader& reader : readers) {
-            if (reader.is_kept) {
-                chunk.kept.push_back(reader.type.text(reader.bytes));
-            } else {
-                const auto [value, exact] = reader.type.read(reader.bytes);
-                const double stored = number_in(value, format());
-                if (std::isinf(stored) && !std::isinf(value))
-                    throw InputError(fmt::format(
-                        "{}: record {}: {} is {}, larger than the largest number of {}; name the "
-                        "format that the answers were computed in with --answer-format",
-                        source_.name(), records.first + i, record_layout_.columns[layout_->index_of(*reader.slot)].name,
-                        value, format().name));
-                writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
-            }
+            if (reader.is_kept) chunk.kept.push_back(reader.type.text(reader.bytes));
+            else put_rounded(reader, records.first + i, writer);
             reader.bytes += reader.step;
         }
         writer.end_record([&](std::size_t) { return fmt::format("{}: record {}", source_.name(), records.first + i); });
@@ -199,15 +204,19 @@ Chunk BinaryDump::decode(const Records& records) const {
 
 namespace {
 
+/// Reads `ox:f32,oy,oz`. A column without a type has the type of the column before it.
 std::vector<BinaryColumn> read_columns(const std::string& text) {
     std::vector<BinaryColumn> columns;
     std::optional<ItemType> type;
     std::uint64_t offset = 0;
     for (std::size_t begin = 0; begin <= text.size();) {
+        // Takes the text up to the next comma, without the blanks around it.
         const std::size_t end = std::min(text.find(',', begin), text.size());
         std::string column_text = text.substr(begin, end - begin);
         column_text.erase(0, column_text.find_first_not_of(' '));
         column_text.erase(column_text.find_last_not_of(' ') + 1);
+
+        // Splits it into the name and the type.
         const auto colon = column_text.find(':');
         const std::string name = column_text.substr(0, colon);
         if (colon != std::string::npos) {
@@ -217,6 +226,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
                 throw InputError(fmt::format("--columns: {}: \"{}\" is not a type of numbers; write {}", name,
                                              type_name, known_item_types));
         }
+
         if (name.empty())
             throw InputError(fmt::format(
                 "--columns: a name is missing in front of \"{}\"; write ox:f32,oy,oz,…, and _ for each column to "
@@ -227,6 +237,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
                 fmt::format("--columns: {} has no type; write {}:f32, and all later columns without a type have "
                             "that type too",
                             name, name));
+
         columns.push_back({name, *type, offset});
         offset += type->size;
         begin = end + 1;

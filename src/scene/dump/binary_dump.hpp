@@ -59,6 +59,19 @@ private:
     void reject_byte_swapped(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
+    /// Walks through the numbers of one column.
+    struct ColumnReader {
+        const char* bytes;  ///< the next number
+        std::size_t step;   ///< in bytes, from one record to the next
+        ItemType type;
+        std::optional<std::size_t> slot;
+        bool is_kept;  ///< true for a column of the user's own, whose text is stored
+    };
+    /// Makes readers for the columns that have a slot or are kept.
+    [[nodiscard]] std::vector<ColumnReader> make_column_readers(const Records& records) const;
+    /// Stores the reader's number in its slot, rounded to the format. Throws InputError if it overflows.
+    void put_rounded(const ColumnReader& reader, std::uint64_t record, ChunkWriter& writer) const;
+
     toml::ByteSource source_;
     RecordLayout record_layout_;
     std::optional<Layout> layout_;

@@ -25,7 +25,10 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
     rays.open = settings.open;
     if (shape_) chunk.primitives.reserve(records);
-    if (has_answers_) chunk.t.reserve(records), chunk.hit.reserve(records);
+    if (has_answers_) {
+        chunk.t.reserve(records);
+        chunk.hit.reserve(records);
+    }
     if (layout.has(slot::object)) chunk.object.reserve(records);
     if (answers_ > AnswerKind::first_hit) chunk.counts.reserve(records);
 }
@@ -48,12 +51,33 @@ std::string index_advice(std::size_t primitives) {
 
 }  // namespace
 
+ChunkWriter::Fault ChunkWriter::fault_at(std::size_t slot, std::string_view why) const {
+    const std::string value = is_present(slot) ? fmt::format("is {}", numbers_[slot]) : "is empty";
+    return Fault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
+}
+
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
+    if (const auto fault = find_fault_of_ray()) return fault;
+    if (const auto fault = find_fault_of_range()) return fault;
+    if (const auto fault = find_fault_of_primitive()) return fault;
+    if (const auto fault = find_fault_of_matrix()) return fault;
+    if (const auto fault = find_fault_of_object()) return fault;
+    if (answers_ > AnswerKind::first_hit) return find_fault_of_count();
+    if (!has_answers_) return std::nullopt;
+    if (const auto fault = find_fault_of_answer()) return fault;
+
+    // A hit needs its primitive, unless that is the record's own.
+    const bool names_primitive = layout_.has(slot::object) && !shape_;
+    if (is_hit_ && names_primitive && !(is_present(slot::object) && numbers_[slot::object] >= 0))
+        return fault_at(slot::object,
+                        fmt::format("{} says that the ray hits; write the number of the primitive that it hit, from 0, "
+                                    "or say that it misses",
+                                    slot_name(layout_.has(slot::hit) ? slot::hit : slot::t)));
+    return std::nullopt;
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_ray() const {
     const auto& numbers = numbers_;
-    const auto fault_at = [&](std::size_t slot, std::string_view why) {
-        const std::string value = is_present(slot) ? fmt::format("is {}", numbers[slot]) : "is empty";
-        return Fault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
-    };
     for (std::size_t s = slot::origin; s < (layout_.are_points() ? slot::direction : slot::tmax); ++s) {
         if (!is_present(s) || !std::isfinite(numbers[s]))
             return fault_at(
@@ -64,12 +88,19 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     }
     if (!layout_.are_points() && numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
         return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
+    return std::nullopt;
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_range() const {
+    const auto& numbers = numbers_;
     if (is_present(slot::tmax) && std::isnan(numbers[slot::tmax]))
         return fault_at(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
+
     if (is_present(slot::tmin) && !(numbers[slot::tmin] >= 0 && numbers[slot::tmin] < HUGE_VAL))
         return fault_at(
             slot::tmin,
             "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
+
     if (const Range<double> range = this->range(); !range.holds_any()) {
         // With open ends, a range is empty if its ends are equal.
         const std::size_t s = is_present(slot::tmax) ? slot::tmax : slot::tmin;
@@ -77,54 +108,63 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                                        "between; write a tmax above tmin, or leave this ray out",
                                        range.tmin, range.tmax));
     }
-    if (shape_) {
-        const std::size_t count = row_of(*shape_).numbers;
-        for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
-            if (!layout_.has(s)) continue;  // the column is optional, and the number 0
-            if (!is_present(s) || !std::isfinite(numbers[s]))
-                return fault_at(
-                    s, fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
-        }
-        if (const auto broken = broken_limit(primitive())) {
-            const std::size_t s = slot::primitive + broken->number_index;
-            const std::string name = with_article(*shape_);
-            if (broken->key->limit == Key::Limit::positive)
-                return fault_at(
-                    s, fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
-            if (broken->key->limit != Key::Limit::at_least_previous)
-                return fault_at(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
-                                               limit_phrase(*shape_, *broken->key)));
-            const std::size_t lower_slot = s - broken->key->count();
-            return fault_at(lower_slot, fmt::format("it is above {}, which is {}; {} has {} in each component",
-                                                    slot_name(s), numbers[s], name, order_phrase(*broken->key)));
-        }
+    return std::nullopt;
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_primitive() const {
+    if (!shape_) return std::nullopt;
+    const std::size_t count = row_of(*shape_).numbers;
+    for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
+        if (!layout_.has(s)) continue;  // the column is optional, and the number 0
+        if (!is_present(s) || !std::isfinite(numbers_[s]))
+            return fault_at(s,
+                            fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
     }
-    for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {
-        if (!is_present(s) || !std::isfinite(numbers[s]))
+    return find_fault_of_limits();
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_limits() const {
+    const auto broken = broken_limit(primitive());
+    if (!broken) return std::nullopt;
+    const std::size_t s = slot::primitive + broken->number_index;
+    const std::string name = with_article(*shape_);
+    if (broken->key->limit == Key::Limit::positive)
+        return fault_at(s, fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
+    if (broken->key->limit != Key::Limit::at_least_previous)
+        return fault_at(
+            s, fmt::format("{} {}; or leave this ray out", broken->key->name, limit_phrase(*shape_, *broken->key)));
+
+    // Of two corners in the wrong order, the lower one is named.
+    const std::size_t lower_slot = s - broken->key->count();
+    return fault_at(lower_slot, fmt::format("it is above {}, which is {}; {} has {} in each component", slot_name(s),
+                                            numbers_[s], name, order_phrase(*broken->key)));
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_matrix() const {
+    if (!layout_.has_matrix()) return std::nullopt;
+    for (std::size_t s = slot::matrix; s < slot::count; ++s) {
+        if (!is_present(s) || !std::isfinite(numbers_[s]))
             return fault_at(s, "a matrix has twelve finite numbers; leave this ray out");
     }
-    if (layout_.has_matrix() && !primitive().placed->is_proper())
+    if (!primitive().placed->is_proper())
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_reason)};
-    const double object = numbers[slot::object];
+    return std::nullopt;
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_object() const {
+    const double object = numbers_[slot::object];
     if (is_present(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return fault_at(slot::object,
                         "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
     if (is_present(slot::object) && settings_.primitives && object >= static_cast<double>(*settings_.primitives))
         return fault_at(slot::object, index_advice(*settings_.primitives));
-    if (answers_ > AnswerKind::first_hit) return find_fault_of_count();
-    if (!has_answers_) return std::nullopt;
-    if (const auto fault = find_fault_of_answer()) return fault;
-    const bool names_primitive = layout_.has(slot::object) && !shape_;  // otherwise the primitive is the record's own
-    if (is_hit_ && names_primitive && !(is_present(slot::object) && object >= 0))
-        return fault_at(slot::object,
-                        fmt::format("{} says that the ray hits; write the number of the primitive that it hit, from 0, "
-                                    "or say that it misses",
-                                    slot_name(layout_.has(slot::hit) ? slot::hit : slot::t)));
     return std::nullopt;
 }
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
     const double t = numbers_[slot::t];
+
+    // A column `hit` decides; a hit needs a t then.
     if (layout_.has(slot::hit)) {
         const double hit = numbers_[slot::hit];
         if (!is_present(slot::hit) || !(hit == 0 || hit == 1)) {
@@ -139,6 +179,8 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
                                               slot_name(slot::t), slot_name(slot::hit), slot_name(slot::hit))};
         return {};
     }
+
+    // Otherwise t decides, by the rule for misses.
     is_hit_ = is_present(slot::t) && std::isfinite(t);
     if (!is_hit_) return {};
     switch (settings_.miss.kind) {
@@ -148,6 +190,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         case MissRule::Kind::refuse_negative: break;
     }
     if (!(t < 0)) return {};
+
     return Fault{slot::t, fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
                                       "--miss {} if this number means a miss, --miss negative if every negative "
                                       "one does, --miss never if it is an answer",
@@ -172,6 +215,8 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
     const auto fault_of_index = [this, index](const std::string& why) {
         return Fault{slot::hit_index, fmt::format("{} is {}; {}", slot_name(slot::hit_index), index, why)};
     };
+
+    // The index counts the hits of a ray from 0, or is −1 without an object.
     if (!(index >= -1 && index < 0x1p31 && index == std::floor(index)))
         return fault_of_index(
             "write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
@@ -182,6 +227,8 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
                                  "hit, or leave {} empty",
                                  slot_name(slot::hit_index), slot_name(slot::object), numbers_[slot::object],
                                  slot_name(slot::object))};
+
+    // The hits of one ray follow each other.
     if (const auto previous_index = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
         index > 0 && previous_index) {
         if (index != *previous_index + 1.0)
@@ -195,6 +242,8 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
                 return fault_of_index(
                     "the record before it is of another ray; write the same ray in all records of its hits");
     }
+
+    // A hit names its triangle and has a t.
     if (is_hit_ && !(is_present(slot::object) && numbers_[slot::object] >= 0))
         return Fault{slot::object, fmt::format("{} is {}; write the number of the triangle that is hit, from 0",
                                                slot_name(slot::hit_index), index)};

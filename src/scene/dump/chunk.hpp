@@ -87,10 +87,19 @@ private:
         std::size_t slot;
         std::string why;
     };
+    /// Finds the first fault of the record, if it has one. The functions below each look at one part of it.
     [[nodiscard]] std::optional<Fault> find_fault();
+    [[nodiscard]] std::optional<Fault> find_fault_of_ray() const;
+    [[nodiscard]] std::optional<Fault> find_fault_of_range() const;
+    [[nodiscard]] std::optional<Fault> find_fault_of_primitive() const;
+    [[nodiscard]] std::optional<Fault> find_fault_of_limits() const;
+    [[nodiscard]] std::optional<Fault> find_fault_of_matrix() const;
+    [[nodiscard]] std::optional<Fault> find_fault_of_object() const;
     [[nodiscard]] std::optional<Fault> find_fault_of_answer();
     [[nodiscard]] std::optional<Fault> find_fault_of_count();
     [[nodiscard]] std::optional<Fault> find_fault_of_hit_index();
+    /// A fault of one number: its name and its value, then `why`.
+    [[nodiscard]] Fault fault_at(std::size_t slot, std::string_view why) const;
     [[noreturn]] static void fail(const std::string& place, const std::string& why);
     [[nodiscard]] Primitive<double> primitive() const;  ///< of this record
     [[nodiscard]] Range<double> range() const;          ///< of this record's ray

@@ -99,6 +99,7 @@ std::size_t CsvDump::find_record_end(std::size_t begin) {
     std::size_t counted_end = begin;  // the quotes before this position are counted
     bool is_in_quotes = false;
     for (;;) {
+        // Goes to the next line break, or to the end of the buffer. A line break in quotes belongs to a cell.
         const auto* const line_break =
             static_cast<const char*>(std::memchr(buffer_.data() + counted_end, '\n', buffer_.size() - counted_end));
         const std::size_t stop = line_break ? static_cast<std::size_t>(line_break - buffer_.data()) : buffer_.size();
@@ -106,12 +107,15 @@ std::size_t CsvDump::find_record_end(std::size_t begin) {
             is_in_quotes ^= (std::count(buffer_.begin() + static_cast<std::ptrdiff_t>(counted_end),
                                         buffer_.begin() + static_cast<std::ptrdiff_t>(stop), '"') &
                              1) != 0;
+
         counted_end = line_break ? stop + 1 : stop;
         if (line_break && !is_in_quotes) return counted_end;
+
         if (counted_end - begin > longest_line)
             throw InputError(position_text(line_, 0) +
                              ": is longer than a million characters; is this a CSV file? Raw numbers "
                              "are read with --columns");
+
         if (line_break) continue;
         if (at_end_of_file_) return counted_end > begin ? counted_end : 0;
         at_end_of_file_ = source_.read(buffer_, block_bytes) < block_bytes;
@@ -121,16 +125,21 @@ std::size_t CsvDump::find_record_end(std::size_t begin) {
 void CsvDump::read_header(const DumpOptions& options) {
     if (source_.read(buffer_, block_bytes) < block_bytes) at_end_of_file_ = true;
     if (buffer_.starts_with("\xEF\xBB\xBF")) used_bytes_ = 3;
+    if (options.columns.empty()) read_header_line();
+    else name_columns(options.columns);
+}
+
+void CsvDump::name_columns(const std::string& names_text) {
     std::vector<std::string> names;
-    std::vector<std::size_t> cell_starts;
-    if (!options.columns.empty()) {
-        CellReader cells(options.columns);
-        const char* fault = nullptr;
-        for (std::string_view cell; cells.next(cell, fault);) names.emplace_back(trim_blanks(cell));
-        layout_.emplace(std::move(names),
-                        [](std::size_t, const std::string& why) { throw InputError("--columns: " + why); });
-        return;
-    }
+    CellReader cells(names_text);
+    const char* fault = nullptr;
+    for (std::string_view cell; cells.next(cell, fault);) names.emplace_back(trim_blanks(cell));
+    layout_.emplace(std::move(names),
+                    [](std::size_t, const std::string& why) { throw InputError("--columns: " + why); });
+}
+
+void CsvDump::read_header_line() {
+    // Finds the first line that is not blank.
     std::string_view line;
     std::size_t end = used_bytes_;
     do {
@@ -142,6 +151,10 @@ void CsvDump::read_header(const DumpOptions& options) {
         line_ += static_cast<std::uint64_t>(std::ranges::count(buffer_.substr(begin, end - begin), '\n'));
     } while (is_blank(line));
     const std::uint64_t header = line_ - (buffer_[end - 1] == '\n' ? 1 : 0);
+
+    // Reads the names in its cells.
+    std::vector<std::string> names;
+    std::vector<std::size_t> cell_starts;
     CellReader cells(line);
     const char* fault = nullptr;
     for (std::string_view cell; cells.next(cell, fault);) {
@@ -150,6 +163,8 @@ void CsvDump::read_header(const DumpOptions& options) {
         names.emplace_back(trim_blanks(cell));
         cell_starts.push_back(cells.cell_start());
     }
+
+    // Rejects a line that is not a header: one with another separator, or a record.
     if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
         throw InputError(position_text(header, line.find_first_of(";\t")) +
                          ": the columns are not separated by commas; write commas between them");
@@ -158,6 +173,7 @@ void CsvDump::read_header(const DumpOptions& options) {
         throw InputError(position_text(header, 0) + ": \"" + first +
                          "\" is a number, but the names of the columns are expected here; name them with --columns "
                          "ox,oy,oz,dx,dy,dz,… if the file has no header");
+
     layout_.emplace(std::move(names), [&](std::size_t c, const std::string& why) {
         throw InputError(position_text(header, cell_starts[c]) + ": " + why);
     });
@@ -223,6 +239,8 @@ std::optional<std::string> CsvDump::store_number(std::string_view text, std::siz
                 format().name);
         case NumberParser::Kind::not_numeric: break;
     }
+
+    // Only decisions may be words.
     const bool is_boolean = slot == slot::hit || slot == slot::parity || slot == slot::inside;
     if (is_boolean && (text == "true" || text == "True" || text == "TRUE")) writer.put(slot, 1, true);
     else if (is_boolean && (text == "false" || text == "False" || text == "FALSE")) writer.put(slot, 0, true);
@@ -238,11 +256,14 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
     std::size_t starts_by_slot[slot::count] = {};
     CellReader cells(line);
     const char* fault = nullptr;
+
     std::size_t c = 0;
     for (std::string_view cell; cells.next(cell, fault); ++c) {
         if (fault != nullptr)
             throw InputError(position_text(line_number, cells.cell_start()) + ": " + fault +
                              "; write \"\" for a quote");
+
+        // A cell is stored as a number if its column has a meaning, and as text if it is one of the user's own.
         if (c >= columns.size()) continue;
         if (columns[c].slot) {
             starts_by_slot[*columns[c].slot] = cells.cell_start();
@@ -253,12 +274,14 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
         }
         if (!columns[c].slot && !columns[c].is_skipped && settings().keep) chunk.kept.emplace_back(cell);
     }
+
     if (c != columns.size())
         throw InputError(
             fmt::format("{}: has {} for {} columns; every record has one for each column, empty "
                         "if it has no value{}",
                         position_text(line_number, 0), text::count_with_noun(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
+
     writer.end_record([&](std::size_t s) { return position_text(line_number, starts_by_slot[s]); });
 }
 

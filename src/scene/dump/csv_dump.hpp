@@ -23,6 +23,9 @@ private:
     /// if necessary. Returns 0 at the end of the file.
     std::size_t find_record_end(std::size_t begin);
     void read_header(const DumpOptions& options);
+    /// Names the columns of a file without a header, as `--columns` gives them.
+    void name_columns(const std::string& names_text);
+    void read_header_line();
     void decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const;
     /// Stores the text of a cell in a slot as a number. Returns the reason if this is not possible.
     [[nodiscard]] std::optional<std::string> store_number(std::string_view text, std::size_t slot,

@@ -29,6 +29,8 @@ void Dump::finish_header(const DumpOptions& options, const Layout& layout, const
     settings_.keep = options.keep;
     settings_.primitive = options.primitive;
     settings_.open = options.open;
+
+    // Primitives come from the file or from the command line, not from both.
     const std::string& file = name_;
     if (layout.primitive() && options.primitive)
         throw InputError(file +
@@ -38,6 +40,8 @@ void Dump::finish_header(const DumpOptions& options, const Layout& layout, const
         throw InputError(file +
                          ": no primitive: give one for all rays (--sphere CX,CY,CZ,R or --scene SCENE), or columns "
                          "(cx,cy,cz,radius); other shapes: `lostbits judge --help`");
+
+    // The rule for misses is for files whose t alone decides.
     if (!options.miss) return;
     if (layout.has(slot::hit) || !layout.has(slot::t))
         throw InputError(file +

@@ -14,10 +14,10 @@ static_assert(std::endian::native == std::endian::little);
 namespace {
 
 /// Returns the bytes as an unsigned number.
-std::uint64_t bits_of(const char* from, std::size_t size, bool big_endian) {
-    std::array<char, 8> bytes{};
-    for (std::size_t i = 0; i < size; ++i) bytes[i] = from[big_endian ? size - 1 - i : i];
-    return std::bit_cast<std::uint64_t>(bytes);
+std::uint64_t bits_of(const char* bytes, std::size_t size, bool is_big_endian) {
+    std::array<char, 8> little_endian{};
+    for (std::size_t i = 0; i < size; ++i) little_endian[i] = bytes[is_big_endian ? size - 1 - i : i];
+    return std::bit_cast<std::uint64_t>(little_endian);
 }
 
 double binary16_value(std::uint64_t bits) {
@@ -34,10 +34,10 @@ std::string shortest_decimal(N number) {
     return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
-std::string shortest_float_text(double value, bool is_narrow) {
+std::string shortest_float_text(double value, bool is_binary32) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
-    return is_narrow ? shortest_decimal(static_cast<float>(value)) : shortest_decimal(value);
+    return is_binary32 ? shortest_decimal(static_cast<float>(value)) : shortest_decimal(value);
 }
 
 std::int64_t extend_sign(std::uint64_t bits, std::size_t size) {
@@ -47,13 +47,15 @@ std::int64_t extend_sign(std::uint64_t bits, std::size_t size) {
 
 }  // namespace
 
-ItemType::Item ItemType::read(const char* from) const {
-    if (kind == Kind::floating && !big_endian && size == 4) {
+ItemType::Item ItemType::read(const char* bytes) const {
+    // The most frequent type is read without a loop over its bytes.
+    if (kind == Kind::floating && !is_big_endian && size == 4) {
         float value;
-        std::memcpy(&value, from, 4);
+        std::memcpy(&value, bytes, 4);
         return {value, true};
     }
-    const std::uint64_t bits = bits_of(from, size, big_endian);
+
+    const std::uint64_t bits = bits_of(bytes, size, is_big_endian);
     switch (kind) {
         case Kind::floating:
             if (size == 2) return {binary16_value(bits), true};
@@ -70,10 +72,10 @@ ItemType::Item ItemType::read(const char* from) const {
     return {bits != 0 ? 1.0 : 0.0, true};
 }
 
-std::string ItemType::text(const char* from) const {
-    const std::uint64_t bits = bits_of(from, size, big_endian);
+std::string ItemType::text(const char* bytes) const {
+    const std::uint64_t bits = bits_of(bytes, size, is_big_endian);
     switch (kind) {
-        case Kind::floating: return shortest_float_text(read(from).value, size == 4);
+        case Kind::floating: return shortest_float_text(read(bytes).value, size == 4);
         case Kind::signed_integer: return shortest_decimal(extend_sign(bits, size));
         case Kind::unsigned_integer: return shortest_decimal(bits);
         case Kind::boolean: break;
@@ -84,7 +86,7 @@ std::string ItemType::text(const char* from) const {
 std::string ItemType::name() const {
     if (kind == Kind::boolean) return "bool";
     const char letter = kind == Kind::floating ? 'f' : kind == Kind::signed_integer ? 'i' : 'u';
-    return letter + std::to_string(8 * size) + (big_endian ? "be" : "");
+    return letter + std::to_string(8 * size) + (is_big_endian ? "be" : "");
 }
 
 std::optional<Format> ItemType::format() const {
@@ -93,15 +95,17 @@ std::optional<Format> ItemType::format() const {
 }
 
 std::optional<ItemType> find_item_type(std::string_view word) {
+    // Takes the byte order off the word: in front of it as numpy writes it, behind it otherwise.
     ItemType type;
     const bool is_numpy = !word.empty() && std::string_view("<>|=").find(word.front()) != std::string_view::npos;
     if (is_numpy) {
-        type.big_endian = word.front() == '>';
+        type.is_big_endian = word.front() == '>';
         word.remove_prefix(1);
     } else if (word.ends_with("be") || word.ends_with("le")) {
-        type.big_endian = word.ends_with("be");
+        type.is_big_endian = word.ends_with("be");
         word.remove_suffix(2);
     }
+
     struct KnownType {
         std::string_view name, numpy;
         ItemType::Kind kind;
@@ -116,6 +120,7 @@ std::optional<ItemType> find_item_type(std::string_view word) {
         {"u16", "u2", Kind::unsigned_integer, 2}, {"u32", "u4", Kind::unsigned_integer, 4},
         {"u64", "u8", Kind::unsigned_integer, 8}, {"bool", "b1", Kind::boolean, 1},
     };
+
     for (const KnownType& known : known_types) {
         if (word != (is_numpy ? known.numpy : known.name) && !(known.kind == Kind::boolean && word == "?")) continue;
         type.kind = known.kind;

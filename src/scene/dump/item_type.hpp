@@ -15,15 +15,15 @@ struct ItemType {
     enum class Kind : std::uint8_t { floating, signed_integer, unsigned_integer, boolean };
     Kind kind = Kind::floating;
     std::uint8_t size = 4;  ///< in bytes: 2, 4 or 8 for floats, 1 to 8 for integers, 1 for booleans
-    bool big_endian = false;
+    bool is_big_endian = false;
 
     struct Item {
         double value;
         bool exact;  ///< true if a double holds the number exactly
     };
-    [[nodiscard]] Item read(const char* from) const;
+    [[nodiscard]] Item read(const char* bytes) const;
     /// The shortest decimal that reads back to the same number.
-    [[nodiscard]] std::string text(const char* from) const;
+    [[nodiscard]] std::string text(const char* bytes) const;
     /// `f32`, `f64be`, `bool`: the name by which `find_item_type` finds it.
     [[nodiscard]] std::string name() const;
     /// The format of floats of this type; nothing for other types.

@@ -26,16 +26,19 @@ std::vector<KnownName> make_known_names() {
     const auto add = [&known](std::size_t slot, std::initializer_list<const char*> names) {
         for (const char* const name : names) known.push_back({name, slot++});
     };
+
     add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
     for (const ShapeRow& shape_row : shape_rows)
         for (std::size_t k = 0; k < shape_row.numbers; ++k)
             known.push_back({column_names(shape_row.shape)[k], slot::primitive + k, shape_row.shape});
+
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
     add(slot::hit_index, {"hit_index", "crossings", "parity", "inside"});
     for (std::size_t k = 0; k < matrix_columns.size(); ++k)
         known.push_back({std::string(matrix_columns[k]), slot::matrix + k});
+
     // Names in the project's own tables and in other programs.
     add(slot::origin, {"px", "py", "pz"});
     add(slot::origin,
@@ -116,6 +119,32 @@ std::string column_list(const std::vector<LayoutColumn>& columns) {
     return columns.size() > 6 ? names + ",..." : names;
 }
 
+/// What the name of a column says.
+struct ColumnMatch {
+    const KnownName* known = nullptr;  ///< null for a column of the user's own
+    bool is_hex = false;
+};
+
+/// True if a column has a known name whose slot is in [first, last).
+bool has_any_slot(const std::vector<ColumnMatch>& matches, std::size_t first, std::size_t last) {
+    return std::ranges::any_of(
+        matches, [&](const ColumnMatch& f) { return f.known && f.known->slot >= first && f.known->slot < last; });
+}
+
+/// Ignores names that mean something only in files of another kind. Files of rays and of first hits may have columns of
+/// their own with these names.
+void ignore_foreign_names(const std::vector<std::string>& names, bool has_first_hits, bool has_directions,
+                          std::vector<ColumnMatch>& matches) {
+    const bool has_points = !has_directions && has_any_slot(matches, slot::inside, slot::matrix);
+    for (std::size_t c = 0; c < matches.size(); ++c) {
+        if (matches[c].known == nullptr) continue;
+        const std::size_t s = matches[c].known->slot;
+        if ((has_first_hits && (s == slot::crossings || s == slot::parity)) || (has_directions && s == slot::inside) ||
+            (!has_points && s < slot::direction && names[c].starts_with('p')))
+            matches[c].known = nullptr;
+    }
+}
+
 }  // namespace
 
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape) {
@@ -131,11 +160,21 @@ Layout::Layout(std::vector<std::string> names, const Complain& complain) {
     require_complete(complain);
 }
 
+void Layout::give_slot(std::size_t c, std::size_t slot, std::optional<Shape> shape, const Complain& complain) {
+    if (shape && primitive_ && *shape != *primitive_)
+        complain(c, fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
+                                "shape; leave one of the two out",
+                                columns_[c].name, with_article(*shape), with_article(*primitive_)));
+    if (column_of_slot_[slot])
+        complain(c, fmt::format("\"{}\" has the same meaning as column \"{}\"; rename one of the two", columns_[c].name,
+                                columns_[*column_of_slot_[slot]].name));
+    if (shape) primitive_ = shape;
+    column_of_slot_[slot] = c;
+    columns_[c].slot = slot;
+}
+
 void Layout::find_slots(const Complain& complain) {
-    struct ColumnMatch {
-        const KnownName* known = nullptr;
-        bool is_hex = false;
-    };
+    // Compares names without regard to case and to the suffix of hexadecimal columns.
     std::vector<ColumnMatch> matches(columns_.size());
     std::vector<std::string> names;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -144,47 +183,31 @@ void Layout::find_slots(const Complain& complain) {
         matches[c].is_hex = name.ends_with(hex_suffix);
         if (matches[c].is_hex) name.erase(name.size() - hex_suffix.size());
     }
+
+    // Finds the known name of each column, unless it is a number of a shape that the file does not have.
     const NamedShapes shapes(names);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = find_known_name(names[c], shapes.chosen);
         matches[c].known = known && known->shape && shapes.is_users_own(*known->shape) ? nullptr : known;
     }
-    const auto has_any = [&matches](std::size_t first, std::size_t last) {
-        return std::ranges::any_of(
-            matches, [&](const ColumnMatch& f) { return f.known && f.known->slot >= first && f.known->slot < last; });
-    };
-    // Files of rays and of first hits may have columns of their own with these names.
-    const bool has_first_hits = has_any(slot::t, slot::object), has_directions = has_any(slot::direction, slot::tmax);
-    const bool has_points = !has_directions && has_any(slot::inside, slot::matrix);
-    for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (matches[c].known == nullptr) continue;
-        const std::size_t s = matches[c].known->slot;
-        if ((has_first_hits && (s == slot::crossings || s == slot::parity)) || (has_directions && s == slot::inside) ||
-            (!has_points && s < slot::direction && names[c].starts_with('p')))
-            matches[c].known = nullptr;
-    }
+
+    const bool has_first_hits = has_any_slot(matches, slot::t, slot::object);
+    const bool has_directions = has_any_slot(matches, slot::direction, slot::tmax);
+    ignore_foreign_names(names, has_first_hits, has_directions, matches);
+
+    // Gives each known column its slot. Of two columns of one number, the hexadecimal one is read, since it is exact.
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = matches[c].known;
         if (known == nullptr) continue;
         const auto is_hex_twin = [&](const ColumnMatch& other) {
             return !matches[c].is_hex && other.is_hex && other.known != nullptr && other.known->slot == known->slot;
         };
-        if (std::ranges::any_of(matches, is_hex_twin)) continue;
-        if (known->shape && primitive_ && *known->shape != *primitive_)
-            complain(c,
-                     fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
-                                 "shape; leave one of the two out",
-                                 columns_[c].name, with_article(*known->shape), with_article(*primitive_)));
-        if (column_of_slot_[known->slot])
-            complain(c, fmt::format("\"{}\" has the same meaning as column \"{}\"; rename one of the two",
-                                    columns_[c].name, columns_[*column_of_slot_[known->slot]].name));
-        if (known->shape) primitive_ = known->shape;
-        column_of_slot_[known->slot] = c;
-        columns_[c].slot = known->slot;
+        if (!std::ranges::any_of(matches, is_hex_twin)) give_slot(c, known->slot, known->shape, complain);
     }
+
     // Looks for typing errors, but only in words of three letters and more, and only for columns that are missing. The
     // letters of `a_x` are in too many words.
-    const bool has_answer = has_first_hits || has_any(slot::hit_index, slot::matrix);
+    const bool has_answer = has_first_hits || has_any_slot(matches, slot::hit_index, slot::matrix);
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.is_users_own(*known.shape)) continue;
@@ -194,6 +217,7 @@ void Layout::find_slots(const Complain& complain) {
             continue;
         if (known.name.size() >= (known.shape ? 4 : 3) && !column_of_slot_[known.slot]) missing.push_back(known.name);
     }
+
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || matches[c].known != nullptr || columns_[c].name.size() < 3) continue;
         if (const auto closest_name = text::match_typo(columns_[c].name, missing))
@@ -233,6 +257,24 @@ void Layout::require_one_kind(const Complain& complain) const {
                              name, primitive_ ? "a primitive" : "a matrix"));
 }
 
+void Layout::complain_of_ray(const std::string& names, const Complain& complain) const {
+    // Every word of two letters is one edit away from many others, so ask only if one alone is known to be missing.
+    for (const LayoutColumn& column : columns_) {
+        std::vector<std::string_view> similar_names;
+        for (std::size_t s = 0; s < slot::tmax; ++s) {
+            const std::string_view name = name_of_slot(s, {});
+            if (!has(s) && !column.slot && text::edit_distance(column.name, name) == 1) similar_names.push_back(name);
+        }
+        if (similar_names.size() == 1)
+            complain(
+                static_cast<std::size_t>(&column - columns_.data()),
+                fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, similar_names[0]));
+    }
+    complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
+                            "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",
+                            names, column_list(columns_)));
+}
+
 void Layout::require_complete(const Complain& complain) const {
     require_one_kind(complain);
     const auto missing_names = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
@@ -243,34 +285,21 @@ void Layout::require_complete(const Complain& complain) const {
         }
         return names;
     };
+
     if (are_points()) {
         for (std::size_t k = 0; k < 3; ++k)
             if (!has(slot::origin + k))
                 complain(0, fmt::format("a point has no p{}; name the columns px,py,pz,inside", "xyz"[k]));
         return;
     }
-    if (const auto names = missing_names(0, slot::tmax, {}); !names.empty()) {
-        // Every word of two letters is one edit away from many others, so ask only if one alone is known to be missing.
-        for (const LayoutColumn& column : columns_) {
-            std::vector<std::string_view> similar_names;
-            for (std::size_t s = 0; s < slot::tmax; ++s) {
-                const std::string_view name = name_of_slot(s, {});
-                if (!has(s) && !column.slot && text::edit_distance(column.name, name) == 1)
-                    similar_names.push_back(name);
-            }
-            if (similar_names.size() == 1)
-                complain(static_cast<std::size_t>(&column - columns_.data()),
-                         fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name,
-                                     similar_names[0]));
-        }
-        complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
-                                "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",
-                                names, column_list(columns_)));
-    }
+
+    if (const auto names = missing_names(0, slot::tmax, {}); !names.empty()) complain_of_ray(names, complain);
+
     if (const auto names = missing_names(slot::matrix, slot::count, {}); has_any_of_matrix() && !names.empty())
         complain(0, fmt::format("a matrix has no {}; write its three rows of four numbers, m00 to m23, or rename the "
                                 "columns that do not belong to it",
                                 names));
+
     if (!primitive_) return;
     const std::size_t end = slot::primitive + row_of(*primitive_).numbers;
     if (const auto names = missing_names(slot::primitive, end, *primitive_); !names.empty())
@@ -296,6 +325,8 @@ std::vector<std::string> columns_of_name(std::string_view name, std::size_t coun
         std::string name;
         std::vector<std::string> parts;
     };
+
+    // The names of vectors and of shapes, each with the columns that it stands for.
     static const std::vector<Group> groups = [] {
         std::vector<Group> known_groups{
             {"origin", {"ox", "oy", "oz"}},
@@ -306,6 +337,8 @@ std::vector<std::string> columns_of_name(std::string_view name, std::size_t coun
             {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
             {"matrix", {matrix_columns.begin(), matrix_columns.end()}},
         };
+
+        // A shape is a group as a whole, and each of its keys is one.
         for (const ShapeRow& shape_row : shape_rows) {
             const auto names = column_names(shape_row.shape);
             known_groups.push_back({std::string(shape_row.name), {names.begin(), names.end()}});
@@ -319,6 +352,7 @@ std::vector<std::string> columns_of_name(std::string_view name, std::size_t coun
         }
         return known_groups;
     }();
+
     const std::string lower_name = to_lower_case(name);
     for (const Group& group : groups) {
         if (group.name == lower_name && group.parts.size() == count) return group.parts;

@@ -79,6 +79,10 @@ public:
 
 private:
     void find_slots(const Complain& complain);
+    /// Makes column c the one of a slot. `shape` is the shape that has the slot; absent for numbers of all files.
+    void give_slot(std::size_t c, std::size_t slot, std::optional<Shape> shape, const Complain& complain);
+    /// Complains about a ray that lacks the columns `names`, and asks about a name that may be misspelt.
+    void complain_of_ray(const std::string& names, const Complain& complain) const;
     void require_complete(const Complain& complain) const;
     void require_one_kind(const Complain& complain) const;
     [[nodiscard]] bool has_any_of_matrix() const;

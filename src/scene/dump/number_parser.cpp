@@ -70,6 +70,8 @@ NumberParser::NumberParser(const Format& format)
 Parsed NumberParser::read(std::string_view text) const {
     const std::string_view magnitude = unsigned_part(text);
     if (magnitude.empty()) return {Kind::not_numeric};
+
+    // Words: NaN and infinities.
     const char first = magnitude.front();
     if (first == 'n' || first == 'N' || first == 'i' || first == 'I') {
         const double sign = text.front() == '-' ? -1 : 1;
@@ -77,10 +79,13 @@ Parsed NumberParser::read(std::string_view text) const {
         if (is_word(magnitude, "inf") || is_word(magnitude, "infinity")) return {Kind::number, sign * HUGE_VAL};
         return {Kind::not_numeric};
     }
+
     const bool is_hexadecimal =
         magnitude.size() > 1 && magnitude[0] == '0' && (magnitude[1] == 'x' || magnitude[1] == 'X');
     if (is_hexadecimal) return read_hexadecimal(text);
+
     if (text.front() == '+') text.remove_prefix(1);
+
     // Both functions round correctly. Text that they do not read completely is read slowly, which finds the fault.
     if (format_.engine == Format::Engine::native32) {
         float narrow = 0;
@@ -98,6 +103,7 @@ Parsed NumberParser::read(std::string_view text) const {
         parsed.is_representable = digits == digits_ || (parse_whole_text(text, wide) && wide == parsed.value);
         return parsed;
     }
+
     if (const int digits = significant_digits(magnitude);
         format_.engine == Format::Engine::native64 && digits <= digits_) {
         Parsed parsed;

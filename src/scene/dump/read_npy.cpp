@@ -127,6 +127,8 @@ NpyHeader read_npy_header(std::string_view text, const std::string& error_start)
     while (!parser.skip_if('}')) {
         const std::string key = parser.string();
         parser.require(':');
+
+        // A plain array has a single type, which becomes a field without a name.
         if (key == "descr") {
             has_descr = true;
             header.is_structured = parser.next_is('[');
@@ -145,6 +147,8 @@ NpyHeader read_npy_header(std::string_view text, const std::string& error_start)
         } else {
             parser.fail("'" + key + "' is not a key of such a header");
         }
+
+        // The last entry may end with a comma, as numpy writes it.
         if (!parser.skip_if(',') && !parser.next_is('}')) parser.fail("'}' is expected");
     }
     if (!has_descr || !has_order || !has_shape) parser.fail("descr, fortran_order or shape is missing");
@@ -158,6 +162,8 @@ std::pair<std::string, std::uint64_t> read_header_text(toml::ByteSource& source)
     const auto fail_cut_short = [&]() {
         throw InputError(source.name() + ": ends inside its header; it was cut short");
     };
+
+    // The file begins with the magic text and two bytes of a version.
     std::string magic_and_version;
     source.read(magic_and_version, 8);
     if (!magic_and_version.starts_with(magic))
@@ -169,6 +175,8 @@ std::pair<std::string, std::uint64_t> read_header_text(toml::ByteSource& source)
     if (version < 1 || version > 3)
         throw InputError(fmt::format("{}: is an array file of version {}; only versions 1 to 3 are supported",
                                      source.name(), version));
+
+    // The length of the dictionary follows, least significant byte first; version 1 has two bytes for it.
     const std::size_t length_bytes = version == 1 ? 2 : 4;
     std::string length_text;
     if (source.read(length_text, length_bytes) < length_bytes) fail_cut_short();
@@ -176,6 +184,7 @@ std::pair<std::string, std::uint64_t> read_header_text(toml::ByteSource& source)
     for (std::size_t i = 0; i < length_bytes; ++i)
         size |= std::size_t{static_cast<unsigned char>(length_text[i])} << 8 * i;
     if (size > std::size_t{1} << 20) throw InputError(source.name() + ": its header is longer than a million bytes");
+
     std::string text;
     if (source.read(text, size) < size) fail_cut_short();
     return {text, 8 + length_bytes + size};
@@ -215,6 +224,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
                             repeats = product(field.shape);
         return advance_offset(padding_size, repeats);
     }
+
     const ItemType type = parse_item_type(field.type, field.name, file);
     const std::uint64_t count = product(field.shape);
     if (count > 4096)
@@ -222,6 +232,8 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
             fmt::format("{}: field '{}' has {} numbers; at most 4096 are supported", file, field.name, count));
     const std::uint64_t begin = offset;
     advance_offset(type.size, count);
+
+    // Adds a column for each number of the field.
     const auto parts = columns_of_name(field.name, static_cast<std::size_t>(count));
     for (std::uint64_t k = 0; k < count; ++k) {
         const std::string name = field.shape.empty() ? field.name
@@ -241,56 +253,79 @@ std::vector<std::string> split_column_names(const std::string& columns) {
     return names;
 }
 
+/// Sets the columns, the number of records and their size, for records with named fields. All axes are rays.
+void read_structured_layout(const NpyHeader& header, const DumpOptions& options, const std::string& file,
+                            RecordLayout& array) {
+    if (!options.columns.empty())
+        throw InputError(file +
+                         ": --columns names the columns of arrays without names; this one has fields with "
+                         "names; leave --columns out");
+    for (const NpyHeader::Field& field : header.fields) add_field(field, file, array.record_size, array.columns);
+    array.records = product(header.shape);
+
+    // The order of the axes matters only if there are several.
+    if (header.is_fortran_order && header.shape.size() > 1)
+        throw InputError(file + ": is in Fortran order; write numpy.ascontiguousarray(a)");
+}
+
+/// Does the same for a plain array. Its last axis is the columns; `ray_axes` are the axes before it.
+void read_plain_layout(const NpyHeader& header, const DumpOptions& options, const std::string& file,
+                       std::vector<std::uint64_t>& ray_axes, RecordLayout& array) {
+    const ItemType type = parse_item_type(header.fields.front().type, "", file);
+    if (ray_axes.size() < 2)
+        throw InputError(
+            fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields", file,
+                        text::count_with_noun(ray_axes.size(), "axis", "axes")));
+
+    // The command line gives one name for each column.
+    if (options.columns.empty())
+        throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
+                                     text::count_with_noun(ray_axes.back(), "column")));
+    const auto names = split_column_names(options.columns);
+    if (names.size() != ray_axes.back())
+        throw InputError(fmt::format("{}: has {}, but --columns names {}; write _ for each column to skip", file,
+                                     text::count_with_noun(ray_axes.back(), "column"), names.size()));
+    ray_axes.pop_back();
+    for (const std::string& name : names) array.columns.push_back({name, type, 0});
+    array.records = product(ray_axes);
+
+    // In Fortran order the columns follow one another, each with the numbers of all rays.
+    if (header.is_fortran_order && ray_axes.size() > 1)
+        throw InputError(file + ": has more than two axes in Fortran order; write numpy.ascontiguousarray(a)");
+    array.is_column_major = header.is_fortran_order;
+    for (std::size_t c = 0; c < array.columns.size(); ++c) {
+        const std::uint64_t size = array.columns[c].type.size;
+        array.columns[c].offset = array.is_column_major ? c * *array.records * size : c * size;
+        array.record_size += size;
+    }
+}
+
+/// Returns columns and rows of the picture that the rays are, if they have two axes and fit into one.
+std::optional<std::pair<int, int>> picture_size(const std::vector<std::uint64_t>& ray_axes) {
+    constexpr auto max_side = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+    if (ray_axes.size() != 2 || ray_axes[0] == 0 || ray_axes[1] == 0 || ray_axes[0] > max_side ||
+        ray_axes[1] > max_side)
+        return {};
+    return {{static_cast<int>(ray_axes[1]), static_cast<int>(ray_axes[0])}};
+}
+
 }  // namespace
 
 RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& options) {
     const auto [text, begin] = read_header_text(source);
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);
+
     std::vector<std::uint64_t> ray_axes = header.shape;
     RecordLayout array{.columns = {}, .begin = begin, .error_source = file};
-    if (header.is_structured) {
-        if (!options.columns.empty())
-            throw InputError(file +
-                             ": --columns names the columns of arrays without names; this one has fields with "
-                             "names; leave --columns out");
-        for (const NpyHeader::Field& field : header.fields) add_field(field, file, array.record_size, array.columns);
-    } else {
-        const ItemType type = parse_item_type(header.fields.front().type, "", file);
-        if (ray_axes.size() < 2)
-            throw InputError(
-                fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields",
-                            file, text::count_with_noun(ray_axes.size(), "axis", "axes")));
-        if (options.columns.empty())
-            throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
-                                         text::count_with_noun(ray_axes.back(), "column")));
-        const auto names = split_column_names(options.columns);
-        if (names.size() != ray_axes.back())
-            throw InputError(fmt::format("{}: has {}, but --columns names {}; write _ for each column to skip", file,
-                                         text::count_with_noun(ray_axes.back(), "column"), names.size()));
-        ray_axes.pop_back();
-        for (const std::string& name : names) array.columns.push_back({name, type, 0});
-    }
-    array.records = product(ray_axes);
-    if (header.is_fortran_order && header.is_structured && ray_axes.size() > 1) {
-        throw InputError(file + ": is in Fortran order; write numpy.ascontiguousarray(a)");
-    }
-    if (header.is_fortran_order && ray_axes.size() > 1)
-        throw InputError(file + ": has more than two axes in Fortran order; write numpy.ascontiguousarray(a)");
-    array.is_column_major = header.is_fortran_order && !header.is_structured;
-    for (std::size_t c = 0; !header.is_structured && c < array.columns.size(); ++c) {
-        const std::uint64_t size = array.columns[c].type.size;
-        array.columns[c].offset = array.is_column_major ? c * *array.records * size : c * size;
-        array.record_size += size;
-    }
+    if (header.is_structured) read_structured_layout(header, options, file, array);
+    else read_plain_layout(header, options, file, ray_axes, array);
+
     if (array.record_size == 0) throw InputError(file + ": its records are empty");
     if (array.is_column_major && !source.size())
         throw InputError(file +
                          ": is in Fortran order, which cannot be read from a pipe; write numpy.ascontiguousarray(a)");
-    constexpr auto max_side = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
-    if (ray_axes.size() == 2 && ray_axes[0] > 0 && ray_axes[1] > 0 && ray_axes[0] <= max_side &&
-        ray_axes[1] <= max_side)
-        array.picture = {static_cast<int>(ray_axes[1]), static_cast<int>(ray_axes[0])};
+    array.picture = picture_size(ray_axes);
     return array;
 }
 

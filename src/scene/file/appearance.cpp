@@ -40,20 +40,24 @@ Vec<Real> read_light(TableReader table, const StoredNumbers& numbers) {
 ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     using Offset = ShadowRule::Offset;
     ShadowRule rule;
+
     table.read("surface", rule.half_diffuse, surface_names);
     read_coefficient(table, "background", rule.background, numbers);
     if (rule.background > 1)
         table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
+
     table.read("own", rule.tests_departed_sphere);
     table.read("offset", rule.offset, offset_names);
     read_coefficient(table, "epsilon", rule.epsilon, numbers);
     table.read("ulps", rule.ulps, 0, most_ulps);
     table.reject_unknown_keys();  // in front of the keys that need another key, which may be the misspelt one
+
     if (!rule.tests_departed_sphere) {
         for (const char* key : {"offset", "epsilon", "ulps"})
             table.reject(key,
                          "needs own = true: without it a shadow ray is not tested against the sphere that it leaves");
     }
+
     if (rule.offset != Offset::epsilon) table.reject("epsilon", "needs offset = \"epsilon\"");
     else table.node("epsilon", "a number");
     if (rule.offset != Offset::ulp) table.reject("ulps", "needs offset = \"ulp\"");

@@ -60,6 +60,7 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
                           "leave one of the two out");
         numbers.positive(table, "fov_deg", 1 / half_tangent(camera.fov_deg));
     }
+
     const auto name = table.optional_string("rays");
     if (!name) return;
     camera.rays = camera::find_ray_generator(*name);
@@ -69,6 +70,8 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
         table.fail_at("rays", "is \"" + *name + "\", which is not a known ray generator; " +
                                   text::did_you_mean(*name, names) + "; `lostbits list generators` shows them");
     }
+
+    // A generator needs the planes of a projection and makes unit directions.
     if (!camera.projection)
         table.fail_at("rays",
                       "needs the planes of a projection; write [camera.projection] with near, and far unless it "
@@ -179,12 +182,15 @@ Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
                          "with near, and far unless it is at infinity");
     if (!scene.camera.normalise)
         throw InputError(message_start + " have length one, but camera.normalise is false; leave it out");
+
     scene.camera.rays = &generator;
     if (scene.inputs == Inputs::own) return scene;
     if (scene.flake || scene.mesh)
         throw InputError(
             message_start +
             ": each format must round the meshes and flakes too, if it computes the rays; write inputs = \"own\"");
+
+    // Stores the shared numbers rounded to binary32, because each format now rounds the stored numbers itself.
     const auto rounded = [](const Real& x) { return Real(toml::round_to_format(x, binary32)); };
     Camera& camera = scene.camera;
     for (Vec<Real>* const v : {&camera.eye, &camera.look_at, &camera.up})

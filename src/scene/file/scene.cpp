@@ -23,6 +23,31 @@ constexpr long long most_pixels = 1LL << 30;
 
 constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
 
+/// Fails if the primitive breaks a limit of its shape once its numbers are rounded as they are stored.
+void require_limits_when_rounded(const Primitive<Real>& primitive, const TableReader& table,
+                                 const StoredNumbers& numbers) {
+    const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
+    if (!rounded) return;
+    const bool equals_previous = rounded->key->limit == Key::Limit::differs_from_previous ||
+                                 rounded->key->limit == Key::Limit::non_negative_below_previous ||
+                                 rounded->key->limit == Key::Limit::positive_below_previous;
+    if (equals_previous)
+        table.fail_at(rounded->key->name, "equals " + std::string((rounded->key - 1)->name) +
+                                              " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
+                                              "or write inputs = \"own\"");
+
+    if (rounded->key->limit == Key::Limit::not_collinear_with_previous)
+        table.fail_at(rounded->key->name, "lies on one line with " + std::string((rounded->key - 2)->name) + " and " +
+                                              std::string((rounded->key - 1)->name) +
+                                              " in binary32, to which inputs = \"shared\" rounds, so that no ray meets "
+                                              "the triangle; move it off the line, or write inputs = \"own\"");
+
+    if (rounded->key->limit == Key::Limit::not_zero)
+        table.fail_at(rounded->key->name,
+                      "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
+                      "\"own\"");
+}
+
 Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumbers& numbers) {
     Primitive<Real> primitive(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
@@ -35,25 +60,11 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
             else numbers.finite(table, key.name, primitive.numbers[i]);
         }
     });
+
     if (const auto broken = broken_limit(primitive))
         table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
-    const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
-    const bool equals_previous = rounded && (rounded->key->limit == Key::Limit::differs_from_previous ||
-                                             rounded->key->limit == Key::Limit::non_negative_below_previous ||
-                                             rounded->key->limit == Key::Limit::positive_below_previous);
-    if (equals_previous)
-        table.fail_at(rounded->key->name, "equals " + std::string((rounded->key - 1)->name) +
-                                              " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
-                                              "or write inputs = \"own\"");
-    if (rounded && rounded->key->limit == Key::Limit::not_collinear_with_previous)
-        table.fail_at(rounded->key->name, "lies on one line with " + std::string((rounded->key - 2)->name) + " and " +
-                                              std::string((rounded->key - 1)->name) +
-                                              " in binary32, to which inputs = \"shared\" rounds, so that no ray meets "
-                                              "the triangle; move it off the line, or write inputs = \"own\"");
-    if (rounded && rounded->key->limit == Key::Limit::not_zero)
-        table.fail_at(rounded->key->name,
-                      "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
-                      "\"own\"");
+    require_limits_when_rounded(primitive, table, numbers);
+
     primitive.placed = read_transform(table, numbers);
     table.reject_unknown_keys();
     return primitive;
@@ -170,7 +181,7 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
     return scenes;
 }
 
-Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
+Node SceneFile::root_with_changes(const Variant* variant, const LoadOptions& options) const {
     Node root = root_;
     if (root.find("rays") == nullptr) {  // any scene can get a range from a variant, from --set or from a sweep
         root.entries.push_back({"rays", root.where, {}});
@@ -180,12 +191,13 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
         for (const Override& change : variant->changes) toml::apply_override(root, change);
     for (const Override& change : options.overrides) toml::apply_override(root, change);
     if (options.size) toml::apply_override(root, size_override(*options.size));
+    return root;
+}
 
-    Scene scene;
-    scene.path = path_;
-    scene.id = toml::result_name(path_) + (variant == nullptr ? "" : '.' + variant->name);
-    TableReader file(root);
-    toml::require_schema(file, schema);
+namespace {
+
+/// Reads everything in front of the tables.
+void read_scene_head(TableReader& file, Scene& scene) {
     scene.title = file.title("title");
     file.read("source", scene.source);
     file.read("note", scene.note);
@@ -197,23 +209,17 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
         if ((*size)[0] * (*size)[1] > most_pixels)
             file.fail_at("size", "is too large: more than 2^30 pixels; make it smaller");
     }
-    const StoredNumbers numbers(scene.inputs);
-    TableReader camera = file.table("camera");
-    scene.camera = read_camera(camera, numbers);
-    scene.appearance = read_appearance(file, numbers);
-    for (auto& [shape, table, position] : primitives_in_order(file, root_)) {
-        if (shape == rendered_shape)
-            scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
-        scene.listed.push_back(read_primitive(shape, table, numbers));
-    }
-    if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
-    if (scene.flake) scene.flake->stop = options.stop;
-    const triangle::MeshSettings terms{options.stop, scene.inputs == Inputs::shared ? binary32 : binary64};
+}
+
+/// Reads the `[[mesh]]` tables and joins them into one mesh. A transform applies to all triangles.
+void read_meshes(TableReader& file, const StoredNumbers& numbers, const intersect::process::StopToken& stop,
+                 Scene& scene) {
+    const triangle::MeshSettings terms{stop, scene.inputs == Inputs::shared ? binary32 : binary64};
     std::vector<triangle::Mesh> meshes;
     for (TableReader& table : file.tables("mesh")) {
         if (const auto placed = read_transform(table, numbers))
             scene.mesh_placed = transformed(*placed, [](const Real& x) { return x.convert_to<double>(); });
-        meshes.push_back(triangle::read_mesh_table(table, path_.parent_path(), terms));
+        meshes.push_back(triangle::read_mesh_table(table, scene.path.parent_path(), terms));
         if (scene.mesh_placed && meshes.size() > 1)
             table.fail_at(
                 "transform",
@@ -221,9 +227,38 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
                 "out");
     }
     if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::join_meshes(std::move(meshes)));
+}
+
+}  // namespace
+
+Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
+    const Node root = root_with_changes(variant, options);
+    Scene scene;
+    scene.path = path_;
+    scene.id = toml::result_name(path_) + (variant == nullptr ? "" : '.' + variant->name);
+    TableReader file(root);
+    toml::require_schema(file, schema);
+    read_scene_head(file, scene);
+
+    const StoredNumbers numbers(scene.inputs);
+    TableReader camera = file.table("camera");
+    scene.camera = read_camera(camera, numbers);
+    scene.appearance = read_appearance(file, numbers);
+
+    // Primitives: listed one by one, a flake, and meshes.
+    for (auto& [shape, table, position] : primitives_in_order(file, root_)) {
+        if (shape == rendered_shape)
+            scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
+        scene.listed.push_back(read_primitive(shape, table, numbers));
+    }
+    if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
+    if (scene.flake) scene.flake->stop = options.stop;
+    read_meshes(file, numbers, options.stop, scene);
+
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
+
     if (scene.shapes().empty())
         toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());
     if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
@@ -270,9 +305,9 @@ bool Scene::is_placed() const {
            std::ranges::any_of(listed, [](const Primitive<Real>& primitive) { return primitive.placed.has_value(); });
 }
 
-bool Scene::meets(Shapes forms) const {
-    if (forms == Shape::sdf) return march.has_value() && !is_placed();
-    return forms == Shapes(shapes()).placed(is_placed());
+bool Scene::accepts(Shapes form_shapes) const {
+    if (form_shapes == Shape::sdf) return march.has_value() && !is_placed();
+    return form_shapes == Shapes(shapes()).placed(is_placed());
 }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
@@ -317,6 +352,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (const std::string hint_text = toml::nearby_file(as_path); !hint_text.empty())
             throw InputError(no_file + "; " + hint_text);
     };
+
+    // A path to a file, perhaps with a variant behind it.
     if (const auto file = file_of_name(as_path); !std::filesystem::exists(as_path, ignored) && file != as_path &&
                                                  std::filesystem::is_regular_file(file, ignored))
         return {file, as_path.extension().string().substr(1)};
@@ -327,12 +364,14 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     // The path may also be a folder or a pipe; the reader reports that.
     if (std::filesystem::exists(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
+    // Otherwise it is the name of a scene of the data, perhaps with a variant.
     const std::string name = as_path.extension() == ".toml" ? toml::result_name(as_path) : name_or_path;
     const std::size_t dot = std::min(name.rfind('.'), name.size());
     const std::string stem = name.substr(0, dot);
     const bool is_file = as_path.extension() == ".toml";
     if (is_file && !std::filesystem::is_directory(data_dir / "scenes", ignored))
         throw InputError(no_file + "; check the path");
+
     const std::vector<std::filesystem::path> files = scene_files(data_dir);
     std::vector<std::string> ids;
     for (const std::filesystem::path& file : files) ids.push_back(toml::result_name(file));
@@ -340,6 +379,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (ids[i] == name) return {files[i]};
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
+
+    // Nothing has that name: says what may be meant.
     fail_if_misspelt();
     if (!is_file && std::filesystem::is_regular_file(as_path, ignored))
         throw InputError(name_or_path + ": is not a scene: a scene is a .toml file");

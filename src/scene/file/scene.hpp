@@ -82,7 +82,7 @@ struct Scene {
     }
     /// True if forms for these shapes can be used on the scene: the shapes are those of its primitives or, for `sdf`,
     /// the scene has constants for the march.
-    [[nodiscard]] bool meets(Shapes forms) const;
+    [[nodiscard]] bool accepts(Shapes form_shapes) const;
     /// True if a primitive is under a matrix.
     [[nodiscard]] bool is_placed() const;
     /// The shapes of its primitives, each once.
@@ -130,6 +130,8 @@ private:
         std::vector<toml::Override> changes;
     };
     [[nodiscard]] Scene interpret(const Variant* variant, const LoadOptions& options) const;
+    /// Returns the file's tree with the changes of the variant, of the options, and with a table for the range.
+    [[nodiscard]] toml::Node root_with_changes(const Variant* variant, const LoadOptions& options) const;
 
     std::filesystem::path path_;
     toml::Node root_;  ///< without the variants

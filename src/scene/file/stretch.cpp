@@ -149,16 +149,16 @@ Primitive<Real> enlarge(const Primitive<Real>& primitive, const Real& k) {
 
 }  // namespace
 
-Real view_share(const Scene& scene) {
+Real view_fraction(const Scene& scene) {
     const Vec<Real> view = scene.camera.look_at - scene.camera.eye;
     return dot(middle_of(scene) - scene.camera.eye, view) / dot(view, view);
 }
 
 std::optional<Scene> move_farther(Scene scene, const Real& k) {
     Camera& camera = scene.camera;
-    const Real view_fraction = view_share(scene);
-    if (view_fraction <= 0) return std::nullopt;
-    const Vec<Real> shift = ((k - 1) * view_fraction) * (camera.look_at - camera.eye);
+    const Real fraction = view_fraction(scene);
+    if (fraction <= 0) return std::nullopt;
+    const Vec<Real> shift = ((k - 1) * fraction) * (camera.look_at - camera.eye);
     camera.eye = camera.eye - shift;
     camera.look_at = camera.look_at - shift;
     if (camera.kind == Camera::Kind::pinhole) camera.fov_deg = degrees_of(half_tangent(camera.fov_deg) / k);

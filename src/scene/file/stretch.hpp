@@ -33,7 +33,7 @@ Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& off
 std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k);
 
 /// Distance of the primitives' middle in front of the eye, in lengths of look_at − eye along it.
-Real view_share(const Scene& scene);
+Real view_fraction(const Scene& scene);
 
 // All functions below accept every camera except cameras of kind `pixel_plane`, which stay where they are.
 

@@ -165,6 +165,8 @@ std::optional<Placement<Real>> read_transform(TableReader& primitive, const Stor
     table->read("stored", is_inverse, stored_names);
     const MapSteps steps = read_steps(*table);
     table->reject_unknown_keys();
+
+    // Fails, at the step that causes it, if the matrix is singular or has numbers that the scene cannot hold.
     const auto is_singular = [](const Map& map) { return !to_placement(map, false).is_proper(); };
     steps.fail_if(is_singular, std::string(singular_reason));
     const auto placement = [&](const Map& map) { return to_placement(is_inverse ? inverse(map) : map, is_inverse); };
@@ -175,6 +177,8 @@ std::optional<Placement<Real>> read_transform(TableReader& primitive, const Stor
             return std::ranges::any_of(matrix, [&](const Real& x) { return numbers.overflows(x); });
         },
         std::string(StoredNumbers::overflow_words));
+
+    // Rounding may also make a matrix singular.
     const auto stored_placement = [&](const Map& map) {
         return transformed(placement(map), [&](const Real& x) { return numbers.stored(x); });
     };

@@ -85,12 +85,14 @@ std::optional<ComposedName> split_composed_name(const std::string& name) {
                             name.substr(0, name.size() - contracted_suffix.size()),
                             std::string(contracted_suffix.substr(1)),
                             {}};
+
     const std::size_t separator = name.find_last_of("@^");
     if (separator == std::string::npos) return std::nullopt;
     ComposedName split{name[separator] == '^' ? Kind::box : Kind::transform,
                        name.substr(0, separator),
                        name.substr(separator + 1),
                        {}};
+
     if (split.kind == Kind::transform && split.last.starts_with(generator_prefix)) {
         split.kind = Kind::generator;
         split.last.erase(0, generator_prefix.size());
@@ -107,14 +109,17 @@ std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedPar
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
             case ComposedName::Kind::contracted: forms.push_back(&parts.contracted(require_no_generator(*form))); break;
+
             case ComposedName::Kind::generator:
                 for (const RayGenerator* const generator : parts.ray_generators(name.last))
                     forms.push_back(&with_generator(*generator, *form));
                 break;
+
             case ComposedName::Kind::transform:
                 for (const auto* const method : parts.transform_methods(name.last))
                     forms.push_back(&intersect::transform::transformed_form(*method, require_no_generator(*form)));
                 break;
+
             case ComposedName::Kind::box: {
                 const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
                                                          : std::vector{&intersect::bounding_box::default_box_method()};

@@ -54,13 +54,20 @@ CameraNumbers<Real> camera_numbers(const Scene& scene) {
     const CameraProjection& planes = scene.camera.projection.value();
     using Depth = CameraProjection::Depth;
     CameraNumbers<Real> camera{};
-    camera.width = scene.width, camera.height = scene.height;
-    camera.eye = frame.origin, camera.right = frame.right, camera.up = frame.up, camera.forward = frame.forward;
+    camera.width = scene.width;
+    camera.height = scene.height;
+    camera.eye = frame.origin;
+    camera.right = frame.right;
+    camera.up = frame.up;
+    camera.forward = frame.forward;
+
+    // The planes of the projection, and z/w on them.
     camera.tan_y = file::half_tangent(scene.camera.fov_deg);
     camera.tan_x = camera.tan_y * camera.width / camera.height;
     camera.near = planes.near;
     camera.depth_near = Real(planes.depth == Depth::gl ? -1 : planes.depth == Depth::reversed ? 1 : 0);
     camera.depth_far = Real(planes.depth == Depth::reversed ? 0 : 1);
+
     camera.projection = projection(planes, camera);
     camera.to_world = to_world(frame, frame.origin);
     camera.view = inverse(camera.to_world);
@@ -76,7 +83,9 @@ GeneratedRays::GeneratedRays(const Scene& scene)
 
 BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
     BasicRayBlock<Real> block;
-    block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
+    block.width = numbers_.width;
+    block.y0 = y0;
+    block.y1 = y1;
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < block.width; ++x) {
             Ray<Real> pixel_ray = ray(frame_, x, y);
@@ -101,32 +110,48 @@ template <class T>
 RayBlock GeneratedRays::generate(camera::MakeRays<T> make_rays, const FloatFormat& format, int y0, int y1) const {
     const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
-    block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
+    block.width = numbers_.width;
+    block.y0 = y0;
+    block.y1 = y1;
     make_rays(numbers, {y0, y1}, [&block](const Ray<T>& ray) { block.push(as_doubles(ray)); });
     return block;
 }
 
-RayBlock GeneratedRays::in(const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::rounded_rays(const FloatFormat& format, int y0, int y1) const {
     if (format == binary32) return generate<float>(generator_->f32, format, y0, y1);
     if (format == binary64) return generate<double>(generator_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
     return generate<RoundedAny>(generator_->rounded, format, y0, y1);
 }
 
-RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates pixel) const {
-    Tape tape;
-    const auto ray = generator_->record(format, stored(format.parameters), pixel, tape);
-    static const std::vector<std::string> names = [] {
-        auto all = camera::camera_number_names();
-        all.insert(all.end(), {"pixel.x", "pixel.y", "pixel.left"});
-        return all;
-    }();
+namespace {
+
+/// Marks the nodes that the numbers of a ray depend on, and these numbers.
+std::vector<bool> find_used_nodes(const Tape& tape, const std::array<NodeId, 6>& ray) {
     std::vector<bool> is_used(tape.nodes.size());
     for (const NodeId id : ray) is_used[static_cast<std::size_t>(id)] = true;
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         if (!is_used[static_cast<std::size_t>(i)]) continue;
         for (const NodeId operand : tape.operands_of(i)) is_used[static_cast<std::size_t>(operand)] = true;
     }
+    return is_used;
+}
+
+}  // namespace
+
+RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates pixel) const {
+    Tape tape;
+    const auto ray = generator_->record(format, stored(format.parameters), pixel, tape);
+
+    static const std::vector<std::string> names = [] {
+        auto all = camera::camera_number_names();
+        all.insert(all.end(), {"pixel.x", "pixel.y", "pixel.left"});
+        return all;
+    }();
+
+    const std::vector<bool> is_used = find_used_nodes(tape, ray);
+
+    // Copies the used nodes. The inputs are numbered anew, so each operand gets its new id.
     RecordedRay recorded;
     std::vector<NodeId> new_ids(tape.nodes.size(), no_node);
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -145,6 +170,8 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
             recorded.tape[new_id].label = node.label;
         }
     }
+
+    // Names the six numbers of the ray.
     constexpr std::array<std::string_view, 6> numbers{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
     for (std::size_t k = 0; k < ray.size(); ++k) {
         recorded.ray[k] = new_ids[static_cast<std::size_t>(ray[k])];

@@ -37,7 +37,7 @@ public:
     /// the near plane.
     [[nodiscard]] BasicRayBlock<Real> ideal(int y0, int y1) const;
     /// Rays of rows [y0, y1) as a format computes them. No number is rounded more than once before the first operation.
-    [[nodiscard]] RayBlock in(const FloatFormat& format, int y0, int y1) const;
+    [[nodiscard]] RayBlock rounded_rays(const FloatFormat& format, int y0, int y1) const;
     [[nodiscard]] RecordedRay record(const Format& format, camera::PixelCoordinates at) const;
     [[nodiscard]] const CameraFrame<Real>& frame() const { return frame_; }
 

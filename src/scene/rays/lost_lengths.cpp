@@ -60,6 +60,8 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
                 add_loss(std::string(key.name), stored[i], "rounds to 0", where);
             if (std::isinf(rounded[i])) add_loss(std::string(key.name), stored[i], "rounds to infinity", where);
         }
+
+        // A primitive with two corners loses its thickness if they become equal.
         for (std::size_t i = 0; key.limit == Key::Limit::at_least_previous && i < key.count(); ++i) {
             const std::size_t count = key.count();
             const double thickness = stored[i] - (stored - count)[i];
@@ -68,6 +70,8 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
             break;
         }
     });
+
+    // Points are lost if two of them become equal, or a coordinate does not fit into the format.
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::differs_from_previous && after.point(k) == after.point(k - 3))
             add_loss("the distance to " + std::string(key.name),
@@ -90,14 +94,18 @@ std::vector<std::string> LostLengths::lines() const {
 }
 
 std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatFormat& f) {
+    // A format that has all numbers of binary32 loses none of them.
     const bool is_shared = scene.inputs == file::Inputs::shared;
     if (is_shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
+
     const FloatFormat& stored = is_shared ? binary32 : binary64;
     LostLengths lost(f);
     const auto round_to_stored = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;
     lost.add_point({round_to_stored(eye.x), round_to_stored(eye.y), round_to_stored(eye.z)}, "a coordinate of the eye",
                    [] { return "camera"; });
+
+    // Numbers the primitives of each list from 0, as they are in the file.
     const auto add = [&](const Primitive<double>& primitive, std::string_view what, std::size_t i) {
         lost.add(primitive, [&] { return std::string(what) + "[" + std::to_string(i) + "]"; });
     };

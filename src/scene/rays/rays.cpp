@@ -59,9 +59,11 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
     using Kind = file::Camera::Kind;
     const file::Camera& camera = scene.camera;
     const Real width(scene.width), height(scene.height);
+
     CameraFrame<Real> frame{};
     frame.kind = camera.kind;
     frame.origin = camera.eye;
+
     if (camera.kind == Kind::pixel_plane) {
         frame.left = camera.left;
         frame.top = camera.top;
@@ -69,10 +71,13 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
         frame.pitch_down = (camera.top - camera.bottom) / height;
         return frame;
     }
+
     frame.normalise = camera.normalise;
     frame.forward = unit(camera.look_at - camera.eye);
     frame.right = unit(cross(frame.forward, camera.up));
     frame.up = unit(cross(frame.right, frame.forward));
+
+    // The size of a pixel, and the point of the picture on the view axis.
     frame.pitch = camera.kind == Kind::orthographic ? Real(camera.width / width)
                                                     : Real(2 * file::half_tangent(camera.fov_deg) / height);
     frame.centre_x = width / 2 - camera.shift_right * width;
@@ -114,7 +119,7 @@ IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
 }
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
-    RayBlock result = ideal.made ? ideal.made->in(f, ideal.y0, ideal.y1)
+    RayBlock result = ideal.made ? ideal.made->rounded_rays(f, ideal.y0, ideal.y1)
                                  : round_components(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
     round_ranges(ideal, result, [&f](double t) { return rounding::to_format(t, 0, f); });
     return result;

@@ -19,7 +19,7 @@ public:
     /// Throws InputError with a position for anything that is not a file of cases.
     explicit CaseFile(const std::filesystem::path& path);
 
-    /// An answer within this many bits of the envelope is right, if its decision is.
+    /// An answer is right if its decision is right and its error exceeds the envelope by at most this many bits.
     double right_within_bits = 3;
     /// The conventions on touching by which the forms are judged, one after another. An absent convention is each
     /// form's own.
@@ -32,7 +32,9 @@ public:
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
     /// The shapes of the primitives of all cases, each once. A case need not have all of these shapes.
     [[nodiscard]] std::vector<Shape> shapes() const;
-    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(shapes()).placed(are_placed()); }
+    [[nodiscard]] bool accepts(Shapes form_shapes) const {
+        return form_shapes == Shapes(shapes()).placed(are_placed());
+    }
     /// True if primitives of cases are under matrices.
     [[nodiscard]] bool are_placed() const;
     /// Returns the indices of the cases whose name matches a glob. Throws InputError with did-you-mean and `where` in
@@ -52,8 +54,8 @@ private:
         std::vector<toml::Quantity> matrix = {};  ///< matrix of the primitive, row by row; empty: none
         bool is_inverse = false;                  ///< true if the matrix leads from the world to the primitive
 
-        /// The primitive as numbers of the format, with lengths multiplied by 2^lengths.
-        [[nodiscard]] Primitive<double> in(const FloatFormat& format, int lengths) const;
+        /// The primitive as numbers of the format, with lengths multiplied by 2^length_exponent.
+        [[nodiscard]] Primitive<double> primitive_in(const FloatFormat& format, int length_exponent) const;
     };
     struct RaySpec {
         std::vector<toml::Quantity> origin, direction;
@@ -61,14 +63,23 @@ private:
     };
     struct Case {
         std::string name, note;
-        toml::Exponent lengths, directions;  ///< every length and every direction is multiplied by two to this power
-        std::optional<double> zeros;         ///< +0 or −0: replaces every zero of a direction
-        OpenEnds open = {};                  ///< for the ranges of all rays
+        toml::Exponent length_exponent;     ///< every length is multiplied by two to this power
+        toml::Exponent direction_exponent;  ///< the same for every direction
+        std::optional<double> zero_sign;    ///< +0 or −0: replaces every zero of a direction
+        OpenEnds open = {};                 ///< for the ranges of all rays
         bool symmetric = false;  ///< true: ray and primitive are repeated under each of the 48 symmetries of the axes
         std::vector<PrimitiveSpec> primitives;
         std::vector<RaySpec> rays;
     };
     static Case read_case(toml::TableReader& table);
+    static PrimitiveSpec read_primitive_spec(toml::TableReader& table, const ShapeRow& shape_row);
+    /// Reads the primitives of a case in their order in the file, in which shapes may be mixed.
+    static std::vector<PrimitiveSpec> read_primitive_specs(toml::TableReader& case_table);
+    /// Reads a ray. `open` is for its range, which must hold a t.
+    static RaySpec read_ray_spec(toml::TableReader& table, OpenEnds open);
+    void read_conventions(toml::TableReader& file);
+    /// Fails if a primitive of the case breaks a limit of its shape.
+    static void require_limits(const Case& c, const toml::TableReader& table);
     /// The rays at the scale of `scale_format`, as numbers of `format`.
     static std::vector<rays::RayGroup> rays(const Case& c, const FloatFormat& scale_format, const FloatFormat& format);
 

@@ -96,12 +96,15 @@ void ExhaustiveFile::read_range(TableReader& table) {
         ranges_ = {{index_of(0.0F), 0xffffffffU}, {index_of(-0.0F), 0}};
         return;
     }
+
+    // If neither end is a float and no float lies between them, the message is about both.
     const Real from = table.number("from"), to = table.number("to");
     const bool rises = from < to;
     const auto low = exact_float(rises ? from : to), high = exact_float(rises ? to : from);
     if (!low && !high &&
         index_of(adjacent_floats(rises ? from : to).above) > index_of(adjacent_floats(rises ? to : from).below))
         table.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
+
     ranges_ = {{index_of(read_float(table, "from")), index_of(read_float(table, "to"))}};
     if (ranges_.front().size() == 1)
         table.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
@@ -173,31 +176,36 @@ void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& 
     primitive = Primitive<float>(triangle::Mesh::shape);
 }
 
+void ExhaustiveFile::read_ray(TableReader& table) {
+    NamedRay ray{table.string("name"), {read_float_vector(table, "origin"), read_float_vector(table, "direction")}};
+    if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
+        table.fail_at("name", "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
+    if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_reason(primitive.shape));
+    else if (table.has("tmax")) ray.tmax = read_float(table, "tmax");
+    if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
+    table.reject_unknown_keys();
+    rays.push_back(std::move(ray));
+}
+
 ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
                                intersect::process::StopToken stop) {
     const Node root = toml::read_toml(path, stop);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
+
     convention = read_convention(file);
     if (file.has("scene")) read_scene(file, data_dir, stop);
     else read_primitive(file);
-    for (TableReader& table : file.tables("ray")) {
-        NamedRay ray{table.string("name"), {read_float_vector(table, "origin"), read_float_vector(table, "direction")}};
-        if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
-            table.fail_at("name",
-                          "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
-        if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_reason(primitive.shape));
-        else if (table.has("tmax")) ray.tmax = read_float(table, "tmax");
-        if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
-        table.reject_unknown_keys();
-        rays.push_back(std::move(ray));
-    }
+    for (TableReader& table : file.tables("ray")) read_ray(table);
     if (rays.empty()) toml::fail(file.where(), "a sweep over every float needs [[ray]] tables; write at least one");
+
+    // Old files have one [axis] table.
     std::vector<TableReader> axes;
     if (file.has("axis") && file.node("axis").kind == Node::Kind::array) axes = file.tables("axis");
     else axes.push_back(file.table("axis"));
     if (axes.size() != 1)
         file.fail_at("axis", "must be one [[axis]] table: a file with [[ray]] tables tries every float of one number");
+
     read_axis(axes.front());
     check_primitives(file, axes.front());
     file.reject_unknown_keys();

@@ -53,7 +53,7 @@ public:
     /// floats of the file's ranges.
     void narrow(const Real& from, const Real& to, const toml::Where& where);
 
-    [[nodiscard]] bool meets(Shapes forms) const { return forms == primitive.shape; }
+    [[nodiscard]] bool accepts(Shapes form_shapes) const { return form_shapes == primitive.shape; }
     /// A ray, its primitive, and both as a group, with the axis at a float.
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
     [[nodiscard]] Primitive<float> primitive_at(float value) const;
@@ -67,6 +67,7 @@ public:
 private:
     void read_primitive(toml::TableReader& file);
     void read_scene(toml::TableReader& file, const std::filesystem::path& data_dir, intersect::process::StopToken stop);
+    void read_ray(toml::TableReader& table);
     void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);

@@ -40,12 +40,23 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     const toml::Node root = read_with_changes(path, "search.", changes);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
+
     TableReader table = file.table("search");
+    read_ranges(table);
+    read_drawing(table);
+    read_goal(table);
+    table.reject_unknown_keys();
+    file.reject_unknown_keys();
+}
+
+/// Reads the ranges of the ray's numbers, then those of a primitive, whose keys tell its shape.
+void SearchFile::read_ranges(TableReader& table) {
     const auto read_three_ranges = [&](std::string_view key) {
         ranges.insert(ranges.end(), 3, read_range(table, key));
     };
     read_three_ranges("origin");
     read_three_ranges("direction");
+
     // The shape whose first key and most other keys are present. If no first key is present, it may be misspelt.
     const auto key_counts = [&table](const ShapeRow& shape_row) {
         const auto is_present = [&table](const Key& key) { return table.has(key.name); };
@@ -56,10 +67,15 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
         if (key.count() == 3) read_three_ranges(key.name);
         else ranges.push_back(read_range(table, key.name));
     }
+
     if (is_round()) {
         if (table.has("distance_radii")) distance_radii = read_range(table, "distance_radii");
         if (table.has("impact_radii")) impact_radii = read_range(table, "impact_radii");
     }
+}
+
+/// Reads how the numbers of a ray are drawn.
+void SearchFile::read_drawing(TableReader& table) {
     if (table.has("exponents")) {
         exponents = read_range(table, "exponents");
         for (const double end : {exponents->low, exponents->high}) {
@@ -68,26 +84,31 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
                               "must be two whole numbers from -1074 to 1074, the binary exponents of its numbers");
         }
     }
+
     table.read("at_edge", at_edge);
     if (at_edge && !row_of(shape).has_edges)
         table.reject("at_edge", "needs a box, because rays are aimed at its edges; leave it out");
     if (table.has("aim")) read_aim(table);
+}
+
+/// Reads what the search looks for, and how long.
+void SearchFile::read_goal(TableReader& table) {
     table.read("metric", metric);
     table.read("seed", seed, 0, 1LL << 53);
     table.read("starts", starts, 1, 4096);
     table.read("generations", generations, 1, 65536);
+
     table.read("nearest", nearest);
     if (nearest && !is_round())
         table.reject("nearest",
                      "needs a sphere, because it minimises the distance to the centre in radii; leave it out");
+
     table.read("smallest", smallest);
     table.read("hits_only", hits_only);
     hits_only = hits_only || smallest;
     if (hits_only && nearest)
         table.reject(smallest ? "smallest" : "hits_only",
                      "cannot be combined with nearest, which is about wrong decisions; leave one out");
-    table.reject_unknown_keys();
-    file.reject_unknown_keys();
 }
 
 void SearchFile::read_aim(TableReader& table) {

@@ -70,7 +70,10 @@ public:
     [[nodiscard]] bool holds(const Ray<double>& ray, const Primitive<double>& primitive) const;
 
 private:
+    void read_ranges(toml::TableReader& table);
+    void read_drawing(toml::TableReader& table);
     void read_aim(toml::TableReader& table);
+    void read_goal(toml::TableReader& table);
 };
 
 /// A sweep file with an `[edge_search]` table.
@@ -89,7 +92,7 @@ public:
     std::int64_t rays = 1 << 20;  ///< number of rays tried for each form and each outcome
     std::int64_t census = 20000;  ///< number of rays from the whole range whose outcomes are counted for each form
 
-    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(triangle::Mesh::shape); }
+    [[nodiscard]] bool accepts(Shapes form_shapes) const { return form_shapes == Shapes(triangle::Mesh::shape); }
 };
 
 }  // namespace lostbits::scene::sweep

@@ -91,10 +91,12 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     axis.spacing = table.one_of<S>("spacing", spacings);
     axis.from = static_cast<double>(table.number("from"));
     axis.to = static_cast<double>(table.number("to"));
+
     // The axis may run downwards: an onset is the first problem in the order of the steps, and some problems are at
     // small values.
     if (axis.from == axis.to) table.fail_at("to", "equals from, which leaves nothing to sweep");
     fill_values(axis, table);
+
     const auto paths = table.strings("set");
     const auto factors = table.optional_numbers("factors", paths.size());
     const auto bases = table.optional_numbers("bases", paths.size());
@@ -173,6 +175,7 @@ void SweepFile::apply_changes(const SweepChanges& changes) {
         throw InputError(name +
                          ": --size is for the picture of a scene, but this sweep draws random rays; try "
                          "--set rays=N or --set views=N");
+
     size_ = changes.size;
     for (toml::Override change : changes.set) {
         const bool is_in_file = change.path.starts_with("axis[") || (!has_scene && change.path.starts_with("march."));
@@ -180,17 +183,25 @@ void SweepFile::apply_changes(const SweepChanges& changes) {
             changes_.push_back(std::move(change));
             continue;
         }
+
+        // A path without a table is a number of the ray distribution.
         const DistributionRow* const distribution = find_distribution(root_);
         const std::string table = std::string((distribution ? *distribution : distributions().front()).table) + '.';
         if (!is_in_file && !change.path.starts_with(table)) change.path = table + change.path;
         toml::apply_override(root_, change);
     }
-    if (changes.steps.empty()) return;
+    if (!changes.steps.empty()) apply_steps(changes);
+}
+
+/// Gives the axes other numbers of steps.
+void SweepFile::apply_steps(const SweepChanges& changes) {
+    const std::string name = root_.where.source;
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
         throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give one for all, or one for each",
                                      name, text::count_with_noun(changes.steps.size(), "number"),
                                      text::count_with_noun(axes_tables.size(), "[[axis]] table")));
+
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
             throw InputError(name +
@@ -227,6 +238,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
         toml::fail(file.where(),
                    "a sweep is over either scene = \"…\", " + distribution_tables() +
                        "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
+
     const DistributionRow* const distribution = find_distribution(root_);
     if (scene) {
         const file::SceneName name = find_scene_of(file, *scene, data_dir);
@@ -238,8 +250,10 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     } else {
         distribution->read(file.table(distribution->table));
     }
+
     if (scene) file.reject("march", "belongs in the scene file if the sweep is over a scene; write it there");
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
+
     const std::string prefix = scene ? "" : std::string(distribution->table) + '.';
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
 }
@@ -256,6 +270,7 @@ void SweepFile::check_both_ends() {
             is_placed_ = is_placed_ || primitive.placed;
             if (std::ranges::find(shapes_, primitive.shape) == shapes_.end()) shapes_.push_back(primitive.shape);
         }
+
         has_mesh_ = group.mesh != nullptr;
         if (has_mesh_ && std::ranges::find(shapes_, triangle::Mesh::shape) == shapes_.end())
             shapes_.push_back(triangle::Mesh::shape);
@@ -272,18 +287,27 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
                  target.where});
         }
     }
-    if (!scene_) {
-        toml::Node root = root_;
-        for (const toml::Override& change : changes) toml::apply_override(root, change);
-        TableReader file(root);
-        const DistributionRow* const distribution = find_distribution(root);
-        std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(seed_offset_);
-        if (auto march = file.optional_table("march")) {
-            const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
-            for (RayGroup& group : groups) group.march = constants;
-        }
-        return groups;
+
+    returnscene_ ? rays_of_scene(changes) : rays_of_distribution(changes);
+}
+
+/// Draws the rays of the ray distribution, with changes to its numbers and to the march.
+std::vector<RayGroup> SweepFile::rays_of_distribution(const std::vector<toml::Override>& changes) const {
+    toml::Node root = root_;
+    for (const toml::Override& change : changes) toml::apply_override(root, change);
+    TableReader file(root);
+    const DistributionRow* const distribution = find_distribution(root);
+    std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(seed_offset_);
+
+    if (auto march = file.optional_table("march")) {
+        const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
+        for (RayGroup& group : groups) group.march = constants;
     }
+    return groups;
+}
+
+/// Makes the rays of the scene, which is loaded again with the changes.
+std::vector<RayGroup> SweepFile::rays_of_scene(const std::vector<toml::Override>& changes) const {
     file::LoadOptions options;
     options.variant = variant_;
     options.size = size_;
@@ -291,6 +315,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     options.overrides = changes_;
     options.overrides.insert(options.overrides.end(), changes.begin(), changes.end());
     const file::Scene scene = scene_->load(options).front();
+
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
     // A form that marches needs its primitives one by one, and spheres beside triangles have no tree.
     if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);

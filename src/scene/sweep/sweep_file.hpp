@@ -63,8 +63,8 @@ public:
     std::vector<Mark> marks;
 
     /// True if a form for these shapes can run the sweep.
-    [[nodiscard]] bool meets(Shapes forms) const {
-        return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_).placed(is_placed_);
+    [[nodiscard]] bool accepts(Shapes form_shapes) const {
+        return form_shapes == Shape::sdf ? marches_ : form_shapes == Shapes(shapes_).placed(is_placed_);
     }
     /// The shapes of the sweep's primitives, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
@@ -84,9 +84,12 @@ public:
 
 private:
     void apply_changes(const SweepChanges& changes);
+    void apply_steps(const SweepChanges& changes);
     void reject_changes_of_axes(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
     void check_both_ends();
+    [[nodiscard]] std::vector<rays::RayGroup> rays_of_distribution(const std::vector<toml::Override>& changes) const;
+    [[nodiscard]] std::vector<rays::RayGroup> rays_of_scene(const std::vector<toml::Override>& changes) const;
 
     toml::Node root_;
     std::optional<file::SceneFile> scene_;

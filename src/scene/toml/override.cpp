@@ -31,6 +31,8 @@ std::vector<PathPart> parts_of_path(const Override& change) {
         if (end == i) fail_malformed("has an empty key");
         parts.push_back({false, std::string(current_table_name(std::string_view(path).substr(i, end - i))), 0, end});
         i = end;
+
+        // A key may have indices behind it, as in `sphere[0].centre[2]`.
         while (i < path.size() && path[i] == '[') {
             std::size_t index = 0;
             const auto [stop, error] = std::from_chars(path.data() + i + 1, path.data() + path.size(), index);
@@ -40,6 +42,7 @@ std::vector<PathPart> parts_of_path(const Override& change) {
             i = static_cast<std::size_t>(stop - path.data()) + 1;
             parts.push_back({true, "", index, i});
         }
+
         if (i == path.size()) return parts;
         if (path[i] != '.') fail_malformed("continues after an index without a dot");
         ++i;
@@ -53,48 +56,51 @@ std::string array_access(const Node& array, const std::string& key) {
     return "[" + std::to_string(coordinate == std::string_view::npos ? 0 : coordinate) + "]";
 }
 
+/// Returns the item of an array with the index of a path. Otherwise fails; `unknown` and `location` begin the message.
+Node& find_item(Node& node, const PathPart& part, const Override& change, const std::string& unknown,
+                const std::string& location) {
+    if (node.kind != Node::Kind::array)
+        fail(change.where, unknown + location + " is " + node.describe() + ", which has no indices; leave [...] out");
+    if (part.index >= node.items.size()) {
+        const std::string advice =
+            node.items.empty() ? "" : "; indices go from 0 to " + std::to_string(node.items.size() - 1);
+        fail(change.where, unknown + location + " is " + node.describe() + advice);
+    }
+    node.where = change.where;  // errors about the whole value now name the override
+    return node.items[part.index];
+}
+
+/// Returns the value of a key of a table. The last key of a path is added if the table lacks it.
+Node& find_or_add_value(Node& node, const PathPart& part, bool is_last, const Override& change,
+                        const std::string& unknown, const std::string& location) {
+    if (node.kind == Node::Kind::array)
+        fail(change.where,
+             unknown + location + " is " + node.describe() + "; say which: " + location + array_access(node, part.key));
+    if (node.kind != Node::Kind::table)
+        fail(change.where, unknown + location + " is " + node.describe() + ", which has no keys; end the path there");
+
+    if (Node* const value = node.find(part.key)) return *value;
+    if (!is_last) {
+        const std::string hint = text : : did_you_mean(part.key, node.keys());
+        fail(change.where, unknown + location + " has no \"" + part.key + '"' + (hint.empty() ? "" : "; " + hint));
+    }
+    node.entries.push_back({part.key, change.where, {}});
+    return node.entries.back().value;
+}
+
 }  // namespace
 
 void apply_override(Node& root, const Override& change) {
     const std::vector<PathPart> parts = parts_of_path(change);
+    const std::string unknown = "unknown path \"" + change.path + "\": ";
     Node* node = &root;
-    std::string path_so_far;  // for errors: the path to `node`
+    std::string location = "the file";  // for errors: the path to `node`
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const PathPart& part = parts[i];
         const bool is_last = i + 1 == parts.size();
-        const std::string location = path_so_far.empty() ? "the file" : path_so_far;
-        const std::string unknown = "unknown path \"" + change.path + "\": ";
-        if (part.is_index) {
-            if (node->kind != Node::Kind::array)
-                fail(change.where,
-                     unknown + location + " is " + node->describe() + ", which has no indices; leave [...] out");
-            if (part.index >= node->items.size()) {
-                const std::string advice =
-                    node->items.empty() ? "" : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
-                fail(change.where, unknown + location + " is " + node->describe() + advice);
-            }
-            node->where = change.where;  // errors about the whole value now name the override
-            node = &node->items[part.index];
-        } else {
-            if (node->kind == Node::Kind::array)
-                fail(change.where, unknown + location + " is " + node->describe() + "; say which: " + location +
-                                       array_access(*node, part.key));
-            if (node->kind != Node::Kind::table)
-                fail(change.where,
-                     unknown + location + " is " + node->describe() + ", which has no keys; end the path there");
-            Node* next = node->find(part.key);
-            if (next == nullptr && !is_last) {
-                const std::string hint = text::did_you_mean(part.key, node->keys());
-                fail(change.where,
-                     unknown + location + " has no \"" + part.key + '"' + (hint.empty() ? "" : "; " + hint));
-            }
-            if (next == nullptr) {
-                node->entries.push_back({part.key, change.where, {}});
-                next = &node->entries.back().value;
-            }
-            node = next;
-        }
-        path_so_far = change.path.substr(0, part.end);
+        node = part.is_index ? &find_item(*node, part, change, unknown, location)
+                             : &find_or_add_value(*node, part, is_last, change, unknown, location);
+        location = change.path.substr(0, part.end);
     }
     *node = change.value;
 }

@@ -45,6 +45,18 @@ bool remove_ending(std::string& text, std::string_view ending) {
 
 }  // namespace
 
+bool Exponent::read_word(std::string_view text, std::size_t& position, Term& term) {
+    using Word = Term::Word;
+    constexpr std::pair<std::string_view, Word> words[] = {{"emax", Word::emax}, {"emin", Word::emin}, {"p", Word::p}};
+    for (const auto& [name, word] : words) {
+        if (!text.substr(position).starts_with(name)) continue;
+        term.word = word;
+        position += name.size();
+        return true;
+    }
+    return false;
+}
+
 Exponent::Exponent(const Node& node) {
     const std::string text = text_without_spaces(node);
     const auto fail_malformed = [&] {
@@ -53,29 +65,33 @@ Exponent::Exponent(const Node& node) {
                  "\" is not an exponent; write a sum of whole numbers, emax, emin and p, each optionally divided by 2 "
                  "or 4, such as \"emax/2 + 1\"");
     };
+
     std::size_t position = 0;
     while (position < text.size()) {
+        // The sign, which only the first term may lack.
         Term term{1, 0, Term::Word::none, 1};
         if (text[position] == '+' || text[position] == '-') term.sign = text[position++] == '-' ? -1 : 1;
         else if (position > 0) fail_malformed();
-        const std::string_view rest = std::string_view(text).substr(position);
-        if (rest.starts_with("emax")) term.word = Term::Word::emax, position += 4;
-        else if (rest.starts_with("emin")) term.word = Term::Word::emin, position += 4;
-        else if (rest.starts_with("p")) term.word = Term::Word::p, position += 1;
-        else {
-            const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), term.number);
+
+        // A parameter of the format, or a number.
+        if (!read_word(text, position, term)) {
+            const char* const begin = text.data() + position;
+            const auto [stop, error] = std::from_chars(begin, text.data() + text.size(), term.number);
             if (error != std::errc{} || term.number < 0 || term.number > 10000) fail_malformed();
-            position += static_cast<std::size_t>(stop - rest.data());
+            position += static_cast<std::size_t>(stop - begin);
         }
-        if (text.compare(position, 2, "/2") == 0 || text.compare(position, 2, "/4") == 0)
-            term.divisor = text[position + 1] - '0', position += 2;
+
+        if (text.compare(position, 2, "/2") == 0 || text.compare(position, 2, "/4") == 0) {
+            term.divisor = text[position + 1] - '0';
+            position += 2;
+        }
         terms_.push_back(term);
     }
     constexpr std::size_t most_terms = 16;
     if (terms_.empty() || terms_.size() > most_terms) fail_malformed();
 }
 
-int Exponent::in(const FloatFormat& f) const {
+int Exponent::value_in(const FloatFormat& f) const {
     int sum = 0;
     for (const Term& t : terms_) {
         using W = Term::Word;
@@ -89,9 +105,12 @@ Quantity::Quantity(const Node& node, bool allows_special) {
     std::string text = text_without_spaces(node);
     if (remove_ending(text, "+ulp")) ulps_ = 1;
     else if (remove_ending(text, "-ulp")) ulps_ = -1;
+
     std::string_view rest = text;
     const bool has_sign = !rest.empty() && (rest.front() == '-' || rest.front() == '+');
     const bool is_negative = has_sign && rest.front() == '-';
+
+    // A word stands for a number of the format.
     constexpr std::pair<std::string_view, Word> words[] = {
         {"nan", Word::nan}, {"inf", Word::inf}, {"max", Word::max}, {"min", Word::min}, {"tiny", Word::tiny}};
     for (const auto& [name, word] : words) {
@@ -102,13 +121,14 @@ Quantity::Quantity(const Node& node, bool allows_special) {
         negative_ = is_negative;
         return;
     }
+
     const auto parsed = parse_number(rest);
     if (const auto* fault = std::get_if<NumberFault>(&parsed))
         fail(node.where, "\"" + text + "\" " + fault->why + "; or write max, min, tiny, nan or inf");
     base_ = std::get<Real>(parsed);
 }
 
-double Quantity::in(const FloatFormat& f, int exponent) const {
+double Quantity::value_in(const FloatFormat& f, int exponent) const {
     double x = 0;
     switch (word_) {
         case Word::none: x = round_to_format(base_ == 0 ? base_ : Real(ldexp(base_, exponent)), f); break;

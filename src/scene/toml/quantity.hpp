@@ -1,6 +1,7 @@
 // Reads numbers that have the same meaning in every format: "the largest", "one ulp above 3", "2 to the half of emax".
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "number/format.hpp"
@@ -15,7 +16,7 @@ public:
     Exponent() = default;
     /// Reads a whole number or a string. Throws InputError at `node` for anything else.
     explicit Exponent(const Node& node);
-    [[nodiscard]] int in(const FloatFormat& f) const;
+    [[nodiscard]] int value_in(const FloatFormat& f) const;
 
 private:
     struct Term {
@@ -23,6 +24,9 @@ private:
         enum class Word { none, emax, emin, p } word;
         int divisor;
     };
+    /// Reads a parameter of a format that is at `position`, and moves `position` past it. False if none is there.
+    static bool read_word(std::string_view text, std::size_t& position, Term& term);
+
     std::vector<Term> terms_;
 };
 
@@ -35,7 +39,7 @@ public:
     Quantity(const Node& node, bool allows_special);
     /// base·2^exponent rounded once to the format, then moved to its neighbour. `max`, `min` and `tiny` are not
     /// scaled.
-    [[nodiscard]] double in(const FloatFormat& f, int exponent) const;
+    [[nodiscard]] double value_in(const FloatFormat& f, int exponent) const;
 
 private:
     enum class Word { none, nan, inf, max, min, tiny };

@@ -30,6 +30,8 @@ public:
     [[nodiscard]] Node convert(const ::toml::node& source) const {
         Node node;
         node.where = position_of(source.source());
+
+        // Values that hold others.
         if (const auto* table = source.as_table()) {
             node.kind = Node::Kind::table;
             for (auto&& [key, value] : *table)

@@ -23,8 +23,8 @@ using namespace lostbits;
 using intersect::bounding_box::boxed_form;
 using intersect::table::Intersector;
 using measure::answer::evaluate_one;
+using measure::answer::find_lost_level;
 using measure::answer::Level;
-using measure::answer::levels_of;
 using scene::rays::round_primitive;
 using test::box_method_named;
 using test::BoxSample;
@@ -150,7 +150,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
                         evaluate_one(form(box), f32, s.ray, Primitive<double>(s.box), s.tmax).has_value();
                     REQUIRE(hit == by_box);
                     (std::isinf(s.tmax) ? found.lost : found.lost_at_end)[box] += !hit;
-                    const Level level = levels_of(row, f32, s.ray, triangle, {0, s.tmax}).lost_to;
+                    const Level level = find_lost_level(row, f32, s.ray, triangle, {0, s.tmax}).lost_to;
                     REQUIRE(level == (hit ? Level::nothing : Level::box));
                 }
             }
@@ -203,7 +203,7 @@ TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hu
             boxed_form(intersect::bounding_box::default_box_method(), form(kept.box), form("triangle.filtered"));
         for (const auto& [ray, keeps] : {std::pair(most, kept.most), std::pair(other, kept.other)}) {
             CHECK(evaluate_one(row, f32, ray, triangle, HUGE_VAL).has_value() == keeps);
-            CHECK(levels_of(row, f32, ray, triangle, {}).lost_to == (keeps ? Level::nothing : Level::box));
+            CHECK(find_lost_level(row, f32, ray, triangle, {}).lost_to == (keeps ? Level::nothing : Level::box));
         }
     }
 }
@@ -253,7 +253,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
             for (int k = -16; k <= 16; ++k) {
                 const Ray<double> ray{{box.lo.x, 0.5, -4}, {k * 0x1p-17, 0, 1}};
                 if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
-                const Level level = levels_of(asked, f32, ray, primitive, {}).lost_to;
+                const Level level = find_lost_level(asked, f32, ray, primitive, {}).lost_to;
                 const bool in_world =
                     evaluate_one(form("box.signs"), f32, ray, Primitive<double>(box), HUGE_VAL).has_value();
                 CHECK((level == Level::world_box) == !in_world);
@@ -278,7 +278,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
         const Ray<double> ray{test::stored(Vec<double>(edge - 4.0 * d), binary32), test::stored(d, binary32)};
         if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
         const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", "outward");
-        const auto levels = levels_of(asked, f32, ray, primitive, {});
+        const auto levels = find_lost_level(asked, f32, ray, primitive, {});
         REQUIRE(levels.boxes.size() == 2);
         if (levels.lost_to != Level::space) continue;
         ++by_space;
@@ -292,12 +292,12 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     const Primitive<double> bare = round_primitive(Box<double>{Vec<double>(0.25), Vec<double>(0.75)}, binary32);
     const Primitive<double> touched = moved_by(bare, 0);
     const Ray<double> along{{0.25, 0.5, -4}, {0, 0, 1}};
-    CHECK(levels_of(*row("box.ieee_minmax", "box.signs", "box.signs", "outward"), f32, along, touched, {}).lost_to ==
-          Level::form);
-    CHECK(levels_of(*row("box.signs", "box.ieee_minmax", "box.signs", "outward"), f32, along, touched, {}).lost_to ==
-          Level::box);
-    CHECK(levels_of(*row("box.signs", "box.signs", "box.ieee_minmax", "outward"), f32, along, touched, {}).lost_to ==
-          Level::world_box);
+    CHECK(find_lost_level(*row("box.ieee_minmax", "box.signs", "box.signs", "outward"), f32, along, touched, {})
+              .lost_to == Level::form);
+    CHECK(find_lost_level(*row("box.signs", "box.ieee_minmax", "box.signs", "outward"), f32, along, touched, {})
+              .lost_to == Level::box);
+    CHECK(find_lost_level(*row("box.signs", "box.signs", "box.ieee_minmax", "outward"), f32, along, touched, {})
+              .lost_to == Level::world_box);
 }
 
 TEST_CASE("one primitive for all rays and one for each ray give the same answers in every format", "[hull]") {

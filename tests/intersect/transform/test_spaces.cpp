@@ -131,7 +131,7 @@ TEST_CASE("every transform method gives the true t when nothing is rounded, rigi
             for (int i = 0; i < 40; ++i) {
                 const Asked a = draw(r, form->shape, binary32);
                 const auto truth = measure::truth::find_truth(a.ray, a.primitive);
-                const auto self = measure::answer::without_rounding(row, a.ray, Target<double>(a.primitive));
+                const auto self = measure::answer::evaluate_exactly(row, a.ray, Target<double>(a.primitive));
                 if (!truth.is_hit() || !self) continue;
                 ++hits;
                 const bool unit = row.info->direction == intersect::Direction::unit;
@@ -234,7 +234,7 @@ TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse h
                     a.primitive.placed->is_inverse = i % 3 == 2;
                     if (a.primitive.placed->is_inverse) a.ray.origin = rounded(a.ray.origin, format.parameters);
                     CAPTURE(i, format.name, a.ray.origin.x, a.ray.direction.x);
-                    const auto steps = measure::answer::steps_of(row, format, a.ray, a.primitive);
+                    const auto steps = measure::answer::measure_steps(row, format, a.ray, a.primitive);
                     if (!format.is_emulated() && steps.t.back())
                         REQUIRE(ask(row, format, a).t == std::ldexp(steps.t.back()->hi + steps.t.back()->lo,
                                                                     static_cast<int>(steps.t.back()->exponent)));

@@ -152,9 +152,9 @@ TEST_CASE("a bound over the ranges of a scene exceeds the errors of its rays and
         }
         CHECK(r.quantiles[0].error <= r.quantiles[1].error);
         CHECK(r.quantiles[1].error <= r.quantiles[2].error);
-        CHECK((r.missed_share >= 0 && r.unknown_share >= 0 && r.missed_share + r.unknown_share < 1));
+        CHECK((r.missed_fraction >= 0 && r.unknown_fraction >= 0 && r.missed_fraction + r.unknown_fraction < 1));
         // The checks above would also pass if most of the ranges had no bound.
-        CHECK(r.unknown_share < 0.5);
+        CHECK(r.unknown_fraction < 0.5);
     };
     for (const char* const form : {"sphere.schoolbook", "sphere.unified"}) check(form, "near-benign");
     const std::size_t step = test::is_long() ? 1 : 2;
@@ -200,8 +200,8 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
 TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of threads changes nothing", "[apriori]") {
     const auto scene = scene_named("near-benign");
     const RangesBound few = bound_of("sphere.unified", scene, 128), many = bound_of("sphere.unified", scene, 512);
-    CHECK(many.unknown_share < few.unknown_share);
-    CHECK(many.missed_share >= few.missed_share);
+    CHECK(many.unknown_fraction < few.unknown_fraction);
+    CHECK(many.missed_fraction >= few.missed_fraction);
     CHECK(many.quantiles[0].error <= few.quantiles[0].error);
     const RangesRequest request{
         .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
@@ -212,7 +212,7 @@ TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of 
 
 TEST_CASE("a form that uses the sign of a value that is zero without rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
-    CHECK(r.missed_share + r.unknown_share == 1);
+    CHECK(r.missed_fraction + r.unknown_fraction == 1);
     CHECK(r.errors_of_given_rays.bounded_hits == 0);
 }
 

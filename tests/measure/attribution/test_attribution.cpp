@@ -63,7 +63,7 @@ TEST_CASE("the exact value of an answer is the result of the form without roundi
     on_recorded_rays({{"f32", "f64"}, rays, 10},
                      [&](const Intersector& form, const Format&, const Setting& s, const Tape& tape) {
                          const Attribution a = measure::attribution::attribute(tape, tape.outputs.t);
-                         const auto self = measure::answer::without_rounding(form, s.ray, s.target(form));
+                         const auto self = measure::answer::evaluate_exactly(form, s.ray, s.target(form));
                          if (!self || a.loop_was_cut_short) return;
                          REQUIRE(a.exact_hit);
                          const double exact = a[tape.outputs.t].exact;

@@ -103,10 +103,10 @@ TEST_CASE("a range limit changed by rounding has a culprit among the operations,
 
 TEST_CASE("shares count rays with a culprit, and rays without rounding have none", "[culprits]") {
     const std::array<std::uint64_t, 4> counts{90, 1, 3, 6};
-    CHECK(measure::attribution::culprit_share(counts, std::array<std::size_t, 1>{2}) == 0.3);
-    CHECK(measure::attribution::culprit_share(counts, std::array<std::size_t, 3>{1, 2, 3}) == 1);
+    CHECK(measure::attribution::culprit_fraction(counts, std::array<std::size_t, 1>{2}) == 0.3);
+    CHECK(measure::attribution::culprit_fraction(counts, std::array<std::size_t, 3>{1, 2, 3}) == 1);
     CHECK(std::isnan(
-        measure::attribution::culprit_share(std::array<std::uint64_t, 2>{5, 0}, std::array<std::size_t, 1>{1})));
+        measure::attribution::culprit_fraction(std::array<std::uint64_t, 2>{5, 0}, std::array<std::size_t, 1>{1})));
 }
 
 TEST_CASE("an unknown label is refused with a suggestion, and a known one is found", "[culprits]") {

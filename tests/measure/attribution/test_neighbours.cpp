@@ -31,7 +31,7 @@ std::vector<double> numbers_of(const Ray<double>& ray) {
 double lost(const Intersector& form, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, f32);
     const auto answers = measure::answer::evaluate(form, in.format_inputs);
-    const bool hit = answers.hit[in.index] != 0, truly = ray.truth(*form.info).is_hit();
+    const bool hit = answers.hit[in.index] != 0, truly = ray.find_truth(*form.info).is_hit();
     if (hit != truly || (hit && std::isnan(answers.t[in.index]))) return 24;
     if (!hit) return 0;
     return measure::truth::lost_bits(
@@ -46,8 +46,8 @@ TEST_CASE("neighbours differ by at most an ulp per number, keep zeros and repeat
     const OneRay ray(scene, 100, 128);
     const OneRay::Inputs in = ray.inputs(form, f32);
     const std::vector<Primitive<double>> primitives{in.format_inputs.primitives[0]};
-    const auto around = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives),
-               again = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives);
+    const auto around = measure::attribution::make_neighbours(ray, in, f32.parameters, primitives),
+               again = measure::attribution::make_neighbours(ray, in, f32.parameters, primitives);
     REQUIRE(around.size() == measure::attribution::neighbour_count);
     const auto middle = numbers_of(in.format_inputs.rays[in.index]);
     std::vector<int> down(6), up(6);
@@ -82,7 +82,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         const Explanation all = measure::attribution::explain(form, f32, ray);
         if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
-        const auto around = measure::attribution::neighbours_of(
+        const auto around = measure::attribution::make_neighbours(
             ray, in, f32.parameters, {in.format_inputs.primitives[static_cast<std::size_t>(all.primitive_index)]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;

@@ -48,8 +48,8 @@ TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor 
     CHECK(fastest(all) == 4);
     CHECK(most_accurate(all) == 3);
     CHECK_FALSE(cheapest(all, {.bits = 23}));
-    CHECK(nearest(all, {.bits = 23}) == 3);
-    CHECK(measure::choose::nearest({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
+    CHECK(nearest_candidate(all, {.bits = 23}) == 3);
+    CHECK(measure::choose::nearest_candidate({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
     CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("a requirement holds at the edge of the margin and fails just beyond i
     const Scene scene = scene_named("near-benign");
     ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.schoolbook", "f32");
-    const auto margins = margins_of(request, asked, 48 * 48);
+    const auto margins = find_margins(request, asked, 48 * 48);
     REQUIRE(margins.size() == 4);
     const GrowthMargin& distance = margins[0];
     REQUIRE(distance.end == MarginEnd::fails);
@@ -176,7 +176,7 @@ TEST_CASE("a requirement holds at the edge of the margin and fails just beyond i
         const auto there = stretch(scene, Growth::distance, factor);
         ChoiceRequest there_asked = request;
         there_asked.scene = &there->scene;
-        return quality_of(there_asked).front();
+        return measure_quality(there_asked).front();
     };
     CHECK(at(distance.holding_factor).meets(request.requirement));
     CHECK_FALSE(at(distance.end_factor).meets(request.requirement));
@@ -188,7 +188,7 @@ TEST_CASE("the margin ends where two spheres that differ only in radius round to
     const TestedForm asked = row("sphere.pythagoras", "f64");
     const auto edge = [&asked](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4." + variant);
-        const auto margins = margins_of(request_of(scene, 16), asked, 4096);
+        const auto margins = find_margins(request_of(scene, 16), asked, 4096);
         const auto radius = std::ranges::find(margins, Growth::radius, &GrowthMargin::growth);
         REQUIRE(radius != margins.end());
         REQUIRE(radius->end == MarginEnd::fails);
@@ -201,7 +201,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.unified", "f64");
-    const auto margins = margins_of(request, asked, 48 * 48);
+    const auto margins = find_margins(request, asked, 48 * 48);
     const auto offset = std::ranges::find(margins, Growth::offset, &GrowthMargin::growth);
     REQUIRE(offset != margins.end());
     CHECK(offset->end == MarginEnd::other_scene);
@@ -211,13 +211,13 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     own.inputs = scene::file::Inputs::own;
     ChoiceRequest of_own = request;
     of_own.scene = &own;
-    const auto own_rooms = margins_of(of_own, asked, 24 * 24);
+    const auto own_rooms = find_margins(of_own, asked, 24 * 24);
     CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::growth)->end != MarginEnd::other_scene);
 }
 
 TEST_CASE("a requirement that fails at once has no margin") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
-    const auto margins = margins_of(request_of(scene, 20), row("sphere.schoolbook", "f32"), 1024);
+    const auto margins = find_margins(request_of(scene, 20), row("sphere.schoolbook", "f32"), 1024);
     REQUIRE_FALSE(margins.empty());
     for (const GrowthMargin& margin : margins) {
         CHECK(margin.holding_factor == 0);

@@ -86,7 +86,7 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     ChoiceRequest request =
         requirement_of(16, {test::row("sphere.schoolbook", "f32"), test::row("sphere.unified", "f64")});
     request.scene = &scene;
-    const auto expected = quality_of(request);
+    const auto expected = measure_quality(request);
     request.scene = nullptr;
     const FileTerms terms{.id = "rays", .primitives = scene::rays::shared_primitives(scene)};
     const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
@@ -154,7 +154,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
     const Scene scene = scene_of_choice("near-benign", {16, 12});
     const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12),
                                       scene::rays::shared_primitives(scene)};
-    const IdealRays ideal = ideal_of(group);
+    const IdealRays ideal = exact_rays(group);
     const measure::truth::Band here = ideal.band({});
     for (const Growth growth : {Growth::distance, Growth::radius, Growth::offset}) {
         INFO(growth_names[static_cast<std::size_t>(growth)]);
@@ -209,7 +209,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
     const TestedForm row = test::row("sphere.schoolbook", "f32");
     ChoiceRequest request = requirement_of(14, {row});
     request.rays = &rays;
-    const auto margins = margins_of(request, row);
+    const auto margins = find_margins(request, row);
     REQUIRE(margins.size() == 3);
     for (const GrowthMargin& margin : margins) {
         INFO(growth_names[static_cast<std::size_t>(margin.growth)]);
@@ -217,7 +217,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
         if (margin.end != MarginEnd::fails) continue;
         CHECK(margin.end_factor / margin.holding_factor <= 1.02);
         const auto at = [&](double factor) {
-            const auto there = stretch(ideal_of(rays.sample), margin.growth, factor);
+            const auto there = stretch(exact_rays(rays.sample), margin.growth, factor);
             return quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row, request.requirement);
         };
         CHECK(at(margin.holding_factor).meets(request.requirement));

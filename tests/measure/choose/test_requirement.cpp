@@ -66,12 +66,12 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& te
     asked.request.requirement.bits = bits;
     MetPixelsByForm meetings(asked.request, tested_forms);
     asked.request.show = meetings.show();
-    const auto quality = quality_of(asked.request);
+    const auto quality = measure_quality(asked.request);
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {
         asked.all.push_back({.tested_form = tested_forms[r], .quality = quality[r]});
         asked.all.back().time.median = prices[r];
     }
-    asked.requirement_map = requirement_map_of(asked.request, asked.all, meetings);
+    asked.requirement_map = make_requirement_map(asked.request, asked.all, meetings);
     return asked;
 }
 

@@ -100,7 +100,7 @@ TEST_CASE("a hit that truly lies before an end is proved, also exactly at the en
 
 TEST_CASE("a segment written in two ways rounds operation by operation in float", "[measure][consistency]") {
     const Vec<double> p(0.5F, -0.25F, 3.0F), q(7.3F, 2.1F, -9.7F);
-    const auto s = write_segment(p, q, *find_format("f32"), EndOfSegment::shortened);
+    const auto s = write_segment(p, q, *find_format("f32"), SegmentEnd::shortened);
     const float x = 7.3F - 0.5F, y = 2.1F + 0.25F, z = -9.7F - 3.0F;
     const float xx = x * x, yy = y * y, zz = z * z;
     const float two = xx + yy, three = two + zz;
@@ -111,7 +111,7 @@ TEST_CASE("a segment written in two ways rounds operation by operation in float"
     CHECK(s.difference_end == share);
     CHECK(s.unit_end == end);
     CHECK(s.by_unit.origin == p);
-    CHECK(write_segment(p, q, *find_format("f32"), EndOfSegment::whole).difference_end == 1);
+    CHECK(write_segment(p, q, *find_format("f32"), SegmentEnd::whole).difference_end == 1);
 }
 
 TEST_CASE("a chord from either end agrees with one worked out by hand", "[measure][consistency]") {

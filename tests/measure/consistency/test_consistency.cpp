@@ -80,7 +80,7 @@ TEST_CASE("consistency: every form agrees in packs and alone, and summaries add 
         const auto scene = load(name);
         std::vector<measure::evaluate::TestedForm> tested_forms;
         for (const Shape shape : {Shape::sphere, Shape::box}) {
-            if (!scene.meets(shape)) continue;
+            if (!scene.accepts(shape)) continue;
             for (const auto& r : test::all_rows(shape, {"f32", "f64", "bf16"})) tested_forms.push_back(r);
         }
         const auto all = run(scene, tested_forms);

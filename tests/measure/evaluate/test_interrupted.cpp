@@ -150,7 +150,8 @@ TEST_CASE("every computation stops where its own request says so") {
          }},
         {"a file of rays", [&] { open(stop); }},
         {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).primitives()); }},
-        {"choice", [&] { m::choose::quality_of({.scene = &scene, .tested_forms = tested_forms, .limit = limit}); }},
+        {"choice",
+         [&] { m::choose::measure_quality({.scene = &scene, .tested_forms = tested_forms, .limit = limit}); }},
         {"claims", [&] { m::check::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
         {"times",
          [&] {

@@ -21,7 +21,7 @@ std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& sce
                                                    std::initializer_list<const char*> formats) {
     std::vector<measure::evaluate::TestedForm> tested_forms;
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
-        if (form.shape != Shape::sdf || !scene.meets(form.shape)) continue;
+        if (form.shape != Shape::sdf || !scene.accepts(form.shape)) continue;
         for (const char* format : formats) tested_forms.push_back({&form, *find_format(format)});
     }
     return tested_forms;
@@ -114,12 +114,12 @@ TEST_CASE("refining the answer removes the model error", "[measure][march]") {
 
 TEST_CASE("mixed primitives are hit by marches and by forms that cover all of their shapes", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 8);
-    CHECK(scene.meets(Shape::sdf));
-    CHECK_FALSE(scene.meets(Shape::sphere));
-    CHECK_FALSE(scene.meets(Shape::box));
-    CHECK(scene.meets(Shapes(scene.shapes())));
+    CHECK(scene.accepts(Shape::sdf));
+    CHECK_FALSE(scene.accepts(Shape::sphere));
+    CHECK_FALSE(scene.accepts(Shape::box));
+    CHECK(scene.accepts(Shapes(scene.shapes())));
     CHECK(scene.shapes() == std::vector{Shape::sphere, Shape::box});
-    CHECK_FALSE(scene_of("near-benign", 8).meets(Shape::sdf));
+    CHECK_FALSE(scene_of("near-benign", 8).accepts(Shape::sdf));
 }
 
 TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measure][march]") {
@@ -136,7 +136,7 @@ TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measu
         if (log.hit.hit) CHECK(log.hit.t == all.t[i]);
         CHECK(static_cast<int>(log.steps.size()) == all.march[i].iterations);
         CHECK(log.stop == all.march[i].stop);
-        CHECK(one.truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
+        CHECK(one.find_truth(*form.info).is_hit() == band.truth(i, intersect::Touching::hit).is_hit());
         const Ray<double> ray = inputs.rays[i];
         const auto exact = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
         const OneRay again(scene, Ray<Real>{exact(ray.origin), exact(ray.direction)});

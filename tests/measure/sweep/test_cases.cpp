@@ -200,7 +200,7 @@ TEST_CASE("every file of extremes runs with every form and has a proved truth") 
                       s.rays);
                 invented += s.count(Outcome::false_hit);
             }
-            if (file.meets(Shape::sphere) && file.id != "scale") CHECK(any_right);
+            if (file.accepts(Shape::sphere) && file.id != "scale") CHECK(any_right);
         }
     }
     CHECK(files >= 4);

@@ -62,7 +62,7 @@ TEST_CASE("every hard ray has the measured value in its name") {
             }
         }
         CHECK(rows.size() == file.size());  // a row is named once
-        if (!file.meets(Shape::sphere)) continue;
+        if (!file.accepts(Shape::sphere)) continue;
         for (const measure::evaluate::TestedForm& r : all_rows(Shape::sphere, {"f32", "f64"})) {
             INFO(file.id << " lacks " << r.form->info->name << " in " << r.format.name);
             CHECK(rows.count(std::string(r.form->info->name) + " " + r.format.name) == 1);

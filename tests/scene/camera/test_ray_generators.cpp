@@ -129,7 +129,7 @@ TEST_CASE("ray generators give the same rays in machine floats and in emulated f
         const file::Scene scene = with_ray_generator(plain, generator);
         const rays::GeneratedRays made(scene);
         for (const FloatFormat& format : {binary32, binary64}) {
-            const rays::RayBlock native = made.in(format, 0, height);
+            const rays::RayBlock native = made.rounded_rays(format, 0, height);
             const CurrentFormat::Scope scope(format);
             const auto stored = rays::camera_numbers(scene).each(
                 [&](const Real& x) { return RoundedAny(toml::round_to_format(x, format)); });
@@ -154,7 +154,7 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
         for (const char* name : {"f32", "f64", "fp16"}) {
             CAPTURE(generator.info->name, name);
             const Format format = *find_format(name);
-            const rays::RayBlock native = made.in(format.parameters, 0, height);
+            const rays::RayBlock native = made.rounded_rays(format.parameters, 0, height);
             for (const auto& [x, y] : {std::pair(0, 0), std::pair(width - 1, 2)}) {
                 const rays::RecordedRay recorded = made.record(format, {x, y});
                 const Ray<double> one = native[static_cast<std::size_t>(y * width + x)];
@@ -179,7 +179,7 @@ TEST_CASE("generators that rotate a direction in camera space give the same rays
     const auto directions = [](const RayGenerator& generator, const std::string& eye, const std::string& look_at) {
         const file::Scene scene =
             with_ray_generator(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
-        const rays::RayBlock block = rays::GeneratedRays(scene).in(binary32, 0, height);
+        const rays::RayBlock block = rays::GeneratedRays(scene).rounded_rays(binary32, 0, height);
         return std::vector<std::vector<double>>{block.dx, block.dy, block.dz};
     };
     const std::set<std::string_view> apart{"bevy_view", "nvpro", "godot", "optix", "pbrt", "differentials", "relative"};
@@ -210,7 +210,7 @@ TEST_CASE("no ray is generated where w is 0: an infinite far plane, or z = 0 wit
                                             {"near = 2", "glm"}}) {
         const file::Scene scene =
             with_ray_generator(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_ray_generator(name));
-        const rays::RayBlock block = rays::GeneratedRays(scene).in(binary32, 0, height);
+        const rays::RayBlock block = rays::GeneratedRays(scene).rounded_rays(binary32, 0, height);
         for (std::size_t i = 0; i < block.size(); ++i) CHECK_FALSE(std::isfinite(block.dx[i]));
     }
 }

@@ -303,8 +303,8 @@ TEST_CASE("constants of a march default to the seed's values, and wrong ones are
     CHECK(s.march->hit_eps == Real("0.01"));
     CHECK(s.march->max_dist == 20);
     CHECK(s.march->max_steps == 64);
-    CHECK(s.meets(Shape::sdf));
-    CHECK(s.meets(Shape::sphere));
+    CHECK(s.accepts(Shape::sdf));
+    CHECK(s.accepts(Shape::sphere));
     const auto broken = [&](const std::string& to) { return scene_error(replaced(text, "hit_eps = 0.01", to)); };
     CHECK(broken("hit_eps = 0").find("scene.toml:14:11: march.hit_eps must be greater than 0") == 0);
     CHECK(has(broken("hit_eps = 1e-50"), "march.hit_eps must be greater than 0 when it is stored"));

@@ -143,7 +143,7 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
     const CaseFile several = loaded_cases(mixed);
     CHECK(several.shapes() == std::vector{Shape::sphere, Shape::box});
     CHECK(several.rays(0, binary32)[0].primitives.size() == 2);
-    CHECK_FALSE(several.meets(Shape::box));
+    CHECK_FALSE(several.accepts(Shape::box));
     const auto ended = loaded_cases(replaced(mixed, "direction =", "tmax = 4, direction ="));
     CHECK(ended.rays(0, binary32)[0].rays.tmax == std::vector{4.0});
 }

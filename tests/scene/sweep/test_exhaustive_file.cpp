@@ -50,8 +50,8 @@ TEST_CASE("a sweep over every float between two sets its ray and primitive to ea
     const ExhaustiveFile sweep = swept(good_sweep);
     CHECK(sweep.ranges().size() == 1);
     CHECK(sweep.floats() == (1 << 23) + (1 << 22) + 1);
-    CHECK(sweep.meets(Shape::sphere));
-    CHECK_FALSE(sweep.meets(Shape::box));
+    CHECK(sweep.accepts(Shape::sphere));
+    CHECK_FALSE(sweep.accepts(Shape::box));
     const Ray<float> ray = sweep.ray_at(0, 2.5F);
     CHECK((ray.origin.x == 0.5F && ray.origin.y == -0.25F && ray.origin.z == 2.5F));
     CHECK(std::signbit(ray.direction.y));

@@ -23,9 +23,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 const Where here{"t.toml", 3, 7};
 Node word(const std::string& text) { return Node::of_string(text, here); }
 
-int exponent(const std::string& text, const FloatFormat& f) { return Exponent(word(text)).in(f); }
+int exponent(const std::string& text, const FloatFormat& f) { return Exponent(word(text)).value_in(f); }
 double quantity(const std::string& text, const FloatFormat& f, int scale = 0) {
-    return Quantity(word(text), true).in(f, scale);
+    return Quantity(word(text), true).value_in(f, scale);
 }
 
 std::string exponent_error(const std::string& text) {
@@ -43,9 +43,9 @@ std::string ray_error(const std::string& text) {
 TEST_CASE("an exponent can be a sum of integers and properties of the format, with quotients rounded down") {
     for (const FloatFormat& f : every_format) {
         CAPTURE(f.precision, f.emax);
-        CHECK(Exponent{}.in(f) == 0);
+        CHECK(Exponent{}.value_in(f) == 0);
         CHECK(exponent("-60", f) == -60);
-        CHECK(Exponent(Node::of_integer(-60, here)).in(f) == -60);
+        CHECK(Exponent(Node::of_integer(-60, here)).value_in(f) == -60);
         CHECK(exponent("emax", f) == f.emax);
         CHECK(exponent("emin", f) == f.emin);
         CHECK(exponent("p", f) == f.precision);
@@ -112,7 +112,7 @@ TEST_CASE("a number is scaled exactly and rounded once") {
         CHECK(quantity("+0x1.8p1", f) == 3);
         CHECK(quantity("3e0", f) == 3);
     }
-    CHECK(Quantity(Node::of_integer(-3, here), false).in(binary32, -1) == -1.5);
+    CHECK(Quantity(Node::of_integer(-3, here), false).value_in(binary32, -1) == -1.5);
     CHECK(quantity("0.1", binary32) == 0.1f);
     CHECK(quantity("0.1", binary64) == 0.1);
     CHECK(quantity("0.1", bfloat16) == 0x1.9ap-4);
@@ -182,11 +182,11 @@ TEST_CASE("a wrong quantity is refused with its position, and a primitive must b
     const Scratch folder;
     const Node root = read_toml(folder.write("t.toml", "a = [nan, -inf, inf, 1e-3]\n"));
     const std::vector<Node>& items = root.find("a")->items;
-    CHECK(std::isnan(Quantity(items[0], true).in(binary32, 0)));
-    CHECK(Quantity(items[1], true).in(binary32, 0) == -infinity);
+    CHECK(std::isnan(Quantity(items[0], true).value_in(binary32, 0)));
+    CHECK(Quantity(items[1], true).value_in(binary32, 0) == -infinity);
     CHECK(error_in(folder, [&] { Quantity(items[2], false); }) ==
           "t.toml:1:17: is inf, which is allowed in rays only; write a finite number");
-    CHECK(Quantity(items[3], false).in(binary64, 0) == 1e-3);
+    CHECK(Quantity(items[3], false).value_in(binary64, 0) == 1e-3);
 }
 
 }  // namespace test_quantity
