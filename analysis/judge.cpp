@@ -41,6 +41,8 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
         return request.is_file_form(tested_form);
     });
     if (tested_forms.empty()) return selection::with_default_metrics(drawn_metrics, request.tested_forms);
+
+    // The operations of a form depend on the shapes of the primitives, and on whether matrices place them.
     scene::rays::RayGroup group;
     group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
@@ -50,6 +52,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
     for (Primitive<double>& primitive : group.primitives)
         if (has_matrices) primitive.placed = selection::placeholder_matrix();
     group.march = request.march;
+
     return metric_set.adapt_to_forms(selection::with_default_metrics(drawn_metrics, request.tested_forms),
                                      measure::evaluate::forms_of(tested_forms),
                                      [&group] { return measure::attribution::OwnedSetting(group); });
@@ -97,23 +100,28 @@ void print_results(const JudgeRequest& request, const JudgeResult& result, const
     columns.insert(columns.end(), {{"bits lost: p50", 15}, {"p99", 6}, {"max", 6}});
     for (const auto& [metric, title] : requirements) columns.push_back({title, 11});
     shell::TextTable table(std::move(columns));
+
+    using measure::contract::AnswerSource;
     const auto add_row = [&](std::string name, std::string_view format, const measure::evaluate::FormSummary& summary,
-                             bool is_file) {
+                             AnswerSource source) {
         std::vector<std::string> cells{std::move(name), std::string(format),
                                        std::to_string(summary.count(Outcome::agree_hit))};
-        if (request.mesh) add_mesh_cells(cells, summary, !is_file);
+        if (request.mesh) add_mesh_cells(cells, summary, source);
         add_wrong_cells(cells, summary);
         for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_bits_cell(summary, lost_bits, q));
         for (const auto& [metric, title] : requirements)
             cells.push_back(std::to_string(summary.categories[metric].at(1)));
         table.add(std::move(cells));
     };
+
+    // Below each row come the groups of --by.
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
-        const bool is_file = request.is_file_form(request.tested_forms[r]);
+        const auto source =
+            request.is_file_form(request.tested_forms[r]) ? AnswerSource::file : AnswerSource::intersector;
         add_row(std::string(request.tested_forms[r].form->info->name), request.tested_forms[r].format.name,
-                result.summaries[r], is_file);
+                result.summaries[r], source);
         for (const measure::evaluate::Group& group : result.groups.all())
-            add_row(fmt::format("  {} {}", group_column, group.value), "", group.summaries[r], is_file);
+            add_row(fmt::format("  {} {}", group_column, group.value), "", group.summaries[r], source);
     }
     table.print();
 }
@@ -126,6 +134,8 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
                                                                const CommonOptions& common) {
     std::vector<measure::evaluate::TestedForm> tested_forms;
     if (answers) tested_forms.push_back({answers, dump.format()});
+
+    // Without -i only the answers of the file are judged.
     if (options.forms.empty()) {
         if (!options.formats.empty())
             throw InputError(fmt::format(
@@ -140,6 +150,7 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
             "{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", options.file,
             selection::patterns_for([&can_test](Shapes s) { return selection::are_primitives(s) && can_test(s); })));
     }
+
     const auto formats =
         options.formats.empty() ? std::vector{dump.format()} : selection::select_formats(options.formats);
     auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
@@ -184,52 +195,54 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     return std::move(findings->result);
 }
 
-Exit run(const JudgeOptions& options, const CommonOptions& common) {
-    require_folder(options.out);
-    const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
-    const auto dump = selection::open_file(options, options.file, selection::shared_shape(options, scene),
-                                           options.writes_rows || !options.by.empty());
-    if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)
-        return run_mesh_judge(options, scene, *dump, common);
-    JudgeRequest request{.primitives = selection::shared_primitives(options, scene, dump->format()),
-                         .limit = {.stop = common.stop}};
-    if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
+/// Adds the primitives that all rays share to the request, with the numbers of the file's format. Returns the few that
+/// stand for all of them, see `representatives_of`.
+std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const JudgeOptions& options,
+                                              const std::optional<scene::file::Scene>& scene, Dump& dump) {
+    request.primitives = selection::shared_primitives(options, scene, dump.format());
+    if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump.format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    const std::vector<Primitive<double>> representatives =
-        scene::rays::representatives_of(request.primitives, request.mesh.get());
-    selection::put_under_matrices(*dump, representatives);
-    const Shapes shapes = selection::shapes_of_rays(dump->layout(), representatives);
-    const selection::ShapePredicate can_test = [&](Shapes forms) {
-        return forms == shapes || (forms == Shape::sdf && request.march.has_value());
-    };
-    const std::string stem = scene::toml::result_name(options.file);
-    intersect::Info contract = selection::answer_contract(options, *dump);
-    if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
-    intersect::external::require_valid_facing(contract.facing, shape, options.file);
-    if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, options.file);
-    const measure::judge::FileForm answers(stem, shape, contract);
-    if (dump->layout().has_answers()) request.file_answers_form = &answers.form();
-    request.group_column = selection::group_column(options, dump->layout());
-    request.tested_forms = select_tested_forms(options, *dump, can_test, request.file_answers_form, common);
-    if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.tested_forms, common.quiet);
+    auto representatives = scene::rays::representatives_of(request.primitives, request.mesh.get());
+    selection::put_under_matrices(dump, representatives);
+    return representatives;
+}
 
-    if (!options.against.empty()) {
-        const auto against_forms = selection::select_forms({options.against}, "--against");
-        const auto mixed_shapes = selection::several_shapes(can_test);
-        if (mixed_shapes && !(against_forms.front()->shapes() == *mixed_shapes))
-            throw InputError(fmt::format("--against {}: {}{}", options.against, options.file,
-                                         selection::forms_advice({{against_forms.front(), dump->format()}}, can_test)));
-        selection::compare_against(request.tested_forms, options.against, common.quiet);
-        if (request.file_answers_form && !request.file_form_index())
-            throw InputError(
-                fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
-                            "--answer-format",
-                            options.against, dump->format().name, options.file));
-    }
-    request.picture = dump->picture();
-    if (!options.size.empty()) request.picture = selection::parse_size(options.size);
-    const auto [width, height] = request.picture.value_or(std::pair(1, 1));
+std::unique_ptr<Dump> open_judged_file(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene) {
+    return selection::open_file(options, options.file, selection::shared_shape(options, scene),
+                                options.writes_rows || !options.by.empty());
+}
+
+/// The contract by which the answers of the file are judged. Throws InputError for one that the shape cannot have.
+intersect::Info read_contract(const JudgeOptions& options, const Dump& dump, Shapes shapes, Shape first_shape) {
+    intersect::Info contract = selection::answer_contract(options, dump);
+    if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
+    intersect::external::require_valid_facing(contract.facing, first_shape, options.file);
+    if (!shapes.are_several())
+        intersect::require_origin(contract.at_origin, contract.inside, first_shape, options.file);
+    return contract;
+}
+
+/// Compares every row with the form of --against. Throws InputError if that form does not fit the file.
+void compare_with_form(const JudgeOptions& options, const Dump& dump, const selection::ShapePredicate& can_test,
+                       JudgeRequest& request, bool quiet) {
+    const auto against_forms = selection::select_forms({options.against}, "--against");
+    const auto mixed_shapes = selection::several_shapes(can_test);
+    if (mixed_shapes && !(against_forms.front()->shapes() == *mixed_shapes))
+        throw InputError(fmt::format("--against {}: {}{}", options.against, options.file,
+                                     selection::forms_advice({{against_forms.front(), dump.format()}}, can_test)));
+    selection::compare_against(request.tested_forms, options.against, quiet);
+    // The comparison drops rows in formats that the form does not have.
+    if (request.file_answers_form && !request.file_form_index())
+        throw InputError(
+            fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
+                        "--answer-format",
+                        options.against, dump.format().name, options.file));
+}
+
+/// The size of the picture: that of --size, or of the array in the file. Throws InputError for a bad one.
+std::optional<std::pair<int, int>> select_picture_size(const JudgeOptions& options, const Dump& dump) {
+    const auto size = options.size.empty() ? dump.picture() : selection::parse_size(options.size);
+    const auto [width, height] = size.value_or(std::pair(1, 1));
     if (std::min(width, height) < 1 || std::max(width, height) > 65536)
         throw InputError(
             options.size.empty()
@@ -237,80 +250,137 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
                               "side; give the size of the picture by --size WxH",
                               options.file, width, height)
                 : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", options.size));
-    if (options.pictures == "all" && !request.picture)
+    if (options.pictures == "all" && !size)
         throw InputError("--pictures all: a list of rays is not a picture; give its columns and rows by --size WxH");
-    measure::metric::MetricSet metric_set;
+    return size;
+}
+
+/// Sets the metrics of the request. Returns those to draw.
+std::vector<const Metric*> add_metrics(JudgeRequest& request, const JudgeOptions& options, const Dump& dump,
+                                       measure::metric::MetricSet& metric_set, bool quiet) {
     auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                                  : selection::select_metrics(options.metrics, metric_set);
     drawn_metrics = selection::applicable_metrics(drawn_metrics, request.tested_forms, options.file);
     if (!options.against.empty()) selection::add_comparison_metrics(drawn_metrics);
-    selection::note_forms_without_formula(drawn_metrics, request.tested_forms, common.quiet);
+    selection::note_forms_without_formula(drawn_metrics, request.tested_forms, quiet);
+
     auto measured_metrics = drawn_metrics;
     selection::add_requirement(options, metric_set, measured_metrics);
-    request.metrics = make_metrics(measured_metrics, request, dump->layout().has_matrix(), metric_set);
+    request.metrics = make_metrics(measured_metrics, request, dump.layout().has_matrix(), metric_set);
+    // The metrics of the request are made for its forms, so these are drawn.
     for (const Metric*& m : drawn_metrics) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
-    const selection::ThreadLimit limit(common.threads);
+    return drawn_metrics;
+}
 
+RunDivision divide_judgement(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                             const CommonOptions& common) {
+    std::vector<std::filesystem::path> input_files{options.file};
+    if (scene) input_files.push_back(scene->path);
+    RunDivision run_division = divide_run(options.shard, options.out, input_files, common);
+    run_division.division.expect({"judge"});
+    return run_division;
+}
+
+output::judge::JudgeFilesOptions make_files_options(const JudgeOptions& options, const std::filesystem::path& folder,
+                                                    const std::string& id, const std::string& command) {
+    return {.folder = folder,
+            .id = id,
+            .title = "rays of " + std::filesystem::path(options.file).filename().string(),
+            .command = command,
+            .single_pictures = options.pictures == "all",
+            .writes_rows = options.writes_rows,
+            .worst_count = options.worst_count};
+}
+
+void print_judgement(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
+                     const Format& format, bool verbose) {
+    selection::note_rounded(options.file, result.rounded, format);
+    note_digits(options.file, format, result);
+    fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file, format.name);
+    print_results(request, result, options.by);
+    print_comparisons(request.tested_forms, request.metrics, result.summaries);
+    if (verbose) print_stages(*request.stages);
+}
+
+/// Prints on stderr what seems to be wrong with the answers of the file.
+void note_suspicious_answers(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
+                             const CommonOptions& common) {
+    const auto file_form = request.file_form_index();
+    if (!file_form) return;
+    note_suspicions({request.tested_forms[*file_form]}, common, [&](const measure::evaluate::TestedForm&) {
+        const std::string suspicion_text =
+            measure::contract::suspicion_text(result.first_samples, measure::contract::AnswerSource::file,
+                                              result.scaled_right_misses(result.summaries[*file_form]));
+        const bool is_whole_file = result.has_all_samples(result.summaries[*file_form]);
+        return measure::contract::name_counted_rays(options.file,
+                                                    is_whole_file ? result.rays : result.first_samples.size(),
+                                                    result.rays, "of its rays that hit or should hit", suspicion_text);
+    });
+}
+
+Exit run(const JudgeOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
+    const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
+    const auto dump = open_judged_file(options, scene);
+    if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)
+        return run_mesh_judge(options, scene, *dump, common);
+
+    JudgeRequest request{.limit = {.stop = common.stop}};
+    const auto representatives = add_primitives(request, options, scene, *dump);
+    const Shapes shapes = selection::shapes_of_rays(dump->layout(), representatives);
+    const Shape first_shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
+    const selection::ShapePredicate can_test = [&](Shapes forms) {
+        return forms == shapes || (forms == Shape::sdf && request.march.has_value());
+    };
+
+    // The rows: the answers of the file, and the forms of -i.
+    const std::string stem = scene::toml::result_name(options.file);
+    const measure::judge::FileForm answers(stem, first_shape, read_contract(options, *dump, shapes, first_shape));
+    if (dump->layout().has_answers()) request.file_answers_form = &answers.form();
+    request.group_column = selection::group_column(options, dump->layout());
+    request.tested_forms = select_tested_forms(options, *dump, can_test, request.file_answers_form, common);
+    if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.tested_forms, common.quiet);
+    if (!options.against.empty()) compare_with_form(options, *dump, can_test, request, common.quiet);
+
+    request.picture = select_picture_size(options, *dump);
+    measure::metric::MetricSet metric_set;
+    const auto drawn_metrics = add_metrics(request, options, *dump, metric_set, common.quiet);
     measure::truth::StageCounts stages;
     request.stages = &stages;
+
+    const selection::ThreadLimit limit(common.threads);
     const bool counts_bytes = dump->bytes() > 0;
     output::file::Progress progress(counts_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
     const auto advance = advance_callback(progress);
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
-    std::vector<std::filesystem::path> input_files{options.file};
-    if (scene) input_files.push_back(scene->path);
-    RunDivision run_division = divide_run(options.shard, options.out, input_files, common);
-    shard::Division& division = run_division.division;
-    division.expect({"judge"});
+
+    RunDivision run_division = divide_judgement(options, scene, common);
     const auto folder = std::filesystem::path(options.out) / stem;
-    const auto result_folder = take_folder(run_division, folder, common, text::shell_word(options.file));
-    output::judge::JudgeWriter writer(request, *dump,
-                                      {.folder = folder,
-                                       .id = stem,
-                                       .title = "rays of " + std::filesystem::path(options.file).filename().string(),
-                                       .command = common.typed_command.text(),
-                                       .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
-                                       .single_pictures = options.pictures == "all",
-                                       .writes_rows = options.writes_rows,
-                                       .worst_count = options.worst_count,
-                                       .keep_piece = shard::piece_recorder(division, "judge")});
-    const auto judgement = judge_rays(*dump, request, writer, division, [&] {
-        return selection::open_file(options, options.file, selection::shared_shape(options, scene),
-                                    options.writes_rows || !options.by.empty());
-    });
+    const auto result_folder = lock_folder(run_division, folder, common, text::shell_word(options.file));
+    output::judge::JudgeFilesOptions files_options =
+        make_files_options(options, folder, stem, common.typed_command.text());
+    if (request.picture) files_options.drawn_metrics = drawn_metrics;
+    files_options.keep_piece = shard::piece_recorder(run_division.division, "judge");
+    output::judge::JudgeWriter writer(request, *dump, std::move(files_options));
+    const auto judgement =
+        judge_rays(*dump, request, writer, run_division.division, [&] { return open_judged_file(options, scene); });
     finish_run(run_division, common);
     if (!judgement) {
         progress.finish();
         return Exit::done;
     }
-    const JudgeResult& result = *judgement;
-    const bool wrote_worst_rays = writer.finish(result);
+
+    const bool wrote_worst_rays = writer.finish(*judgement);
     complete_folder(result_folder);
     progress.finish();
-
     if (!common.quiet) {
-        selection::note_rounded(options.file, result.rounded, dump->format());
-        note_digits(options.file, dump->format(), result);
-        fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file,
-                   dump->format().name);
-        print_results(request, result, options.by);
-        print_comparisons(request.tested_forms, request.metrics, result.summaries);
-        if (common.verbose) print_stages(stages);
-        if (request.picture) print_figures(folder / "contact.png");
+        print_judgement(options, request, *judgement, dump->format(), common.verbose);
+        if (request.picture) print_figure_paths(folder / "contact.png");
         else fmt::print("{}\n", (folder / "summary.csv").string());
         if (wrote_worst_rays) fmt::print("{}\n", (folder / "worst.toml").string());
     }
-    if (const auto file_form = request.file_form_index())
-        note_suspicions({request.tested_forms[*file_form]}, common, [&](const measure::evaluate::TestedForm&) {
-            const std::string suspicion_text =
-                measure::contract::suspicion_text(result.first_samples, measure::contract::AnswerSource::file,
-                                                  result.scaled_right_misses(result.summaries[*file_form]));
-            const bool is_whole_file = result.has_all_samples(result.summaries[*file_form]);
-            return measure::contract::name_counted_rays(
-                options.file, is_whole_file ? result.rays : result.first_samples.size(), result.rays,
-                "of its rays that hit or should hit", suspicion_text);
-        });
-    return report_unproved(result.summaries.front().count(Outcome::unresolved));
+    note_suspicious_answers(options, request, *judgement, common);
+    return report_unproved(judgement->summaries.front().count(Outcome::unresolved));
 }
 
 }  // namespace
@@ -325,6 +395,8 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
              "A file of rays (CSV, .npy or raw) with columns such as ox,oy,oz,dx,dy,dz,hit,t (docs/judge.md)")
         .required();
     selection::add_ray_options(command, *options);
+
+    // What to judge, and how.
     command.add_list("-i,--form", options->forms, "Forms to run on the same rays, by name or glob");
     command.add_list("-f", options->formats, "Formats of these forms (default: the format of the file)");
     command.add("--against", options->against, "Also compare the answers with those of this form");
@@ -337,6 +409,8 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
     command.add("--tolerance", options->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
+
+    // What to write.
     command.add("--size", options->size, "Draw the rays as a picture of WxH pixels, row by row");
     selection::add_pictures(command, options->pictures);
     command.add("--rows", options->writes_rows, "Also write one row per ray, with the columns of the file");

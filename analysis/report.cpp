@@ -26,9 +26,9 @@
 
 namespace lostbits::analysis {
 
-using report::ChoiceWork;
-using report::MapWork;
-using report::SweepWork;
+using report::PlannedChoice;
+using report::PlannedMap;
+using report::PlannedSweep;
 
 using measure::check::ClaimResult;
 using measure::evaluate::TestedForm;
@@ -55,7 +55,7 @@ struct Subjects {
     std::vector<std::filesystem::path> sweeps;
 };
 
-std::vector<std::string> ids_in(const std::filesystem::path& folder) {
+std::vector<std::string> list_ids(const std::filesystem::path& folder) {
     std::vector<std::string> ids;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         if (entry.path().extension() == ".toml") ids.push_back(entry.path().stem().string());
@@ -72,8 +72,9 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
         else subjects.scenes.push_back({name});
         return;
     }
-    auto names = ids_in(data / "scenes");
-    const auto sweeps = ids_in(data / "sweeps");
+
+    auto names = list_ids(data / "scenes");
+    const auto sweeps = list_ids(data / "sweeps");
     const auto contains_name = [&name](const std::vector<std::string>& list) {
         return std::ranges::find(list, name) != list.end();
     };
@@ -95,7 +96,7 @@ Subjects select_subjects(const ReportOptions& options, const scene::check::Repor
     for (const auto& name : options.subjects) add_subject(subjects, name, data);
     if (options.all) {
         for (const auto& path : scene::file::scene_files(data)) subjects.scenes.push_back({path});
-        for (const auto& id : ids_in(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
+        for (const auto& id : list_ids(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
     } else if (options.subjects.empty()) {
         for (const auto& name : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(name, data));
         for (const auto& name : defaults.sweeps) subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
@@ -126,12 +127,12 @@ bool has_tested_form(const std::vector<TestedForm>& tested_forms, const Claim& c
                                [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
 }
 
-/// Returns the selected forms and, if `with_claims`, those of the claims about the subject. External forms come first,
-/// then the others in the order of the catalogue.
+/// Returns the selected forms and, if `includes_claims`, those of the claims about the subject. External forms come
+/// first, then the others in the order of the catalogue.
 std::vector<TestedForm> tested_forms_for(const std::string& subject, std::vector<TestedForm> tested_forms,
-                                         const std::vector<Claim>& claims, bool with_claims) {
+                                         const std::vector<Claim>& claims, bool includes_claims) {
     for (const Claim& c : claims) {
-        if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
+        if (!includes_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
         if (!has_tested_form(tested_forms, c))
             tested_forms.push_back({measure::check::tested_form_of(c).form, measure::check::tested_form_of(c).format});
     }
@@ -170,188 +171,258 @@ std::vector<TestedForm> forms_for_subject(const ReportOptions& options, std::vec
 /// The largest map, in rays, that has the culprit of each ray by default. Larger maps need `--metric culprit`.
 constexpr std::size_t small_map_rays = 4096;
 
-struct ReportWork {
+struct PlannedReport {
     measure::metric::MetricSet metric_set;  ///< owns the metrics of the maps, so it must outlive them
-    std::vector<MapWork> maps;
-    std::vector<SweepWork> sweeps;
-    std::vector<ChoiceWork> choices;
-    std::vector<report::MendWork> mends;
+    std::vector<PlannedMap> maps;
+    std::vector<PlannedSweep> sweeps;
+    std::vector<PlannedChoice> choices;
+    std::vector<report::PlannedMend> mends;
     std::vector<scene::file::Scene> offsets;
-    std::vector<report::StudyWork> studies;
+    std::vector<report::PlannedStudy> studies;
     std::vector<Claim> claims;
     std::uint64_t units = 0;
 };
 
-void plan_sweep(ReportWork& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const std::function<std::vector<TestedForm>(const selection::ShapePredicate&)>& forms_for,
-                intersect::process::StopToken stop) {
-    std::vector<TestedForm> handling_forms;
-    const auto kind = scene::sweep::sweep_kind(path);
-    // These kinds have no plots, only numbers, and take long.
-    using enum scene::sweep::SweepKind;
-    if (kind == search || kind == edge_search || kind == every_float) return;
-    if (kind == scene::sweep::SweepKind::cases)
-        handling_forms = forms_for([file = scene::sweep::CaseFile(path)](Shapes forms) { return file.accepts(forms); });
-    else
-        handling_forms = forms_for(
-            [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.accepts(forms); });
-    if (!handling_forms.empty()) work.sweeps.push_back({path, data, handling_forms});
-}
-
 /// True if the page shows a claim. With --claims, these are the claims that it names. Without it they are all claims
 /// or, if subjects are named, the claims about a subject and a form that the page shows.
-bool is_chosen(const Claim& c, const ReportOptions& options, const ReportWork& work) {
+bool is_chosen(const Claim& c, const ReportOptions& options, const PlannedReport& planned) {
     if (!options.claims.empty()) return selection::matches_any(options.claims, c.id);
     if (options.subjects.empty()) return true;
-    return std::ranges::any_of(
-               work.maps,
-               [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_tested_form(m.rows, c); }) ||
-           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
-               return is_about_sweep(c, s.path.stem()) && has_tested_form(s.rows, c);
+    return std::ranges::any_of(planned.maps,
+                               [&](const PlannedMap& m) {
+                                   return is_about_scene(c, m.scene.id) && has_tested_form(m.tested_forms, c);
+                               }) ||
+           std::ranges::any_of(planned.sweeps, [&](const PlannedSweep& s) {
+               return is_about_sweep(c, s.path.stem()) && has_tested_form(s.tested_forms, c);
            });
 }
 
 /// The tested forms to time: the forms of -i in f32 and f64.
-std::vector<TestedForm> timeable_forms(const ReportOptions& options) {
+std::vector<TestedForm> select_timeable_forms(const ReportOptions& options) {
     return selection::pair_forms_with_formats(selection::select_forms(form_patterns_of(options)),
                                               selection::select_formats({"f32", "f64"}));
 }
 
-ReportWork plan_report(const ReportOptions& options, const std::filesystem::path& data) {
-    const scene::check::ReportFile defaults = scene::check::read_report_file(data / "report.toml");
-    const Subjects subjects = select_subjects(options, defaults, data);
-    const auto claims = options.no_claims ? std::vector<Claim>{} : read_all_claims(data);
-    for (const std::string& glob : options.claims) {
+/// Throws InputError if a pattern of --claims names no claim.
+void require_known_claims(const std::vector<std::string>& patterns, const std::vector<Claim>& claims) {
+    for (const std::string& glob : patterns) {
         if (std::ranges::none_of(claims, [&glob](const Claim& c) { return selection::matches_any({glob}, c.id); }))
             throw InputError(
                 "--claims " + glob +
                 ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
     }
-    const auto formats = selection::select_formats(options.formats.empty() ? defaults.formats : options.formats);
-    const auto selected_forms = selection::pair_forms_with_formats(
-        selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats);
-    ReportWork work;
-    const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, work.metric_set);
-    for (const scene::file::SceneName& name : subjects.scenes) {
-        scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
-        if (!options.size.empty()) load_options.size = selection::parse_size(options.size);
-        for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
-            auto handling_forms =
-                forms_for_subject(options, tested_forms_for(scene.id, selected_forms, claims, options.forms.empty()),
-                                  formats, scene.id, [&scene](Shapes forms) { return scene.accepts(forms); });
-            if (handling_forms.empty()) continue;
-            std::vector<const Metric*> metrics = extra_metrics;
-            for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
-                metrics.push_back(measure::metric::find_metric(metric));
-            if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
-            auto form_metrics = work.metric_set.adapt_to_forms(
-                selection::with_default_metrics(metrics, handling_forms), measure::evaluate::forms_of(handling_forms),
-                [&scene] { return measure::attribution::OwnedSetting(scene); });
-            // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
-            std::erase_if(form_metrics, [&](const Metric* m) {
-                return m->name == "residual" && std::ranges::find(extra_metrics, m) == extra_metrics.end();
-            });
-            work.units += scene.pixels() * handling_forms.size();
-            std::string scene_arguments = selection::name_of_scene(scene, data),
-                        name_in_claims = selection::scene_name_in_claims(scene, data);
-            if (!options.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
-            work.maps.push_back({std::move(scene), std::move(handling_forms), std::move(form_metrics),
-                                 options.size.empty(), std::move(scene_arguments), std::move(name_in_claims)});
-        }
+}
+
+/// The forms, formats and claims of a report, from which each of its subjects takes those that fit.
+struct ReportForms {
+    const ReportOptions& options;
+    std::vector<Format> formats;
+    std::vector<TestedForm> selected_forms;
+    const std::vector<Claim>& claims;
+
+    /// The forms for a subject of this name, see `forms_for_subject`, with those of the claims about it.
+    [[nodiscard]] std::vector<TestedForm> select_for(const std::string& subject,
+                                                     const selection::ShapePredicate& can_test) const {
+        return forms_for_subject(options, tested_forms_for(subject, selected_forms, claims, options.forms.empty()),
+                                 formats, subject, can_test);
     }
-    for (const auto& path : subjects.sweeps) {
-        const std::string id = path.stem().string();
-        const auto forms_for = [&](const selection::ShapePredicate& can_test) {
-            return forms_for_subject(options, tested_forms_for(id, selected_forms, claims, options.forms.empty()),
-                                     formats, id, can_test);
-        };
-        plan_sweep(work, path, data, forms_for, options.stop);
+};
+
+/// The metrics of the map of a scene, made for these forms.
+std::vector<const Metric*> select_map_metrics(const scene::file::Scene& scene,
+                                              const std::vector<TestedForm>& tested_forms,
+                                              const std::vector<const Metric*>& extra_metrics,
+                                              measure::metric::MetricSet& metric_set) {
+    std::vector<const Metric*> metrics = extra_metrics;
+    for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
+        metrics.push_back(measure::metric::find_metric(metric));
+    if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
+    auto form_metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, tested_forms),
+                                                  measure::evaluate::forms_of(tested_forms),
+                                                  [&scene] { return measure::attribution::OwnedSetting(scene); });
+    // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
+    std::erase_if(form_metrics, [&](const Metric* m) {
+        return m->name == "residual" && std::ranges::find(extra_metrics, m) == extra_metrics.end();
+    });
+    return form_metrics;
+}
+
+/// Plans a map of each variant of the scene that some form can test.
+void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const ReportForms& forms,
+               const std::vector<const Metric*>& extra_metrics, const std::filesystem::path& data) {
+    const ReportOptions& options = forms.options;
+    scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
+    if (!options.size.empty()) load_options.size = selection::parse_size(options.size);
+    for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
+        auto handling_forms = forms.select_for(scene.id, [&scene](Shapes shapes) { return scene.meets(shapes); });
+        if (handling_forms.empty()) continue;
+        auto metrics = select_map_metrics(scene, handling_forms, extra_metrics, planned.metric_set);
+        planned.units += scene.pixels() * handling_forms.size();
+
+        // The names of the scene in later commands and in claims.
+        std::string scene_arguments = selection::name_of_scene(scene, data);
+        std::string name_in_claims = selection::scene_name_in_claims(scene, data);
+        if (!options.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
+        planned.maps.push_back({std::move(scene), std::move(handling_forms), std::move(metrics), options.size.empty(),
+                                std::move(scene_arguments), std::move(name_in_claims)});
     }
-    for (SweepWork& sweep : work.sweeps) sweep.further_draws = options.seeds;
+}
+
+/// Plans a sweep along axes or a file of cases that some form can test.
+void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const std::filesystem::path& data,
+                const ReportForms& forms) {
+    const auto kind = scene::sweep::sweep_kind(path);
+    // These kinds have no plots, only numbers, and take long.
+    using enum scene::sweep::SweepKind;
+    if (kind == search || kind == edge_search || kind == every_float) return;
+
+    const std::string id = path.stem().string();
+    std::vector<TestedForm> handling_forms;
+    if (kind == scene::sweep::SweepKind::cases)
+        handling_forms =
+            forms.select_for(id, [file = scene::sweep::CaseFile(path)](Shapes shapes) { return file.meets(shapes); });
+    else
+        handling_forms = forms.select_for(id, [sweep = scene::sweep::SweepFile(path, data, {}, forms.options.stop)](
+                                                  Shapes shapes) { return sweep.meets(shapes); });
+    if (!handling_forms.empty()) planned.sweeps.push_back({path, data, handling_forms, forms.options.seeds});
+}
+
+/// Plans the sections that options ask for: choices, repairs, offsets and studies. Repairs and offsets have defaults
+/// where no subject is named.
+void plan_requested_sections(PlannedReport& planned, const ReportOptions& options,
+                             const scene::check::ReportFile& defaults, const std::filesystem::path& data) {
     for (const std::string& text : options.choices) {
-        auto timed = timeable_forms(options);
-        work.choices.push_back(
+        auto timed = select_timeable_forms(options);
+        planned.choices.push_back(
             report::parse_choice(text, options.size, {timed, form_patterns_of(options), true}, data, options.stop));
     }
     for (const std::string& text : options.mends.empty() && options.subjects.empty() ? defaults.mends : options.mends)
-        work.mends.push_back(report::parse_mend(text, options.size, data, options.stop));
-    work.offsets =
-        report::offset_scenes(options.offsets.empty() && options.subjects.empty() ? defaults.offsets : options.offsets,
-                              options.size, data, options.stop);
+        planned.mends.push_back(report::parse_mend(text, options.size, data, options.stop));
+    planned.offsets = report::load_offset_scenes(
+        options.offsets.empty() && options.subjects.empty() ? defaults.offsets : options.offsets, options.size, data,
+        options.stop);
     for (const std::string& text : options.studies)
-        work.studies.push_back(report::parse_study(text, options.size, data, options.stop));
-    for (const Claim& c : claims) {
-        if (is_chosen(c, options, work)) work.claims.push_back(c);
-    }
-    if (work.maps.empty() && work.sweeps.empty())
+        planned.studies.push_back(report::parse_study(text, options.size, data, options.stop));
+}
+
+/// Throws NothingSelected for a report without maps and sweeps, and InputError for a scene that is given twice.
+void check_subjects(const PlannedReport& planned) {
+    if (planned.maps.empty() && planned.sweeps.empty())
         throw NothingSelected(
             "report: no selected form handles any of the selected scenes and sweeps; leave out -i, or name forms for "
             "their shapes");
     std::set<std::string> ids;
-    for (const MapWork& m : work.maps) {
-        if (!ids.insert(m.scene.id).second)
+    for (const PlannedMap& map : planned.maps) {
+        if (!ids.insert(map.scene.id).second)
             throw InputError(
-                fmt::format("scene \"{}\" is given twice, but a page shows it once; leave one out", m.scene.id));
+                fmt::format("scene \"{}\" is given twice, but a page shows it once; leave one out", map.scene.id));
     }
-    return work;
+}
+
+PlannedReport plan_report(const ReportOptions& options, const std::filesystem::path& data) {
+    const scene::check::ReportFile defaults = scene::check::read_report_file(data / "report.toml");
+    const Subjects subjects = select_subjects(options, defaults, data);
+    const auto claims = options.no_claims ? std::vector<Claim>{} : read_all_claims(data);
+    require_known_claims(options.claims, claims);
+    const auto formats = selection::select_formats(options.formats.empty() ? defaults.formats : options.formats);
+    const ReportForms forms{
+        options, formats,
+        selection::pair_forms_with_formats(
+            selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats),
+        claims};
+
+    PlannedReport planned;
+    const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, planned.metric_set);
+    for (const scene::file::SceneName& name : subjects.scenes) plan_maps(planned, name, forms, extra_metrics, data);
+    for (const auto& path : subjects.sweeps) plan_sweep(planned, path, data, forms);
+    plan_requested_sections(planned, options, defaults, data);
+    for (const Claim& c : claims) {
+        if (is_chosen(c, options, planned)) planned.claims.push_back(c);
+    }
+    check_subjects(planned);
+    return planned;
+}
+
+/// Prints which forms of -i no map and no sweep of the report shows.
+void note_forms_not_shown(const PlannedReport& planned, const ReportOptions& options, bool quiet) {
+    std::vector<TestedForm> shown_rows;
+    for (const PlannedMap& map : planned.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
+    for (const PlannedSweep& sweep : planned.sweeps)
+        shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
+    selection::note_unmeasured(options.forms, shown_rows, quiet);
+}
+
+// Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten sweeps.
+constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
+
+/// Measures the maps, sweeps and claims. Returns the number of rays of the maps without a proved truth.
+std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& planned, const ReportOptions& options,
+                               const std::filesystem::path& data, const std::function<void(std::uint64_t)>& advance) {
+    std::uint64_t unresolved = 0;
+    for (PlannedMap& map : planned.maps) {
+        report.maps.push_back(measure_map_part(map, planned.metric_set, advance, options.stop));
+        unresolved += map.unresolved;
+    }
+    for (const PlannedSweep& sweep : planned.sweeps) {
+        report.sweeps.push_back(measure_sweep_part(sweep, options.stop));
+        advance(sweep_units);
+    }
+    const study::StudiesByName studies;
+    if (!planned.claims.empty())
+        report.results = measure::check::measure_claims(
+            planned.claims,
+            {.data_dir = data, .stop = options.stop, .further_draws = options.seeds, .studies = &studies});
+    return unresolved;
+}
+
+/// Measures speed and accuracy of the forms of -i, shape by shape.
+void measure_trades(output::report::Report& report, const ReportOptions& options) {
+    for (const ShapeRow& primitive : shape_rows) {
+        const Shape shape = primitive.shape;
+        const auto rows = selection::filter_tested_forms(select_timeable_forms(options),
+                                                         [shape](Shapes forms) { return forms == shape; });
+        if (!rows.empty()) report.trades.push_back(report::measure_trade_part(shape, rows, options.stop));
+    }
+}
+
+/// Measures the sections that options ask for.
+void measure_requested_sections(output::report::Report& report, const PlannedReport& planned,
+                                const ReportOptions& options) {
+    for (const report::PlannedStudy& planned_study : planned.studies)
+        report.studies.push_back(measure_study_part(planned_study, options.forms, options.formats, options.stop));
+    for (const scene::file::Scene& scene : planned.offsets) {
+        if (auto part = report::measure_offset_part(scene, options.stop)) report.offsets.push_back(std::move(*part));
+    }
+    if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
+    for (const PlannedChoice& choice : planned.choices)
+        report.choices.push_back(measure_choice_part(choice, options.stop));
+    for (const report::PlannedMend& mend : planned.mends) report.mends.push_back(measure_mend_part(mend, options.stop));
+    if (options.trade) measure_trades(report, options);
 }
 
 Exit run(const ReportOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto data = selection::data_folder(common.data);
-    ReportWork work = plan_report(options, data);
-    std::vector<TestedForm> shown_rows;
-    for (const MapWork& map : work.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
-    for (const SweepWork& sweep : work.sweeps)
-        shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
-    selection::note_unmeasured(options.forms, shown_rows, common.quiet);
+    PlannedReport planned = plan_report(options, data);
+    note_forms_not_shown(planned, options, common.quiet);
+
     const selection::ThreadLimit limit(common.threads);
-    const auto folder = take_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});
+    const auto folder = lock_folder(options.out, common, common.typed_command.all_subjects(), {.is_shared = true});
     output::file::AtomicFile file(std::filesystem::path(options.out) / "index.html");
-    // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten
-    // sweeps.
-    constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
     output::file::Progress progress(
-        work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
+        planned.units + sweep_units * planned.sweeps.size() + (planned.claims.empty() ? 0 : claims_units), "report",
         common.progress, common.quiet);
-    const auto advance = advance_callback(progress);
     output::report::Report report{.command = common.typed_command.text() + " -o out",
                                   .maps = {},
                                   .sweeps = {},
                                   .trades = {},
-                                  .claims = work.claims,
+                                  .claims = planned.claims,
                                   .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
-    std::uint64_t unresolved = 0;
-    for (MapWork& map : work.maps) {
-        report.maps.push_back(map_part(map, work.metric_set, advance, common.stop));
-        unresolved += map.unresolved;
-    }
-    for (const SweepWork& sweep : work.sweeps) {
-        report.sweeps.push_back(sweep_part(sweep, common.stop));
-        advance(sweep_units);
-    }
-    const study::StudiesByName studies;
-    if (!work.claims.empty())
-        report.results = measure::check::measure_claims(
-            work.claims, {.data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies});
-    for (const report::StudyWork& study_work : work.studies)
-        report.studies.push_back(study_part(study_work, options.forms, options.formats, common.stop));
-    for (const scene::file::Scene& scene : work.offsets) {
-        if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
-    }
-    if (options.trade || !work.choices.empty()) report.processor = measure::trade::processor_name();
-    for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
-    for (const report::MendWork& mend : work.mends) report.mends.push_back(mend_part(mend, common.stop));
-    if (options.trade) {
-        for (const ShapeRow& primitive : shape_rows) {
-            const Shape shape = primitive.shape;
-            const auto rows = selection::filter_tested_forms(timeable_forms(options),
-                                                             [shape](Shapes forms) { return forms == shape; });
-            if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, common.stop));
-        }
-    }
+    const std::uint64_t unresolved = measure_subjects(report, planned, options, data, advance_callback(progress));
+    measure_requested_sections(report, planned, options);
     progress.finish();
+
     file.write(output::report::page(report));
     file.commit();
     complete_folder(folder);
@@ -380,6 +451,8 @@ void add_report(const shell::Command& program, const CommonOptions& common) {
     command.add_list("--metric", options->metrics, "Metrics in addition to the default ones; globs");
     command.add("--size", options->size, "Picture size, WxH in pixels (default: each scene's)");
     command.add_list("--claims", options->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+
+    // Sections of the page.
     command.add("--seeds", options->seeds,
                 "Measure claims and onsets of random rays on this many further draws too (default: 2)",
                 shell::whole_number_between(0, 1000));
@@ -401,6 +474,7 @@ void add_report(const shell::Command& program, const CommonOptions& common) {
         "--study", options->studies,
         "Also show a study of a scene: STUDY:SCENE, such as consistency:near-benign (with the forms of -i, or the "
         "study's usual ones)");
+
     selection::add_out(command, options->out, "index.html");
     command.set_action([options, &common] {
         options->quiet = common.quiet;  // known once the command line is read

@@ -57,6 +57,8 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
+
+    // Each form is judged by every convention of the file.
     for (TestedForm tested_form : rows) {
         for (const auto& convention : file.conventions) {
             tested_form.touching = convention;
@@ -64,17 +66,34 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
         }
     }
     if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, rows);
+
     const auto folder = chosen.folder_of(file.id);
-    const auto result_folder = chosen.take_sweep_folder(file.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(file.id, path);
     std::optional<output::sweep::CaseFiles> files;
     if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
     const auto units = request.share.unit_range(file.size()).size() * request.tested_forms.size();
     const auto case_results = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!case_results) return;
+
     files->finish(*case_results);
     complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
+}
+
+/// Prints on stderr which forms seem to have another contract than they state, by the rays of the first step.
+void note_suspicions_at_start(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& tested_forms,
+                              const CommonOptions& common) {
+    note_suspicions(tested_forms, common, [&sweep](const TestedForm& tested_form) {
+        std::vector<double> first_values;
+        std::string position;
+        for (const scene::sweep::Axis& axis : sweep.axes) {
+            first_values.push_back(axis.values.front());
+            position += fmt::format("{}{} = {}", position.empty() ? " at " : ", ", axis.name, first_values.back());
+        }
+        return measure::contract::suspicion_text(sweep.rays(first_values), tested_form,
+                                                 sweep.id + position + ", the first step");
+    });
 }
 
 void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
@@ -88,33 +107,56 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     selection::note_forms_without_formula(chosen.extra_metrics, request.tested_forms, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.tested_forms, common.stop);
+
     const auto folder = chosen.folder_of(sweep.id);
-    const auto result_folder = chosen.take_sweep_folder(sweep.id, path);
+    const auto result_folder = chosen.lock_sweep_folder(sweep.id, path);
     const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
     const auto units = measure::sweep::sweep_units(request) / request.share.count;
     const auto measured_sweep = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!measured_sweep) return;
+
     const auto& [steps, onsets] = *measured_sweep;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.options.pictures == "all");
     files->finish(steps, onsets);
     complete_folder(result_folder);
-    note_suspicions(request.tested_forms, common, [&sweep](const measure::evaluate::TestedForm& tested_form) {
-        std::vector<double> first_values;
-        std::string position;
-        for (const scene::sweep::Axis& axis : sweep.axes) {
-            first_values.push_back(axis.values.front());
-            position += fmt::format("{}{} = {}", position.empty() ? " at " : ", ", axis.name, first_values.back());
-        }
-        return measure::contract::suspicion_text(sweep.rays(first_values), tested_form,
-                                                 sweep.id + position + ", the first step");
-    });
+    note_suspicions_at_start(sweep, request.tested_forms, common);
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());
     if (common.verbose && !onsets.empty()) print_onsets(request, onsets);
 }
 
 using selection::ShapePredicate;
+
+/// Throws InputError for options that a sweep along axes does not take.
+void check_axes_options(const scene::sweep::SweepFile& sweep, const SweepOptions& options) {
+    const char* const no_seeds_reason = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
+                                        : sweep.axes.size() != 1
+                                            ? "has two axes; more seeds repeat the onset of a sweep along one axis"
+                                            : nullptr;
+    if (no_seeds_reason != nullptr && options.seeds.value_or(0) > 0)
+        throw InputError(
+            fmt::format("--seeds {}: {} {}; leave out --seeds", *options.seeds, sweep.id, no_seeds_reason));
+    if (options.pictures == "all" && sweep.axes.size() != 2)
+        throw InputError(fmt::format(
+            "--pictures all: {} has one axis, and each plot shows all forms; leave out --pictures", sweep.id));
+}
+
+/// Throws InputError if the metric of a search is unknown, or if none of its values is the largest.
+void require_search_metric(const std::filesystem::path& path, const std::string& name) {
+    measure::metric::MetricSet metric_set;
+    const measure::metric::Metric* const metric = metric_set.find(name);
+    if (metric == nullptr) {
+        std::vector<std::string> names;
+        for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
+        throw InputError(path.string() + ":1:1: search.metric is \"" + name + "\", which is not a metric; " +
+                         text::did_you_mean(name, names));
+    }
+    if (metric->depends_on_forms)
+        throw InputError(path.string() + ":1:1: search.metric is \"" + name +
+                         "\", whose values are names of operations, so none of them is the largest; try cancellation, "
+                         "or contribution:LABEL");
+}
 
 /// Checks the file and the options. Returns a function that tells which forms can test the file. Throws InputError.
 ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& options,
@@ -129,6 +171,8 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
         throw InputError(path.string() +
                          ":1:1: this file has a table for a search, which only --worst uses; add --worst");
     selection::check_changes(options, kind, path.stem().string());
+
+    // Each kind has its own file, which is read here for its errors too.
     const auto accepts_only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.accepts(forms); };
     if (kind == K::every_float) return accepts_only(scene::sweep::ExhaustiveFile(path, data, stop).primitive.shape);
@@ -137,30 +181,11 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
                    Shapes forms) { return file.accepts(forms); };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(options), stop);
-        const char* const reason = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
-                                   : sweep.axes.size() != 1
-                                       ? "has two axes; more seeds repeat the onset of a sweep along one axis"
-                                       : nullptr;
-        if (reason != nullptr && options.seeds.value_or(0) > 0)
-            throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *options.seeds, sweep.id, reason));
-        if (options.pictures == "all" && sweep.axes.size() != 2)
-            throw InputError(fmt::format(
-                "--pictures all: {} has one axis, and each plot shows all forms; leave out --pictures", sweep.id));
+        check_axes_options(sweep, options);
         return [sweep](Shapes forms) { return sweep.accepts(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(options).set);
-    measure::metric::MetricSet metric_set;
-    const measure::metric::Metric* const metric = metric_set.find(search.metric);
-    if (metric == nullptr) {
-        std::vector<std::string> names;
-        for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which is not a metric; " +
-                         text::did_you_mean(search.metric, names));
-    }
-    if (metric->depends_on_forms)
-        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
-                         "\", whose values are names of operations, so none of them is the largest; try cancellation, "
-                         "or contribution:LABEL");
+    require_search_metric(path, search.metric);
     return accepts_only(search.shape);
 }
 
@@ -172,37 +197,37 @@ void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
         if (!has_stopped_run || run->was_stopped()) run->resume();
 }
 
-Exit run(SweepOptions options, const CommonOptions& common) {
-    measure::metric::MetricSet metric_set;
-    RunDivision run_division;
+/// A sweep of the run: its file, and the forms that can test it.
+struct PlannedSweepFile {
+    std::filesystem::path path;
+    SweepKind kind;
+    ShapePredicate can_test;
+};
+
+/// Selects the forms and metrics of the run.
+void select_forms_and_metrics(SweepSelection& chosen) {
+    const SweepOptions& options = chosen.options;
     const std::vector<std::string> default_formats{"f32", "f64"};
-    SweepSelection chosen{selection::pair_forms_with_formats(
-                              selection::select_forms(options.forms),
-                              selection::select_formats(options.formats.empty() ? default_formats : options.formats)),
-                          {},
-                          metric_set,
-                          run_division,
-                          options,
-                          common};
-    if (!options.against.empty()) selection::compare_against(chosen.rows, options.against, common.quiet);
-    // The plots of a sweep have the envelope, which is the error that the problem itself costs.
-    if (!options.metrics.empty()) chosen.extra_metrics = selection::select_metrics(options.metrics, metric_set);
+    chosen.rows = selection::pair_forms_with_formats(
+        selection::select_forms(options.forms),
+        selection::select_formats(options.formats.empty() ? default_formats : options.formats));
+    if (!options.against.empty()) selection::compare_against(chosen.rows, options.against, chosen.common.quiet);
+
+    if (!options.metrics.empty()) chosen.extra_metrics = selection::select_metrics(options.metrics, chosen.metric_set);
     if (!options.against.empty()) selection::add_comparison_metrics(chosen.extra_metrics);
+    // The plots of a sweep have the envelope, which is the error that the problem itself costs.
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.extra_metrics.push_back(measure::metric::find_metric(name));
-    require_folder(options.out);
-    const auto data = selection::data_folder(common.data);
-    // Reads every file before the work starts, so that bad input leaves no results behind.
-    struct Sweep {
-        std::filesystem::path path;
-        SweepKind kind;
-        ShapePredicate can_test;
-    };
-    std::vector<Sweep> sweeps;
+}
+
+/// Reads every file before the work starts, so that bad input leaves no results behind.
+std::vector<PlannedSweepFile> plan_sweeps(const SweepOptions& options, const std::filesystem::path& data,
+                                          intersect::process::StopToken stop) {
+    std::vector<PlannedSweepFile> sweeps;
     for (const std::string& name : options.sweeps) {
         const auto path = scene::sweep::find_sweep(name, data);
         const auto kind = scene::sweep::sweep_kind(path);
-        for (const Sweep& other : sweeps) {
+        for (const PlannedSweepFile& other : sweeps) {
             if (other.path.stem() == path.stem())
                 throw InputError(
                     name + ": sweep \"" + path.stem().string() +
@@ -212,39 +237,68 @@ Exit run(SweepOptions options, const CommonOptions& common) {
             throw InputError(
                 "--resume: " + path.stem().string() +
                 " is not a sweep over every float, and other sweeps cannot be resumed; leave out --resume");
-        sweeps.push_back({path, kind, check_file(path, kind, options, data, common.stop)});
+        sweeps.push_back({path, kind, check_file(path, kind, options, data, stop)});
     }
+    return sweeps;
+}
+
+/// Drops the sweeps that no form can test, and prints what is left out.
+void drop_untestable(std::vector<PlannedSweepFile>& sweeps, SweepSelection& chosen) {
     const auto handling_forms = selection::drop_unhandled(
-        sweeps, {chosen.rows, options.forms, common.quiet},
-        [](const Sweep& s, Shapes forms) { return s.can_test(forms); },
-        [](const Sweep& s) { return s.path.stem().string(); });
-    selection::note_unmeasured(options.forms, handling_forms, common.quiet);
+        sweeps, {chosen.rows, chosen.options.forms, chosen.common.quiet},
+        [](const PlannedSweepFile& s, Shapes forms) { return s.can_test(forms); },
+        [](const PlannedSweepFile& s) { return s.path.stem().string(); });
+    selection::note_unmeasured(chosen.options.forms, handling_forms, chosen.common.quiet);
+}
+
+RunDivision divide_sweeps(const std::vector<PlannedSweepFile>& sweeps, const SweepOptions& options,
+                          const std::filesystem::path& data, const CommonOptions& common) {
     std::vector<std::filesystem::path> files;
-    for (const Sweep& sweep : sweeps)
-        std::ranges::move(selection::files_of(sweep.path, sweep.kind, options, data, common.stop),
-                          std::back_inserter(files));
-    run_division = divide_run(options.shard, options.out, files, common, options.resume);
     std::vector<std::string> jobs;
-    for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
+    for (const PlannedSweepFile& sweep : sweeps) {
+        std::ranges::move(selection::list_input_files(sweep.path, sweep.kind, options, data, common.stop),
+                          std::back_inserter(files));
+        jobs.push_back("sweep " + sweep.path.stem().string());
+    }
+    RunDivision run_division = divide_run(options.shard, options.out, files, common, options.resume);
     run_division.division.expect(jobs);
+    return run_division;
+}
+
+/// Runs a sweep of any kind but every float.
+void run_sweep(const PlannedSweepFile& sweep, const SweepSelection& chosen) {
+    try {
+        if (sweep.kind == SweepKind::cases) run_case_file(sweep.path, chosen);
+        else if (sweep.kind == SweepKind::axes) run_axes(sweep.path, chosen);
+        else if (sweep.kind == SweepKind::search) run_search(sweep.path, chosen);
+        else if (sweep.kind == SweepKind::edge_search) run_edge_search(sweep.path, chosen);
+    } catch (const Interrupted&) {
+        throw Error(Exit::interrupted, selection::interrupted_text(sweep.kind, sweep.path.stem().string()));
+    }
+}
+
+Exit run(SweepOptions options, const CommonOptions& common) {
+    measure::metric::MetricSet metric_set;
+    RunDivision run_division;
+    SweepSelection chosen{{}, {}, metric_set, run_division, options, common};
+    select_forms_and_metrics(chosen);
+    require_folder(options.out);
+    const auto data = selection::data_folder(common.data);
+    auto sweeps = plan_sweeps(options, data, common.stop);
+    drop_untestable(sweeps, chosen);
+    run_division = divide_sweeps(sweeps, options, data, common);
     options.out = run_division.out.string();
+
+    // Sweeps over every float can be resumed, and run after the others.
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive_runs;
-    for (const Sweep& sweep : sweeps) {
+    for (const PlannedSweepFile& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive_runs.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen));
     }
     if (options.resume) resume_stopped(exhaustive_runs);
+
     const selection::ThreadLimit limit(common.threads);
-    for (const auto& [path, kind, can_test] : sweeps) {
-        try {
-            if (kind == SweepKind::cases) run_case_file(path, chosen);
-            else if (kind == SweepKind::axes) run_axes(path, chosen);
-            else if (kind == SweepKind::search) run_search(path, chosen);
-            else if (kind == SweepKind::edge_search) run_edge_search(path, chosen);
-        } catch (const Interrupted&) {
-            throw Error(Exit::interrupted, selection::interrupted_text(kind, path.stem().string()));
-        }
-    }
+    for (const PlannedSweepFile& sweep : sweeps) run_sweep(sweep, chosen);
     std::uint64_t unproved = 0;
     for (const auto& run : exhaustive_runs) unproved += run->run(exhaustive_runs.size() > 1);
     finish_run(run_division, common);
@@ -265,12 +319,15 @@ void add_sweep(const shell::Command& program, const CommonOptions& common) {
         "-f,--format", options->formats,
         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for sweeps over every float)");
     command.add_list("--metric", options->metrics, "Also measure these metrics, by name or glob");
+
+    // Changes of the sweep.
     command.add("--seeds", options->seeds, "Also find the onsets on this many further draws of the rays (default: 2)",
                 shell::whole_number_between(0, 1000));
     command.add("--size", options->size,
                 "Picture size of the sweep's scene, WxH; each step has one ray per pixel (default: the scene's)");
     command.add("--steps", options->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
     command.add_set(options->set, "Change a number of the sweep first: views=64, axis[0].to=100, march.hit_eps=1e-6");
+
     command.add("--worst", options->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command.add("--resume", options->resume, "Continue a stopped sweep over every float");
     command.add("--against", options->against, "Also compare every form with this form");

@@ -128,7 +128,7 @@ BoxedInputs record_boxed_inputs(const Format& format, const Ray<double>& ray, co
     return inputs;
 }
 
-/// Records the box form, then the form. `record_form(row, target, tape)` records one of them.
+/// Records the box form, then the form. `record_form(form, target, tape)` records one of them.
 template <class RecordRow>
 void record_with(const BoxedFormParts& form_parts, const Format& format, const Ray<double>& ray,
                  const Target<double>& target, double tmax, Tape& tape, const RecordRow& record_form) {

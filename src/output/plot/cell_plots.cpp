@@ -61,65 +61,103 @@ void draw_cell(Canvas& page, int x, int y, int cell_width, const MatrixCell& cel
               ink_on(cell.colour));
 }
 
+/// Rendered names of the rows, columns and groups, and the space that they need.
+struct MatrixLabels {
+    std::vector<TextBitmap> rows, columns, groups;
+    int row_width = 0, column_height = 0;
+
+    explicit MatrixLabels(const MatrixPlotSpec& spec) {
+        for (const auto& r : spec.rows) {
+            rows.push_back(image::image_backend().render_text(r, image::style::text_size));
+            row_width = std::max(row_width, rows.back().width);
+        }
+        for (const auto& g : spec.groups) {
+            groups.push_back(image::image_backend().render_text(g.label, image::style::text_size, image::FontWeight::bold));
+            for (const auto& c : g.columns) {
+                columns.push_back(rotate_left(image::image_backend().render_text(c, image::style::text_size)));
+                column_height = std::max(column_height, columns.back().height);
+            }
+        }
+    }
+};
+
+/// Positions of the cells on the page.
+struct MatrixLayout {
+    int x0, y0;  ///< upper left corner of the first cell
+    int cell_width;
+    std::vector<int> offsets;  ///< left edge of each column, relative to `x0`
+
+    [[nodiscard]] int row_y(std::size_t row_index) const { return y0 + static_cast<int>(row_index) * cell_height; }
+};
+
+/// Draws the names of the groups at `group_y`, and the names of the columns below them.
+void draw_column_names(Canvas& page, const MatrixPlotSpec& spec, const MatrixLabels& labels, const MatrixLayout& layout,
+                       int group_y) {
+    std::size_t c = 0;
+    for (std::size_t g = 0; g < spec.groups.size(); ++g) {
+        page.text(layout.x0 + layout.offsets[c], group_y, labels.groups[g], image::style::ink);
+        for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
+            const TextBitmap& label = labels.columns[c];
+            page.text(layout.x0 + layout.offsets[c] + (layout.cell_width - 1 - label.width) / 2,
+                      layout.y0 - cell_label_gap / 2 - label.height, label, image::style::ink);
+        }
+    }
+}
+
+/// Draws the names of the rows and the cells, and tells a script where the cells are.
+void draw_matrix_rows(Canvas& page, const MatrixPlotSpec& spec, const MatrixLabels& labels,
+                      const MatrixLayout& layout) {
+    image::MarkData cells{spec.keys, {}};
+    for (const int offset : layout.offsets)
+        cells.x.insert(cells.x.end(), {layout.x0 + offset + 0.0, layout.x0 + offset + layout.cell_width - 1.0});
+    for (std::size_t r = 0; r <= spec.rows.size(); ++r) cells.y.push_back(layout.row_y(r));
+    page.set_mark_data(std::move(cells));
+
+    const std::size_t columns = layout.offsets.size();
+    for (std::size_t r = 0; r < spec.rows.size(); ++r) {
+        const int y = layout.row_y(r);
+        const TextBitmap& label = labels.rows[r];
+        page.text(layout.x0 - cell_label_gap - label.width, y + (cell_height - label.height) / 2, label,
+                  image::style::ink);
+        for (std::size_t k = 0; k < columns; ++k)
+            draw_cell(page, layout.x0 + layout.offsets[k], y, layout.cell_width, spec.cells[r * columns + k]);
+    }
+    page.clear_mark_data();
+}
+
 }  // namespace
 
 Canvas matrix_plot(const MatrixPlotSpec& spec) {
     const std::size_t columns = count_columns(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
         throw std::invalid_argument("matrix plot: the number of cells is not rows x columns");
-    std::vector<TextBitmap> row_labels, column_labels, group_labels;
-    int row_label_width = 0, column_label_height = 0;
-    for (const auto& r : spec.rows) {
-        row_labels.push_back(image::image_backend().render_text(r, image::style::text_size));
-        row_label_width = std::max(row_label_width, row_labels.back().width);
-    }
-    for (const auto& g : spec.groups) {
-        group_labels.push_back(
-            image::image_backend().render_text(g.label, image::style::text_size, image::FontWeight::bold));
-        for (const auto& c : g.columns) {
-            column_labels.push_back(rotate_left(image::image_backend().render_text(c, image::style::text_size)));
-            column_label_height = std::max(column_label_height, column_labels.back().height);
-        }
-    }
-    const int cell_width = fitting_cell_width(spec);
-    const auto offsets = column_offsets(spec, cell_width);
-    const int field_width = offsets.back() + cell_width,
-              field_height = static_cast<int>(spec.rows.size()) * cell_height;
+
+    // Measure the labels, the field of cells, the colour bar, the head and the legend.
+    const MatrixLabels labels(spec);
+    MatrixLayout layout{.x0 = image::style::margin + labels.row_width + cell_label_gap,
+                        .y0 = 0,
+                        .cell_width = fitting_cell_width(spec),
+                        .offsets = {}};
+    layout.offsets = column_offsets(spec, layout.cell_width);
+    const int field_width = layout.offsets.back() + layout.cell_width;
+    const int field_height = static_cast<int>(spec.rows.size()) * cell_height;
     const Canvas bar =
         spec.scale ? image::colour_bar(*spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
     const int content_width =
-        row_label_width + cell_label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
+        labels.row_width + cell_label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     const image::Legend legend(spec.legend, content_width);
-    const int x0 = image::style::margin + row_label_width + cell_label_gap;
+
+    // Place them below each other.
     const int group_y = image::style::margin + head.height() + block_gap;
-    const int y0 = group_y + group_labels.front().height + column_label_height + 2 * cell_label_gap;
-    const int legend_y = y0 + std::max(field_height, bar.height()) + block_gap;
+    layout.y0 = group_y + labels.groups.front().height + labels.column_height + 2 * cell_label_gap;
+    const int legend_y = layout.y0 + std::max(field_height, bar.height()) + block_gap;
     Canvas page(content_width + 2 * image::style::margin, legend_y + legend.height() + image::style::margin);
     page.draw_canvas(image::style::margin, image::style::margin, head);
 
-    std::size_t c = 0;
-    for (std::size_t g = 0; g < spec.groups.size(); ++g) {
-        page.text(x0 + offsets[c], group_y, group_labels[g], image::style::ink);
-        for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
-            const TextBitmap& label = column_labels[c];
-            page.text(x0 + offsets[c] + (cell_width - 1 - label.width) / 2, y0 - cell_label_gap / 2 - label.height,
-                      label, image::style::ink);
-        }
-    }
-    image::MarkData cells{spec.keys, {}};
-    for (const int offset : offsets) cells.x.insert(cells.x.end(), {x0 + offset + 0.0, x0 + offset + cell_width - 1.0});
-    for (std::size_t r = 0; r <= spec.rows.size(); ++r) cells.y.push_back(y0 + static_cast<double>(r) * cell_height);
-    page.set_mark_data(std::move(cells));
-    for (std::size_t r = 0; r < spec.rows.size(); ++r) {
-        const int y = y0 + static_cast<int>(r) * cell_height;
-        page.text(x0 - cell_label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2,
-                  row_labels[r], image::style::ink);
-        for (std::size_t k = 0; k < columns; ++k)
-            draw_cell(page, x0 + offsets[k], y, cell_width, spec.cells[r * columns + k]);
-    }
-    page.clear_mark_data();
-    page.draw_canvas(x0 + field_width + block_gap, y0, bar);
+    draw_column_names(page, spec, labels, layout, group_y);
+    draw_matrix_rows(page, spec, labels, layout);
+    page.draw_canvas(layout.x0 + field_width + block_gap, layout.y0, bar);
     page.draw_canvas(image::style::margin, legend_y, legend.draw(spec.legend));
     return page;
 }
@@ -152,6 +190,7 @@ std::vector<double> cell_edges(const AxisSpec& axis, const std::vector<double>& 
         }
         scaled.push_back(to_scale(axis.scale, value));
     }
+
     // A single cell gets some space around its value: a tenth of it, or an octave or a decade.
     const double lone_width = axis.scale == AxisSpec::Scale::linear && scaled[0] != 0 ? std::fabs(scaled[0]) / 5 : 1;
     std::vector<double> edges{scaled.size() > 1 ? scaled[0] - (scaled[1] - scaled[0]) / 2 : scaled[0] - lone_width / 2};
@@ -185,6 +224,8 @@ void draw_outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row ro
     const auto is_outlined = [&](std::size_t i, std::size_t j) {  // the index before 0 wraps to one after the last
         return i < columns && j < rows && spec.cells[j * columns + i].is_outlined;
     };
+
+    // First the light line outside, then the dark line inside.
     struct LinePass {
         image::Rgb8 colour;
         int thickness, outwards;
@@ -194,6 +235,8 @@ void draw_outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row ro
         for (std::size_t j = 0; j < rows; ++j) {
             for (std::size_t i = 0; i < columns; ++i) {
                 if (!is_outlined(i, j)) continue;
+
+                // A side gets a line if the neighbour there is not outlined.
                 const int x0 = column(i), x1 = column(i + 1), y0 = row(j + 1), y1 = row(j);
                 if (!is_outlined(i - 1, j)) page.fill(x0 - outset, y0, line_width, y1 - y0, colour);
                 if (!is_outlined(i + 1, j)) page.fill(x1 + outset - line_width, y0, line_width, y1 - y0, colour);
@@ -208,19 +251,45 @@ AxisRange axis_range(const AxisSpec& axis, const std::vector<double>& edges) {
     return {{axis.title, axis.scale, edges.front(), edges.back()}, {}};
 }
 
+bool is_hatched(const PlaneCell& cell) { return !cell.colour && std::isnan(cell.value); }
+
+void require_valid_cells(const PlanePlotSpec& spec) {
+    if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size())
+        throw std::invalid_argument("plane plot: the number of cells is not x values times y values");
+    const bool has_value =
+        std::ranges::any_of(spec.cells, [](const PlaneCell& c) { return !c.colour && !std::isnan(c.value); });
+    if (has_value && !spec.scale)
+        throw std::invalid_argument("plane plot: a cell has a value, but there is no colour scale");
+}
+
+/// Draws all cells in one picture, because there may be more of them than pixels. `column` and `row` return the pixel
+/// at which a cell begins on the page.
+template <class Column, class Row>
+Canvas draw_plane_cells(const PlanePlotSpec& spec, const PlotFrame& frame, Column column, Row row) {
+    Canvas field(frame.width, frame.height);
+    for (std::size_t j = 0; j < spec.y.size(); ++j) {
+        for (std::size_t i = 0; i < spec.x.size(); ++i) {
+            const PlaneCell& cell = spec.cells[j * spec.x.size() + i];
+            const int x0 = std::min(column(i) - frame.x, frame.width - 1);
+            const int y0 = std::min(row(j + 1) - frame.y, frame.height - 1);
+            const int w = std::max(column(i + 1) - frame.x - x0, 1);
+            const int h = std::max(row(j) - frame.y - y0, 1);
+            if (is_hatched(cell)) {
+                draw_hatching(field, {x0, y0, w, h}, frame.x + frame.y);
+            } else {
+                field.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->colour_of_value(cell.value));
+            }
+        }
+    }
+    return field;
+}
+
 }  // namespace
 
 Canvas plane_plot(const PlanePlotSpec& spec) {
-    if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
-        throw std::invalid_argument("plane plot: the number of cells is not x values times y values");
-    }
-    bool has_hatched_cell = false;
-    for (const auto& cell : spec.cells) {
-        has_hatched_cell |= !cell.colour && std::isnan(cell.value);
-        if (!cell.colour && !std::isnan(cell.value) && !spec.scale) {
-            throw std::invalid_argument("plane plot: a cell has a value, but there is no colour scale");
-        }
-    }
+    require_valid_cells(spec);
+
+    // Measure the axes, the colour bar, the head and the legend.
     const auto x_edges = cell_edges(spec.x_axis, spec.x), y_edges = cell_edges(spec.y_axis, spec.y);
     const AxisRange x = axis_range(spec.x_axis, x_edges), y = axis_range(spec.y_axis, y_edges);
     PlotFrame frame{0, 0, field_extent(spec.x.size(), least_width), field_extent(spec.y.size(), least_height)};
@@ -230,8 +299,10 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     const int content_width = axes.left_margin() + frame.width + 1 + right_space;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     std::vector<image::LegendEntry> entries = spec.legend;
-    if (has_hatched_cell) entries.push_back({spec.hatching_meaning, hatch_paper, {}});
+    if (std::ranges::any_of(spec.cells, is_hatched)) entries.push_back({spec.hatching_meaning, hatch_paper, {}});
     const image::Legend legend(entries, content_width);
+
+    // Place the frame between them.
     frame.x = image::style::margin + axes.left_margin();
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.top_margin();
     const int foot = 1 + axes.bottom_margin() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) +
@@ -239,30 +310,19 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     Canvas page(content_width + 2 * image::style::margin, frame.y + frame.height + foot);
     page.draw_canvas(image::style::margin, image::style::margin, head);
 
+    // Draw the cells, and tell a script where they are.
     const auto pixel = [](double position) { return static_cast<int>(std::lround(position)); };
     const auto column = [&](std::size_t i) { return pixel(frame.pixel_x(x.position(x_edges[i]))); };
     const auto row = [&](std::size_t j) { return pixel(frame.pixel_y(y.position(y_edges[j]))); };
-    // One picture of all cells, because there may be more of them than pixels.
-    Canvas field(frame.width, frame.height);
-    for (std::size_t j = 0; j < spec.y.size(); ++j) {
-        for (std::size_t i = 0; i < spec.x.size(); ++i) {
-            const PlaneCell& cell = spec.cells[j * spec.x.size() + i];
-            const int x0 = std::min(column(i) - frame.x, frame.width - 1);
-            const int y0 = std::min(row(j + 1) - frame.y, frame.height - 1);
-            const int w = std::max(column(i + 1) - frame.x - x0, 1), h = std::max(row(j) - frame.y - y0, 1);
-            if (cell.colour || !std::isnan(cell.value)) {
-                field.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->colour_of_value(cell.value));
-            } else {
-                draw_hatching(field, {x0, y0, w, h}, frame.x + frame.y);
-            }
-        }
-    }
+    const Canvas field = draw_plane_cells(spec, frame, column, row);
     image::MarkData cells{{}, {}};
     for (std::size_t i = 0; i < x_edges.size(); ++i) cells.x.push_back(column(i));
     for (std::size_t j = 0; j < y_edges.size(); ++j) cells.y.push_back(row(j));
     page.set_mark_data(std::move(cells));
     page.field({frame.x, frame.y, frame.width, frame.height}, frame.width, field.pixels());
     page.clear_mark_data();
+
+    // Draw what lies over them and around them.
     draw_outline(page, spec, column, row);
     axes.draw(page, frame);
     page.draw_canvas(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);

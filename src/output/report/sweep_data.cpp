@@ -189,7 +189,7 @@ std::vector<EventColumn> event_columns(const std::vector<Onset>& onsets) {
     return columns;
 }
 
-/// Cell with the onset of an event for row `form_index`, or a dash.
+/// Cell with the onset of an event for form `form_index`, or a dash.
 std::string onset_cell(const std::vector<Onset>& onsets, std::size_t form_index, const EventColumn& column,
                        double threshold) {
     const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {

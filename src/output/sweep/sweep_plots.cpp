@@ -26,33 +26,25 @@ using plot::Series;
 
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
     using S = plot::AxisSpec::Scale;
-    return {axis.label, axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
+    return {.title = axis.label, .scale = axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear};
 }
 
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name) {
     const double precision = format.precision;
-    return {fmt::format("lost bits, of {} in {}", precision, name),
-            plot::AxisSpec::Scale::linear,
-            0.0,
-            {},
-            false,
-            false,
-            precision};
+    return {.title = fmt::format("lost bits, of {} in {}", precision, name), .low = 0.0, .limit = precision};
 }
 
-double share_of_wrong_rays(const FormSummary& s) {
+double wrong_fraction(const FormSummary& s) {
     return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays);
 }
 
 namespace {
 
-using scene::sweep::Axis;
+using plot::fraction_axis;
 
-const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
-
-/// A value of one row of the request at every step, by rising value of the axis.
-Series series_of(const std::vector<SweepStep>& steps, std::size_t form_index, const std::string& label,
-                 const std::function<double(const FormSummary&)>& value) {
+/// The value of one tested form at each step, sorted by the axis.
+Series make_series(const std::vector<SweepStep>& steps, std::size_t form_index, const std::string& label,
+                   const std::function<double(const FormSummary&)>& value) {
     Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
@@ -94,52 +86,65 @@ LinePlotSpec common_spec(const MeasuredSweep& sweep, const std::string& title, c
     return {.title = title, .subtitle = {file.title, rays_text(sweep)}, .x = plot_axis(file.axes.front()), .y = y};
 }
 
-image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity,
-                         PlotSize size = {}) {
+/// Adds a line for each form that the plot of the quantity shows, and the envelope if the quantity has one.
+void add_form_lines(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, const Quantity& quantity) {
     const SweepRequest& request = sweep.request;
-    LinePlotSpec spec = common_spec(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
-    spec.width = size.width;
-    spec.height = size.height;
-    if (!quantity.note.empty()) spec.subtitle.back() += "; " + quantity.note;
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         if (request.tested_forms[r].format != format || !quantity.shows(request.tested_forms[r])) continue;
         spec.series.push_back(
-            series_of(sweep.steps, r, map::short_name(*request.tested_forms[r].form->info), quantity.value));
+            make_series(sweep.steps, r, map::short_name(*request.tested_forms[r].form->info), quantity.value));
         spec.series.back().look = plot::form_look(*request.tested_forms[r].form);
         spec.series.back().key = map::row_name(request.tested_forms[r]);
-        // The envelope belongs to the problem and not to a form, so it is taken from any row that has hits all along.
-        // It is drawn only if the row has a line to compare with it: a form without t has an envelope but no line.
+
+        // Any form that hits at every step gives the same envelope. Skip forms without t: they have no line to compare
+        // it with.
         const auto& line = spec.series.back().y;
         if (quantity.envelope && !spec.envelope && std::ranges::any_of(line, [](double y) { return !std::isnan(y); })) {
-            Series envelope = series_of(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
+            Series envelope = make_series(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
             if (std::ranges::none_of(envelope.y, [](double y) { return std::isnan(y); }))
                 spec.envelope = std::move(envelope);
         }
     }
-    if (!quantity.empty_text.empty()) {
-        spec.series.clear();
-        spec.empty_text = quantity.empty_text;
-        return plot::line_plot(spec);
-    }
-    add_shade_and_notes(spec, sweep, format, quantity.is_over_hits);
+}
+
+/// Adds the marks that the sweep's file states for the format, and beside each the measured onset of the same event.
+void add_marks(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format) {
+    const SweepRequest& request = sweep.request;
     for (const auto& mark : request.sweep.marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
+
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& tested_form = sweep.request.tested_forms[o.row];
+            const TestedForm& tested_form = request.tested_forms[o.row];
             return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
                    tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
                    o.threshold == mark.threshold;
         });
-        if (onset != sweep.onsets.end())
-            spec.marks.push_back(
-                {onset->first_bad,
-                 mark.event == "lost_bits"
-                     ? fmt::format("{}: its {} reaches {} bits",
-                                   map::short_name(*request.tested_forms[onset->row].form->info),
-                                   mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
-                     : fmt::format("{}: measured", map::short_name(*request.tested_forms[onset->row].form->info))});
+        if (onset == sweep.onsets.end()) continue;
+        const std::string form_name = map::short_name(*request.tested_forms[onset->row].form->info);
+        spec.marks.push_back({onset->first_bad, mark.event == "lost_bits"
+                                                    ? fmt::format("{}: its {} reaches {} bits", form_name,
+                                                                  mark.statistic == "p50" ? "median" : mark.statistic,
+                                                                  file::decimal(mark.threshold))
+                                                    : fmt::format("{}: measured", form_name)});
     }
+}
+
+image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity,
+                         PlotSize size = {}) {
+    LinePlotSpec spec = common_spec(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
+    spec.width = size.width;
+    spec.height = size.height;
+    if (!quantity.note.empty()) spec.subtitle.back() += "; " + quantity.note;
+
+    // Without anything to draw, the page only says why.
+    if (!quantity.empty_text.empty()) {
+        spec.empty_text = quantity.empty_text;
+        return plot::line_plot(spec);
+    }
+    add_form_lines(spec, sweep, format, quantity);
+    add_shade_and_notes(spec, sweep, format, quantity.is_over_hits);
+    add_marks(spec, sweep, format);
     return plot::line_plot(spec);
 }
 
@@ -158,17 +163,23 @@ image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, d
     return line_chart(sweep, format, quantity, size);
 }
 
-image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
-    const auto share = [outcome](const FormSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
+image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
+    const auto outcome_fraction = [outcome](const FormSummary& s) {
+        return measure::truth::fraction(s.count(outcome), s.rays);
+    };
     std::uint64_t max_rays = 1;
     for (const SweepStep& step : sweep.steps) {
         for (const FormSummary& s : step.rows) max_rays = std::max(max_rays, s.rays);
     }
-    // The axis begins at half the share of one ray, so only a share of 0 lies below it.
-    Quantity quantity{
-        wrong_title(outcome),
-        {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * max_rays), 1.0, true},
-        share};
+    // The axis begins at half the fraction of one ray, so only a fraction of 0 lies below it.
+    Quantity quantity{.title = outcome_title(outcome),
+                      .axis = {.title = "share of rays",
+                               .scale = plot::AxisSpec::Scale::log10,
+                               .low = 1.0 / static_cast<double>(2 * max_rays),
+                               .high = 1.0,
+                               .shows_zero = true},
+                      .value = outcome_fraction};
+
     const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
     const bool is_possible =
         outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
@@ -195,7 +206,7 @@ std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& fo
     return outcomes;
 }
 
-std::string wrong_title(Outcome outcome) {
+std::string outcome_title(Outcome outcome) {
     switch (outcome) {
         case Outcome::false_hit: return "False hits";
         case Outcome::false_miss: return "False misses";
@@ -220,16 +231,19 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
     const TestedForm& tested_form = request.tested_forms[form_index];
     LinePlotSpec spec = common_spec(
         sweep, fmt::format("{} of {} in {}, medians", title, tested_form.form->info->name, tested_form.format.name),
-        {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
+        {.title = "ulp", .scale = plot::AxisSpec::Scale::log2, .low = 0x1p-6});
+
+    // A line for each part, with a mark where it first reaches an ulp.
     for (const auto& [metric, label] : parts) {
         const std::size_t metric_index = measure::metric::index_of(request.metrics, metric);
-        spec.series.push_back(series_of(sweep.steps, form_index, label, [metric_index](const FormSummary& s) {
+        spec.series.push_back(make_series(sweep.steps, form_index, label, [metric_index](const FormSummary& s) {
             return drawn_quantile(s, metric_index, 0.5);
         }));
         for (const Onset& o : sweep.onsets)
             if (o.found && !o.from_start && o.row == form_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
+
     for (const auto& mark : request.sweep.marks) {
         if (mark.format.empty() || mark.format == tested_form.format.name) spec.marks.push_back({mark.at, mark.label});
     }
@@ -254,6 +268,8 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
     const std::size_t stop_index = measure::metric::index_of(request.metrics, "stop"),
                       iterations_index = measure::metric::index_of(request.metrics, "iterations");
     if (stop_index == request.metrics.size()) return;
+
+    // Fraction of marches that ran out of steps or stopped moving.
     const auto unfinished = [stop_index](const FormSummary& s) {
         const auto count_of = [&](intersect::Stop reason) {
             return s.categories[stop_index][static_cast<std::size_t>(reason)];
@@ -261,17 +277,22 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
         return static_cast<double>(count_of(intersect::Stop::max_steps) + count_of(intersect::Stop::stagnated)) /
                static_cast<double>(s.rays);
     };
-    save("unfinished",
-         line_chart(
-             sweep, format,
-             {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = is_marching}));
+    save("unfinished", line_chart(sweep, format,
+                                  {.title = "Marches that did not finish",
+                                   .axis = fraction_axis,
+                                   .value = unfinished,
+                                   .shows = is_marching}));
+
+    // Number of samples of the field.
     save("iterations",
          line_chart(
              sweep, format,
              {.title = "Samples of the field, 99th percentile",
-              .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
+              .axis = {.title = "samples", .scale = plot::AxisSpec::Scale::log2, .low = 1.0},
               .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
               .shows = is_marching}));
+
+    // Errors of each form, split into those of the model and those of rounding.
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const TestedForm& tested_form = request.tested_forms[r];
         if (tested_form.format == format && is_marching(tested_form))
@@ -281,8 +302,26 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
     }
 }
 
-/// Plots the culprits of one row along the axis: the shares of the operations that are blamed most at any step, and
-/// the share of all other operations together. Nothing if no operation is blamed.
+/// The operations that are blamed at any step, with the largest fraction at any step first.
+std::vector<std::size_t> rank_culprits(const MeasuredSweep& sweep, std::size_t form_index, std::size_t culprit_metric) {
+    std::vector<double> peak_fraction(sweep.request.metrics[culprit_metric]->categories.size());
+    for (const SweepStep& step : sweep.steps) {
+        for (std::size_t c = 1; c < peak_fraction.size(); ++c)
+            peak_fraction[c] = std::fmax(
+                peak_fraction[c],
+                measure::attribution::culprit_fraction(step.rows[form_index].categories[culprit_metric], std::array{c}));
+    }
+
+    std::vector<std::size_t> order;
+    for (std::size_t c = 1; c < peak_fraction.size(); ++c) {
+        if (peak_fraction[c] > 0) order.push_back(c);
+    }
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak_fraction[a] > peak_fraction[b]; });
+    return order;
+}
+
+/// Plots the culprits of one row along the axis: the fractions of the operations that are blamed most at any step, and
+/// the fraction of all other operations together. Nothing if no operation is blamed.
 std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t form_index) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
@@ -290,27 +329,20 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     const TestedForm& tested_form = request.tested_forms[form_index];
     const auto culprit_metric = static_cast<std::size_t>(
         std::ranges::find_if(request.metrics, &measure::metric::Metric::depends_on_forms) - request.metrics.begin());
-    std::vector<double> peak_share(request.metrics[culprit_metric]->categories.size());
-    for (const SweepStep& step : sweep.steps) {
-        for (std::size_t c = 1; c < peak_share.size(); ++c)
-            peak_share[c] =
-                std::fmax(peak_share[c], measure::attribution::culprit_fraction(
-                                             step.rows[form_index].categories[culprit_metric], std::array{c}));
-    }
-    std::vector<std::size_t> order;
-    for (std::size_t c = 1; c < peak_share.size(); ++c) {
-        if (peak_share[c] > 0) order.push_back(c);
-    }
+    const std::vector<std::size_t> order = rank_culprits(sweep, form_index, culprit_metric);
     if (order.empty()) return {};
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak_share[a] > peak_share[b]; });
-    LinePlotSpec spec = common_spec(
-        sweep, fmt::format("Culprits of {} in {}", tested_form.form->info->name, tested_form.format.name), share_axis);
+
+    LinePlotSpec spec =
+        common_spec(sweep, fmt::format("Culprits of {} in {}", tested_form.form->info->name, tested_form.format.name),
+                    fraction_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
-        spec.series.push_back(series_of(sweep.steps, form_index, label, [&](const FormSummary& s) {
+        spec.series.push_back(make_series(sweep.steps, form_index, label, [&](const FormSummary& s) {
             return measure::attribution::culprit_fraction(s.categories[culprit_metric], categories);
         }));
     };
+
+    // Draw the operations with the largest fractions.
     const std::size_t named_count = order.size() <= max_operations + 1 ? order.size() : max_operations;
     for (std::size_t k = 0; k < named_count; ++k) {
         const std::string_view operation = request.metrics[culprit_metric]->categories[order[k]];
@@ -318,6 +350,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
                                             : std::string(operation.substr(0, max_letters - 2)) + "..",
             std::span(order).subspan(k, 1));
     }
+
+    // Sum the rest.
     if (named_count < order.size())
         add(text::count_with_noun(order.size() - named_count, "other operation"),
             std::span(order).subspan(named_count));
@@ -326,7 +360,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
 
 }  // namespace
 
-std::vector<Format> formats_of(const MeasuredSweep& sweep) {
+std::vector<Format> list_formats(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
     for (const TestedForm& tested_form : sweep.request.tested_forms) {
         if (std::ranges::find(formats, tested_form.format) == formats.end()) formats.push_back(tested_form.format);
@@ -334,25 +368,31 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     return formats;
 }
 
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool single_pictures) {
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool draws_single_pictures) {
     const SweepRequest& request = sweep.request;
-    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, single_pictures);
-    for (const Format& format : formats_of(sweep)) {
+    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, draws_single_pictures);
+    for (const Format& format : list_formats(sweep)) {
         const SaveAs save = [&](const std::string& name, const image::Canvas& plot) {
             image::save_figure(folder / fmt::format("{}.{}.png", name, format.name), plot);
         };
+
+        // Plots of every sweep.
         save("lost_bits_p50", lost_bits_plot(sweep, format, 0.5));
         save("lost_bits_p99", lost_bits_plot(sweep, format, 0.99));
         for (const Outcome o : wrong_outcomes(sweep, format))
             save(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)]),
-                 wrong_plot(sweep, format, o));
+                 outcome_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
+
+        // Plots of one form each, if steps of transforms or culprits are measured.
         for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
             const TestedForm& tested_form = request.tested_forms[r];
-            if (const LabelledMetrics metrics = transform_step_metrics(request);
-                tested_form.format == format && !metrics.empty() && tested_form.form->is_placed)
-                save(fmt::format("steps.{}", tested_form.form->info->name), parts_plot(sweep, r, "Steps", metrics));
-            if (tested_form.format != format || !map::asks_for_culprits(request.metrics)) continue;
+            if (tested_form.format != format) continue;
+            const LabelledMetrics step_metrics = transform_step_metrics(request);
+            if (!step_metrics.empty() && tested_form.form->is_placed)
+                save(fmt::format("steps.{}", tested_form.form->info->name),
+                     parts_plot(sweep, r, "Steps", step_metrics));
+            if (!map::asks_for_culprits(request.metrics)) continue;
             if (const auto plot = culprit_plot(sweep, r))
                 save(fmt::format("culprit.{}", tested_form.form->info->name), *plot);
         }
