@@ -63,7 +63,7 @@ public:
 private:
     void repair_one(const TestedForm& tested_form) {
         requests_.push_back({.scene = request_.scene,
-                             .row = tested_form,
+                             .tested_form = tested_form,
                              .requirement = request_.requirement,
                              .limit = request_.limit});
         try {
@@ -119,7 +119,7 @@ LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::
     LoadedRepairs repairs;
     if (repairer.sources.empty()) return repairs;
     auto formulas =
-        compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, repairer.sources, setup);
+        compile_and_load({.scene = request.scene, .tested_form = {}, .limit = request.limit}, repairer.sources, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = repairer.candidates[k];
         const auto file = folder / candidate.file;
@@ -196,7 +196,7 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer, const 
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
+        choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].tested_form,
                                                        request.limit);
     writer.finish(choice);
     complete_folder(result_folder);

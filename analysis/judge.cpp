@@ -21,6 +21,7 @@
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/file_names.hpp"
 #include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis {
 
@@ -281,8 +282,8 @@ RunDivision divide_judgement(const JudgeOptions& options, const std::optional<sc
     return run_division;
 }
 
-output::judge::JudgeFilesOptions make_files_options(const JudgeOptions& options, const std::filesystem::path& folder,
-                                                    const std::string& id, const std::string& command) {
+output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options, const std::filesystem::path& folder,
+                                                     const std::string& id, const std::string& command) {
     return {.folder = folder,
             .id = id,
             .title = "rays of " + std::filesystem::path(options.file).filename().string(),
@@ -357,7 +358,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     RunDivision run_division = divide_judgement(options, scene, common);
     const auto folder = std::filesystem::path(options.out) / stem;
     const auto result_folder = lock_folder(run_division, folder, common, text::shell_word(options.file));
-    output::judge::JudgeFilesOptions files_options =
+    output::judge::JudgeWriterOptions files_options =
         make_files_options(options, folder, stem, common.typed_command.text());
     if (request.picture) files_options.drawn_metrics = drawn_metrics;
     files_options.keep_piece = shard::piece_recorder(run_division.division, "judge");

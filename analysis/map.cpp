@@ -75,7 +75,7 @@ struct PlannedScene {
     std::optional<BitsNeededStudy> bits_needed;
 
     [[nodiscard]] std::uint64_t work_units() const {
-        return map.scene->pixels() * map.rows.size() + (bits_needed ? bits_needed->units() : 0);
+        return map.scene->pixels() * map.tested_forms.size() + (bits_needed ? bits_needed->units() : 0);
     }
 };
 
@@ -86,7 +86,7 @@ PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std
     if (options.bits_needed > 0) {
         selection::refuse_generators(tested_forms, "--bits");
         planned.bits_needed.emplace(BitsNeededStudy{.scene = scene,
-                                                    .rows = forms_of_any_width(planned.map.rows),
+                                                    .tested_forms = forms_of_any_width(planned.map.tested_forms),
                                                     .bits = options.bits_needed,
                                                     .limit = planned.map.limit});
     }
@@ -97,7 +97,7 @@ PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std
 void note_forms_without_every_width(const std::vector<PlannedScene>& planned_scenes) {
     std::set<std::string_view> noted_names;
     for (const PlannedScene& planned : planned_scenes) {
-        for (const TestedForm& tested_form : planned.map.rows) {
+        for (const TestedForm& tested_form : planned.map.tested_forms) {
             const intersect::Info& info = *tested_form.form->info;
             if (tested_form.form->rounded != nullptr || !noted_names.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
@@ -132,7 +132,7 @@ void note_missed_crossings(const PlannedScene& planned, const std::vector<measur
 
     std::string missing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const TestedForm& tested_form = planned.map.rows[r];
+        const TestedForm& tested_form = planned.map.tested_forms[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
         if (missed == 0 || tested_form.form->is_set() ||
             intersect::yields_next_crossing(*tested_form.form->info, tested_form.form->shape))
@@ -155,7 +155,7 @@ void print_results(const PlannedScene& planned, const SceneSummaries& summaries,
     const Scene& scene = *planned.map.scene;
     fmt::print("{}: {}\n", scene.id, text::count_with_noun(scene.pixels(), "ray"));
     print_table(planned.map, summaries.map);
-    print_comparisons(planned.map.rows, planned.map.metrics, summaries.map);
+    print_comparisons(planned.map.tested_forms, planned.map.metrics, summaries.map);
     if (planned.bits_needed) print_table(*planned.bits_needed, summaries.bits_needed);
     if (verbose) print_stages(*planned.map.stages);
     print_figure_paths(folder / "contact.png");
@@ -184,7 +184,7 @@ std::string needed_job(const Scene& scene) { return "needed " + scene.id; }
 
 /// Measures the narrowest significands of a scene, if --bits asks for them. Nothing without --bits, and in a shard.
 std::vector<measure::evaluate::BitsNeededSummary> measure_bits_needed(
-    const PlannedScene& planned, std::optional<output::map::NeededFiles>& needed_files, const MapRun& map_run) {
+    const PlannedScene& planned, std::optional<output::map::NeededWriter>& needed_files, const MapRun& map_run) {
     if (!planned.bits_needed) return {};
     const Scene& scene = *planned.map.scene;
     shard::Division& division = map_run.run_division.division;
@@ -216,17 +216,17 @@ std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
                                                     .command = canonical_command(scene, options),
                                                     .needed = planned.bits_needed ? &*planned.bits_needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
-    std::optional<output::map::NeededFiles> needed_files;
+    std::optional<output::map::NeededWriter> needed_files;
     if (planned.bits_needed)
         needed_files.emplace(*planned.bits_needed,
                              output::map::NeededFilesOptions{folder, writes_pixels, exr,
                                                              shard::piece_recorder(division, needed_job(scene))});
-    output::map::MapFiles files(
+    output::map::MapWriter files(
         planned.map,
         {.folder = folder,
          .drawn_metrics = drawn_metrics,
-         .single_pictures = options.pictures == "all",
-         .pixels_csv = writes_pixels,
+         .draws_single_pictures = options.pictures == "all",
+         .writes_pixels_csv = writes_pixels,
          .scene_arguments =
              selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_text(options),
          .sheet_with_explanations = map_run.sheet_with_explanations,
@@ -308,10 +308,10 @@ RunDivision divide_map(const MapOptions& options, const std::vector<PlannedScene
 void print_notes(const std::vector<PlannedScene>& planned_scenes, const MapOptions& options,
                  const std::vector<const Metric*>& drawn_metrics, bool quiet) {
     for (const PlannedScene& planned : planned_scenes)
-        selection::note_forms_without_formula(drawn_metrics, planned.map.rows, quiet);
+        selection::note_forms_without_formula(drawn_metrics, planned.map.tested_forms, quiet);
     if (options.bits_needed > 0 && !quiet) note_forms_without_every_width(planned_scenes);
     for (const PlannedScene& planned : planned_scenes)
-        selection::note_numbers(*planned.map.scene, options.scenes.set, planned.map.rows, quiet);
+        selection::note_numbers(*planned.map.scene, options.scenes.set, planned.map.tested_forms, quiet);
 }
 
 /// Maps the scenes one after another. Returns the number of their rays without a proved truth.
@@ -326,7 +326,7 @@ std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const 
     return folders.for_each(planned_scenes.size(), progress, [&](std::size_t scene_index, const auto& complete) {
         PlannedScene planned = planned_scenes[scene_index];  // a copy that may point to objects of this iteration
         const Scene& scene = *planned.map.scene;
-        output::file::Estimate estimate(progress, scene.id, scene.pixels() * planned.map.rows.size() / share.count,
+        output::file::Estimate estimate(progress, scene.id, scene.pixels() * planned.map.tested_forms.size() / share.count,
                                         common.quiet, measure::study::Bands(scene, share).size());
         measure::truth::StageCounts stages;
         planned.map.progress = advance_callback(progress, &estimate);
@@ -334,7 +334,7 @@ std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const 
 
         // Only the sheet of the first scene has explanations; the others refer to it.
         const std::string sheet = scene_index == 0 ? "" : planned_scenes.front().map.scene->id + "/contact";
-        const auto applicable = selection::applicable_metrics(drawn_metrics, planned.map.rows, scene.id);
+        const auto applicable = selection::applicable_metrics(drawn_metrics, planned.map.tested_forms, scene.id);
         return map_scene(planned, options, find_measured_metrics(applicable, planned),
                          {common, progress, run_division, complete, sheet});
     });
@@ -357,7 +357,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
         planned_scenes.push_back(plan_scene(scene, options, rows, metrics.measured, metric_set));
     for (const PlannedScene& planned : planned_scenes)
         static_cast<void>(
-            selection::applicable_metrics(metrics.drawn, planned.map.rows, "scene " + planned.map.scene->id));
+            selection::applicable_metrics(metrics.drawn, planned.map.tested_forms, "scene " + planned.map.scene->id));
 
     auto run_division = divide_map(options, planned_scenes, common);
     options.out = run_division.out.string();
@@ -366,7 +366,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
     const std::uint64_t unresolved = map_scenes(planned_scenes, options, metrics.drawn, folders, run_division, common);
     if (!finish_run(run_division, common)) return Exit::done;
     for (const PlannedScene& planned : planned_scenes)
-        note_suspicions(planned.map.rows, common, [&planned](const TestedForm& tested_form) {
+        note_suspicions(planned.map.tested_forms, common, [&planned](const TestedForm& tested_form) {
             return measure::contract::suspicion_text(*planned.map.scene, tested_form);
         });
     return report_unproved(unresolved);

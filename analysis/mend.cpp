@@ -16,6 +16,7 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/repair/repair_files.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis {
 
@@ -140,7 +141,7 @@ public:
 
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
-        rays_ = judge(request, measure::repair::comparable_forms(request.tested_form));
+        rays_ = judge(request, measure::repair::list_comparable_forms(request.tested_form));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
@@ -148,7 +149,7 @@ public:
             std::vector<measure::evaluate::TestedForm> tested_forms;
             for (const Tape& tape : tapes) {
                 forms.emplace_back(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
-                tested_forms.push_back({.form = &forms.back().row(), .format = request.tested_form.format});
+                tested_forms.push_back({.form = &forms.back().form(), .format = request.tested_form.format});
             }
             opened_ = open();
             return judge(request, tested_forms).quality;
@@ -161,7 +162,7 @@ private:
     }
     measure::choose::FileRays judge(const RepairRequest& request,
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
-        measure::choose::ChoiceRequest choice_request{.rows = tested_forms, .requirement = request.requirement};
+        measure::choose::ChoiceRequest choice_request{.tested_forms = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }
@@ -226,7 +227,7 @@ void require_shader_form(const std::string& emit, const measure::evaluate::Teste
 RepairRequest make_request(const MendOptions& options, const MendSubject& subject, intersect::process::StopToken stop) {
     RepairRequest request{
         .scene = subject.scene ? &*subject.scene : nullptr,
-        .row = select_tested_form(options, subject.id(), [&](Shapes forms) { return subject.meets(forms); }),
+        .tested_form = select_tested_form(options, subject.id(), [&](Shapes forms) { return subject.meets(forms); }),
         .two_words = options.wider == "two-words"};
     require_shader_form(options.emit, request.tested_form);
     request.requirement = {.bits = options.bits, .wrong = options.wrong, .quantile = parse_quantile(options.at)};
@@ -269,7 +270,7 @@ public:
 private:
     const MendOptions& options_;
     std::unique_ptr<output::file::ResultFolder> result_folder_;
-    std::optional<output::repair::RepairFiles> files_;
+    std::optional<output::repair::RepairWriter> files_;
     std::optional<output::file::AtomicFile> emitted_file_;
 };
 

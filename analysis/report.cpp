@@ -254,7 +254,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
     scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
     if (!options.size.empty()) load_options.size = selection::parse_size(options.size);
     for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
-        auto handling_forms = forms.select_for(scene.id, [&scene](Shapes shapes) { return scene.meets(shapes); });
+        auto handling_forms = forms.select_for(scene.id, [&scene](Shapes shapes) { return scene.accepts(shapes); });
         if (handling_forms.empty()) continue;
         auto metrics = select_map_metrics(scene, handling_forms, extra_metrics, planned.metric_set);
         planned.units += scene.pixels() * handling_forms.size();
@@ -280,10 +280,10 @@ void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const
     std::vector<TestedForm> handling_forms;
     if (kind == scene::sweep::SweepKind::cases)
         handling_forms =
-            forms.select_for(id, [file = scene::sweep::CaseFile(path)](Shapes shapes) { return file.meets(shapes); });
+            forms.select_for(id, [file = scene::sweep::CaseFile(path)](Shapes shapes) { return file.accepts(shapes); });
     else
         handling_forms = forms.select_for(id, [sweep = scene::sweep::SweepFile(path, data, {}, forms.options.stop)](
-                                                  Shapes shapes) { return sweep.meets(shapes); });
+                                                  Shapes shapes) { return sweep.accepts(shapes); });
     if (!handling_forms.empty()) planned.sweeps.push_back({path, data, handling_forms, forms.options.seeds});
 }
 
@@ -346,9 +346,9 @@ PlannedReport plan_report(const ReportOptions& options, const std::filesystem::p
 /// Prints which forms of -i no map and no sweep of the report shows.
 void note_forms_not_shown(const PlannedReport& planned, const ReportOptions& options, bool quiet) {
     std::vector<TestedForm> shown_rows;
-    for (const PlannedMap& map : planned.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
+    for (const PlannedMap& map : planned.maps) shown_rows.insert(shown_rows.end(), map.tested_forms.begin(), map.tested_forms.end());
     for (const PlannedSweep& sweep : planned.sweeps)
-        shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
+        shown_rows.insert(shown_rows.end(), sweep.tested_forms.begin(), sweep.tested_forms.end());
     selection::note_unmeasured(options.forms, shown_rows, quiet);
 }
 

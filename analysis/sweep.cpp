@@ -33,7 +33,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
         if (!onset.found || (onset.from_last && onset.from_start)) continue;
-        const TestedForm& tested_form = request.tested_forms[onset.row];
+        const TestedForm& tested_form = request.tested_forms[onset.form_index];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
         fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14.8g}  {:>15}  {}\n",
@@ -52,8 +52,8 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return file.accepts(forms); });
-    measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
+    const auto rows = selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return file.accepts(forms); });
+    measure::sweep::CaseRequest request{.file = file, .tested_forms = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
@@ -69,7 +69,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
 
     const auto folder = chosen.folder_of(file.id);
     const auto result_folder = chosen.lock_sweep_folder(file.id, path);
-    std::optional<output::sweep::CaseFiles> files;
+    std::optional<output::sweep::CaseWriter> files;
     if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
     const auto units = request.share.unit_range(file.size()).size() * request.tested_forms.size();
@@ -101,16 +101,16 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.options), common.stop);
     sweep.title += chosen.options.title_suffix();
     auto request = study::sweep_request(
-        sweep, selection::filter_tested_forms(chosen.rows, [&](Shapes forms) { return sweep.accepts(forms); }),
+        sweep, selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep.accepts(forms); }),
         chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
     selection::note_forms_without_formula(chosen.extra_metrics, request.tested_forms, common.quiet);
-    output::sweep::SweepFiles::require_own_columns(request);
+    output::sweep::SweepWriter::require_own_columns(request);
     if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.tested_forms, common.stop);
 
     const auto folder = chosen.folder_of(sweep.id);
     const auto result_folder = chosen.lock_sweep_folder(sweep.id, path);
-    const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
+    const auto files = result_folder ? std::make_unique<output::sweep::SweepWriter>(request, folder) : nullptr;
     request.share = chosen.division().share();
     const auto units = measure::sweep::sweep_units(request) / request.share.count;
     const auto measured_sweep = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
@@ -208,10 +208,10 @@ struct PlannedSweepFile {
 void select_forms_and_metrics(SweepSelection& chosen) {
     const SweepOptions& options = chosen.options;
     const std::vector<std::string> default_formats{"f32", "f64"};
-    chosen.rows = selection::pair_forms_with_formats(
+    chosen.tested_forms = selection::pair_forms_with_formats(
         selection::select_forms(options.forms),
         selection::select_formats(options.formats.empty() ? default_formats : options.formats));
-    if (!options.against.empty()) selection::compare_against(chosen.rows, options.against, chosen.common.quiet);
+    if (!options.against.empty()) selection::compare_against(chosen.tested_forms, options.against, chosen.common.quiet);
 
     if (!options.metrics.empty()) chosen.extra_metrics = selection::select_metrics(options.metrics, chosen.metric_set);
     if (!options.against.empty()) selection::add_comparison_metrics(chosen.extra_metrics);
@@ -245,7 +245,7 @@ std::vector<PlannedSweepFile> plan_sweeps(const SweepOptions& options, const std
 /// Drops the sweeps that no form can test, and prints what is left out.
 void drop_untestable(std::vector<PlannedSweepFile>& sweeps, SweepSelection& chosen) {
     const auto handling_forms = selection::drop_unhandled(
-        sweeps, {chosen.rows, chosen.options.forms, chosen.common.quiet},
+        sweeps, {chosen.tested_forms, chosen.options.forms, chosen.common.quiet},
         [](const PlannedSweepFile& s, Shapes forms) { return s.can_test(forms); },
         [](const PlannedSweepFile& s) { return s.path.stem().string(); });
     selection::note_unmeasured(chosen.options.forms, handling_forms, chosen.common.quiet);

@@ -257,7 +257,7 @@ std::vector<measure::crossing::MeshCrossings> find_crossings(GivenRays& given_ra
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const auto primitives = scene::rays::primitive_list_of(group);
                        for (std::size_t i = 0; i < group.rays.size(); ++i)
-                           crossings_by_ray[first + i] = measure::crossing::crossings_of(
+                           crossings_by_ray[first + i] = measure::crossing::find_crossings(
                                group.rays[i], {primitives, culler ? culler->index_for_truth() : nullptr},
                                group.rays.range(i), {.stop = settings.stop()});
                    });

@@ -29,7 +29,7 @@
 namespace lostbits::analysis::report {
 
 using measure::evaluate::TestedForm;
-using output::report::SweepPart;
+using output::report::SweepSection;
 
 namespace {
 
@@ -39,16 +39,16 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
-SweepPart measure_case_part(const PlannedSweep& planned, StopToken stop) {
+SweepSection measure_case_part(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::CaseFile file(planned.path);
     measure::sweep::CaseRequest request{
         .file = file,
-        .rows = {},
+        .tested_forms = {},
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.rows),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.tested_forms),
         .limit = {.stop = stop}};
     // Each form is judged by every convention of the file.
-    for (TestedForm tested_form : planned.rows) {
+    for (TestedForm tested_form : planned.tested_forms) {
         for (const auto& touching : file.conventions) {
             tested_form.touching = touching;
             request.tested_forms.push_back(tested_form);
@@ -56,12 +56,12 @@ SweepPart measure_case_part(const PlannedSweep& planned, StopToken stop) {
     }
     const auto cases = measure::sweep::run_cases(request);
 
-    SweepPart part{.kind = SweepPart::Kind::cases,
-                   .id = file.id,
-                   .title = file.title,
-                   .note = file.note,
-                   .source = file.source,
-                   .row_names = row_keys(planned.rows)};
+    SweepSection part{.kind = SweepSection::Kind::cases,
+                      .id = file.id,
+                      .title = file.title,
+                      .note = file.note,
+                      .source = file.source,
+                      .row_names = row_keys(planned.tested_forms)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = output::report::case_json(request, cases);
 
@@ -80,7 +80,7 @@ SweepPart measure_case_part(const PlannedSweep& planned, StopToken stop) {
 std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{900, 480};
     std::vector<output::report::Chart> charts;
-    for (const Format& format : output::sweep::formats_of(sweep)) {
+    for (const Format& format : output::sweep::list_formats(sweep)) {
         const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
@@ -89,8 +89,8 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
-                {output::sweep::wrong_title(outcome) + ": " + subject,
-                 svg_text(wrong_plot(sweep, format, outcome, size)),
+                {output::sweep::outcome_title(outcome) + ": " + subject,
+                 svg_text(outcome_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
@@ -109,10 +109,10 @@ std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Forma
 }
 
 /// Makes the part of a sweep over a plane: one chart for each form and format.
-void add_plane(SweepPart& part, const measure::sweep::SweepRequest& request,
+void add_plane(SweepSection& part, const measure::sweep::SweepRequest& request,
                const std::vector<measure::sweep::SweepStep>& steps) {
     const output::sweep::SweepGrid plane(request, steps);
-    part.kind = SweepPart::Kind::plane;
+    part.kind = SweepSection::Kind::plane;
     part.axes = {plane.x, plane.y};
     part.json = output::report::plane_json(request, steps);
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
@@ -125,7 +125,7 @@ void add_plane(SweepPart& part, const measure::sweep::SweepRequest& request,
 }
 
 /// Makes the part of a sweep along one axis: its onsets, and charts for each format.
-void add_line(SweepPart& part, const measure::sweep::SweepRequest& request,
+void add_line(SweepSection& part, const measure::sweep::SweepRequest& request,
               const std::vector<measure::sweep::SweepStep>& steps) {
     const auto onsets = measure::sweep::find_onsets(request, steps);
     part.axes = {request.sweep.axes.front().values};
@@ -134,30 +134,30 @@ void add_line(SweepPart& part, const measure::sweep::SweepRequest& request,
 
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     part.charts = line_charts(measured);
-    for (const Format& format : output::sweep::formats_of(measured)) {
+    for (const Format& format : output::sweep::list_formats(measured)) {
         const std::string absent = absent_charts(measured, format);
         part.json["absent"][format.name] = absent;
         if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);
     }
 }
 
-SweepPart measure_axes_part(const PlannedSweep& planned, StopToken stop) {
+SweepSection measure_axes_part(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::SweepFile sweep(planned.path, planned.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
-        .rows = planned.rows,
+        .tested_forms = planned.tested_forms,
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.rows),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.tested_forms),
         .limit = {.stop = stop}};
     for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
 
-    SweepPart part{.kind = SweepPart::Kind::line,
-                   .id = sweep.id,
-                   .title = sweep.title,
-                   .note = sweep.note,
-                   .source = sweep.source,
-                   .row_names = row_keys(planned.rows)};
+    SweepSection part{.kind = SweepSection::Kind::line,
+                      .id = sweep.id,
+                      .title = sweep.title,
+                      .note = sweep.note,
+                      .source = sweep.source,
+                      .row_names = row_keys(planned.tested_forms)};
     if (sweep.axes.size() == 2) {
         add_plane(part, request, steps);
     } else {
@@ -169,11 +169,11 @@ SweepPart measure_axes_part(const PlannedSweep& planned, StopToken stop) {
 
 }  // namespace
 
-output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
-                                         const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+output::report::MapSection measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
+                                            const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = planned.scene;
     measure::evaluate::MapStudy request{
-        .scene = &scene, .rows = planned.rows, .metrics = planned.metrics, .limit = {.stop = stop}};
+        .scene = &scene, .tested_forms = planned.tested_forms, .metrics = planned.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
 
@@ -182,10 +182,10 @@ output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::M
     std::vector<measure::evaluate::FormSummary> summaries;
     output::report::Picture contact_sheet = output::report::picture(
         fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
-            output::map::MapFiles sheet(request, {.folder = {},
-                                                  .drawn_metrics = {measure::metric::find_metric("lost_bits")},
-                                                  .scene_arguments = planned.scene_arguments,
-                                                  .sheet_only_file = file});
+            output::map::MapWriter sheet(request, {.folder = {},
+                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
+                                                   .scene_arguments = planned.scene_arguments,
+                                                   .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
                                                                 std::size_t form_index, const auto& band) {
                 draw(form_index, band);
@@ -203,7 +203,7 @@ output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::M
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .row_names = row_keys(planned.rows),
+            .row_names = row_keys(planned.tested_forms),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = output::report::summary_table(request, summaries),
@@ -215,10 +215,10 @@ output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::M
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
-SweepPart measure_sweep_part(const PlannedSweep& planned, StopToken stop) {
-    SweepPart part = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
-                         ? measure_case_part(planned, stop)
-                         : measure_axes_part(planned, stop);
+SweepSection measure_sweep_part(const PlannedSweep& planned, StopToken stop) {
+    SweepSection part = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
+                            ? measure_case_part(planned, stop)
+                            : measure_axes_part(planned, stop);
     part.json["named"] = selection::name_of_sweep(planned.path, planned.data);
     part.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
     return part;
@@ -233,10 +233,10 @@ std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string
     return scenes;
 }
 
-std::optional<output::report::OffsetPart> measure_offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<output::report::OffsetSection> measure_offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
-        .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
+        .scene = scene, .tested_forms = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
     auto all =
@@ -251,12 +251,13 @@ std::optional<output::report::OffsetPart> measure_offset_part(const scene::file:
 
     // Measures the study while its sheet is drawn.
     std::vector<offset::OffsetSummary> summaries;
-    output::report::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
+    output::report::OffsetSection part{
+        .id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = output::report::picture(scene.title +
                                              ": outcomes of the next rays with every offset "
                                              "strategy",
                                          [&](const auto& file) {
-                                             output::study::StudyFiles<output::offset::OffsetView> sheet(
+                                             output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
                                                  study, {.folder = {}, .sheet_only_file = file});
                                              summaries = measure::study::run_study(study, sheet.show());
                                              sheet.finish(summaries);
@@ -268,7 +269,7 @@ std::optional<output::report::OffsetPart> measure_offset_part(const scene::file:
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
-            part.wrong_shares[static_cast<std::size_t>(side)].push_back(
+            part.wrong_fractions[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;
@@ -289,8 +290,8 @@ PlannedStudy parse_study(const std::string& text, const std::string& size, const
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-output::report::StudyPart measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
-                                             const std::vector<std::string>& formats, StopToken stop) {
+output::report::StudySection measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
+                                                const std::vector<std::string>& formats, StopToken stop) {
     auto part = study::measure_study_part(planned.study, planned.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
@@ -300,17 +301,18 @@ output::report::StudyPart measure_study_part(const PlannedStudy& planned, const 
     return std::move(*part);
 }
 
-output::report::TradePart measure_trade_part(Shape shape, const std::vector<TestedForm>& tested_forms, StopToken stop) {
+output::report::TradeSection measure_trade_part(Shape shape, const std::vector<TestedForm>& tested_forms,
+                                                StopToken stop) {
     std::vector<TestedForm> timed = tested_forms;
     measure::trade::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
-    output::report::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
-                                   output::report::trade_json(request, result),
-                                   output::trade::trade_text(request, result),
-                                   {}};
+    output::report::TradeSection part{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                                      output::report::trade_json(request, result),
+                                      output::trade::trade_text(request, result),
+                                      {}};
     const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
         part.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),

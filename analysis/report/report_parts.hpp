@@ -21,7 +21,7 @@ using intersect::process::StopToken;
 /// A scene and the forms that can test it.
 struct PlannedMap {
     scene::file::Scene scene;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     std::vector<const measure::metric::Metric*> metrics;
     bool has_own_size = true;      ///< the scene's own, not --size
     std::string scene_arguments;   ///< arguments that name the scene, with its size, for a later command
@@ -30,43 +30,43 @@ struct PlannedMap {
 };
 /// Measures a map. `metric_set` owns the metrics that are made for the map; `advance` gets the units of work that are
 /// done.
-output::report::MapPart measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
-                                         const std::function<void(std::uint64_t)>& advance, StopToken stop);
+output::report::MapSection measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
+                                            const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
 /// A sweep along one axis, over a plane, or over named cases, and the forms that can test it.
 struct PlannedSweep {
     std::filesystem::path path, data;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
     int further_draws = 0;  ///< more draws of random rays, for the spread of onsets
 };
-output::report::SweepPart measure_sweep_part(const PlannedSweep& planned, StopToken stop);
+output::report::SweepSection measure_sweep_part(const PlannedSweep& planned, StopToken stop);
 
 /// A scene, a requirement, and the forms that can be timed on the scene.
 struct PlannedChoice {
     scene::file::Scene scene;
     measure::choose::Requirement requirement;
-    std::vector<measure::evaluate::TestedForm> rows;
+    std::vector<measure::evaluate::TestedForm> tested_forms;
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other texts.
 PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
                            const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
-output::report::ChoicePart measure_choice_part(const PlannedChoice& planned, StopToken stop);
+output::report::ChoiceSection measure_choice_part(const PlannedChoice& planned, StopToken stop);
 
 /// A scene, a form to repair and a requirement.
 struct PlannedMend {
     scene::file::Scene scene;
     measure::choose::Requirement requirement;
-    measure::evaluate::TestedForm row;
+    measure::evaluate::TestedForm tested_form;
 };
 /// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Otherwise
 /// like `parse_choice`.
 PlannedMend parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
                        StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
-output::report::MendPart measure_mend_part(const PlannedMend& planned, StopToken stop);
-output::report::MendPart make_mend_part(const output::repair::RepairSummary& result);
+output::report::MendSection measure_mend_part(const PlannedMend& planned, StopToken stop);
+output::report::MendSection make_mend_part(const output::repair::RepairSummary& result);
 
 /// A study and a scene that it takes.
 struct PlannedStudy {
@@ -78,19 +78,19 @@ PlannedStudy parse_study(const std::string& text, const std::string& size, const
                          StopToken stop);
 /// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
 /// NothingSelected if none of the forms fits.
-output::report::StudyPart measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
-                                             const std::vector<std::string>& formats, StopToken stop);
+output::report::StudySection measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
+                                                const std::vector<std::string>& formats, StopToken stop);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                                    const std::filesystem::path& data, StopToken stop);
 /// Measures the rays that leave the points of a scene. The first of `usual_forms` that fits the scene finds the points,
 /// in `usual_format`. Returns nothing if none of these forms fits.
-std::optional<output::report::OffsetPart> measure_offset_part(const scene::file::Scene& scene, StopToken stop);
+std::optional<output::report::OffsetSection> measure_offset_part(const scene::file::Scene& scene, StopToken stop);
 
 /// Measures speed and accuracy of the forms of one shape, with short measurements.
-output::report::TradePart measure_trade_part(Shape shape,
-                                             const std::vector<measure::evaluate::TestedForm>& tested_forms,
-                                             StopToken stop);
+output::report::TradeSection measure_trade_part(Shape shape,
+                                                const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                                StopToken stop);
 
 }  // namespace lostbits::analysis::report

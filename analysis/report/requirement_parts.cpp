@@ -94,13 +94,13 @@ PlannedMend parse_mend(const std::string& text, const std::string& size, const s
     selection::refuse_generated_rays({scene}, "mend");
     PlannedMend planned{std::move(scene), parsed.requirement, rows.front()};
     // Refuses a form that filters here, before anything is measured.
-    static_cast<void>(measure::repair::record_tape({.scene = &planned.scene, .row = planned.row}));
+    static_cast<void>(measure::repair::record_tape({.scene = &planned.scene, .tested_form = planned.tested_form}));
     return planned;
 }
 
-output::report::ChoicePart measure_choice_part(const PlannedChoice& planned, StopToken stop) {
+output::report::ChoiceSection measure_choice_part(const PlannedChoice& planned, StopToken stop) {
     measure::choose::ChoiceRequest request{
-        .scene = &planned.scene, .rows = planned.rows, .requirement = planned.requirement};
+        .scene = &planned.scene, .tested_forms = planned.tested_forms, .requirement = planned.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;
@@ -115,17 +115,17 @@ output::report::ChoicePart measure_choice_part(const PlannedChoice& planned, Sto
         .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-output::report::MendPart measure_mend_part(const PlannedMend& planned, StopToken stop) {
+output::report::MendSection measure_mend_part(const PlannedMend& planned, StopToken stop) {
     measure::repair::RepairRequest request{
-        .scene = &planned.scene, .row = planned.row, .requirement = planned.requirement};
+        .scene = &planned.scene, .tested_form = planned.tested_form, .requirement = planned.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
     return make_mend_part(output::repair::summarize_repair(request, repair));
 }
 
-output::report::MendPart make_mend_part(const output::repair::RepairSummary& result) {
+output::report::MendSection make_mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.tested_form;
-    output::report::MendPart part{
+    output::report::MendSection part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),
         .requirement = output::choose::requirement_text(result.request.requirement),

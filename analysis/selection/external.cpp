@@ -28,6 +28,7 @@
 #include "output/file/atomic_file.hpp"
 #include "scene/toml/files_of_run.hpp"
 #include "text/count_with_noun.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -277,15 +278,17 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
     const std::string source_prefix =
         fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
-    for (const auto& form : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(form)) {
+    for (const auto& shader_form : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(shader_form)) {
             // If the file does not say which root its t is, --shader takes t for the near root, and --function for the
             // first one. These count as the same.
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
-                form.shape != program.shape || returns_both(form->contract.roots) != returns_both(program.info->roots))
+                shader_form.shape != program.shape ||
+                returns_both(form->contract.roots) != returns_both(program.info->roots))
                 continue;
-            const std::string message_prefix = fmt::format("lostbits: {} ({})", form.info->name, form->contract.source);
-            print_difference(message_prefix, measure::tape::driver_difference(form, program), program);
+            const std::string message_prefix =
+                fmt::format("lostbits: {} ({})", shader_form.info->name, form->contract.source);
+            print_difference(message_prefix, measure::tape::driver_difference(shader_form, program), program);
         }
     }
 }
@@ -297,7 +300,7 @@ void open_external(const ExternalOptions& options, int threads) {
     // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
     std::erase_if(external_forms.forms, [&external_forms](const ForeignForm& form) {
         return std::ranges::any_of(external_forms.formulas,
-                                   [&form](const auto& f) { return f.row.info->name == form.contract.name; });
+                                   [&form](const auto& f) { return f.intersector.info->name == form.contract.name; });
     });
     intersect::external::register_formulas(external_forms.formulas);
     intersect::external::register_forms(std::move(external_forms.forms));
@@ -319,8 +322,8 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
-    for (const auto& form : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(form))
+    for (const auto& intersector : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(intersector))
             if (!form->contract.state.empty()) states.try_emplace(form->provider, form->contract.state);
     }
     for (const auto& [library, state] : states)

@@ -270,7 +270,7 @@ std::string difference_text(const table::RandomRays<S>& rays, std::size_t i, Sha
 
     const auto append_answer = [&](const table::FormAnswers<S>& answers) {
         if (answers.hit[i] == 0) text << "a miss";
-        else text << "t = " << answers.numbers[0][i];
+        else text << "t = " << answers.t[i];
     };
     text << ": recorded ";
     append_answer(recorded);
@@ -345,7 +345,7 @@ external::ForeignForm compiled_form(const external::Library& library, const User
     form.answer = [entry, name, number_count = row_of(signature.contract.shape).numbers,
                    miss_value = signature.miss_value, fp_state = library.fp_state](const lb_batch& batch) {
         external::call_foreign(name, [&] {
-            const external::InForeignCode foreign_code(name, fp_state);
+            const external::ForeignCodeScope foreign_code(name, fp_state);
             answer_batch<S>(entry, miss_value, number_count, batch);
             return 0;
         });
@@ -418,17 +418,19 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
         signature.bits == 32 ? compiled_form<float>(library, signature, user_function->path, subject)
                              : compiled_form<double>(library, signature, user_function->path, subject));
     user_function->answers->info.formats = Formats::all;
-    user_function->row = user_function->answers->row();
-    user_function->written->fill(user_function->row);
-    const table::Intersector recorded_form = user_function->written->row(user_function->answers->info);
+    user_function->intersector = user_function->answers->to_intersector();
+    user_function->written->fill(user_function->intersector);
+    const table::Intersector recorded_form = user_function->written->make_intersector(user_function->answers->info);
     const external::Contract& contract = signature.contract;
     const bool has_t = contract.roots != Roots::none;
     if (signature.bits == 32) {
-        require_same_answers(user_function->row.native32, recorded_form.native32, contract.shape, has_t, subject);
-        user_function->row.native64 = recorded_form.native64;
+        require_same_answers(user_function->intersector.native32, recorded_form.native32, contract.shape, has_t,
+                             subject);
+        user_function->intersector.native64 = recorded_form.native64;
     } else {
-        require_same_answers(user_function->row.native64, recorded_form.native64, contract.shape, has_t, subject);
-        user_function->row.native32 = recorded_form.native32;
+        require_same_answers(user_function->intersector.native64, recorded_form.native64, contract.shape, has_t,
+                             subject);
+        user_function->intersector.native32 = recorded_form.native32;
     }
     return user_function;
 }

@@ -116,7 +116,7 @@ const intersect::table::Intersector* find_catalogue_form(const std::string& form
     const auto rows = intersect::table::intersectors();
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& known) { return known.info->name == form; });
-    returnfound == rows.end() ? nullptr : &*found;
+    return found == rows.end() ? nullptr : &*found;
 }
 
 const intersect::table::Intersector& find_form(const Claim& claim, const std::string& form);

@@ -31,7 +31,7 @@ namespace {
 void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
                    truth::ProofLimit limit) {
     const scene::sweep::CaseFile file(path);
-    sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
+    sweep::CaseRequest request{.file = file, .tested_forms = {}, .metrics = {}, .limit = limit};
     for (const auto& subject_claim : claims) request.tested_forms.push_back(tested_form_for(subject_claim.claim, file));
     const OwnedSetting setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claim_pointers(claims), request.tested_forms, setting.get());
@@ -131,7 +131,7 @@ using AxesPosition = std::optional<std::vector<double>>;
 
 void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& position,
                   const scene::sweep::SweepFile& sweep, truth::ProofLimit limit) {
-    sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
+    sweep::SweepRequest request{.sweep = sweep, .tested_forms = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         TestedForm tested_form = tested_form_for(claim, sweep);
@@ -228,7 +228,7 @@ std::uint64_t count_rays(const edges::EdgeFinding& finding, const CensusMetric& 
 void measure_census(const SubjectClaims<SearchSubject>& claims, const std::filesystem::path& path,
                     const ClaimRequest& run) {
     edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
-                               .rows = {},
+                               .tested_forms = {},
                                .limit = {.stop = run.stop},
                                .census_only = true};
     std::vector<std::size_t> rows;
@@ -307,7 +307,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
     const metric::Metric& searched_metric = check_search_file(first_claim, file);
     sweep::WorstRequest request{
         .search = file,
-        .rows = {},
+        .tested_forms = {},
         .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), &searched_metric},
         .limit = {.stop = run.stop}};
     const std::vector<std::size_t> rows = add_searched_forms(claims, request);

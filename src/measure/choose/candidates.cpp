@@ -35,7 +35,7 @@ std::vector<const metric::Metric*> Requirement::metrics() const {
 
 std::vector<FormQuality> measure_quality(const ChoiceRequest& request) {
     evaluate::MapStudy study{
-        .scene = request.scene, .rows = request.tested_forms, .metrics = request.requirement.metrics()};
+        .scene = request.scene, .tested_forms = request.tested_forms, .metrics = request.requirement.metrics()};
     study.limit = request.limit;
     study.progress = request.progress;
     const auto summaries = evaluate::run_map(study, request.show);

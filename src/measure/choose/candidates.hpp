@@ -32,7 +32,7 @@ struct Requirement {
 /// Converts `p99`, `p99.9` or `max` to a quantile. Throws InputError for any other text.
 double quantile_named(const std::string& text);
 
-/// Measurements of a row, as far as a requirement needs them.
+/// Measurements of a form, as far as a requirement needs them.
 struct FormQuality {
     std::uint64_t rays = 0;                       ///< rays whose truth is known
     std::uint64_t wrong = 0;                      ///< number of these rays that are decided wrongly
@@ -56,7 +56,7 @@ struct FormQuality {
 
 /// A form in a format, as a program would call it.
 struct Candidate {
-    evaluate::TestedForm row;
+    evaluate::TestedForm tested_form;
     std::string_view isa = {};  ///< register width: `scalar`, `128`, ...
     trade::Timing time{};       ///< seconds for one ray and primitive
     FormQuality quality{};
@@ -65,17 +65,17 @@ struct Candidate {
 struct FileRays;
 
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;             ///< scene to choose for; null for rays of files
-    const FileRays* rays = nullptr;                        ///< rays of files, judged for `rows` and `requirement`
-    std::vector<evaluate::TestedForm> rows = {};           ///< in f32 and f64 only
-    std::vector<evaluate::TestedForm> untimed_forms = {};  ///< rows in emulated formats; used only for the requirement
+    const scene::file::Scene* scene = nullptr;  ///< scene to choose for; null for rays of files
+    const FileRays* rays = nullptr;             ///< rays of files, judged for `tested_forms` and `requirement`
+    std::vector<evaluate::TestedForm> tested_forms = {};   ///< in f32 and f64 only
+    std::vector<evaluate::TestedForm> untimed_forms = {};  ///< in emulated formats; used only for the requirement
                                                            ///< of each pixel
     Requirement requirement{};
     bool times_single_rays = false;  ///< time kernels of one ray at a time instead of a register of rays
     trade::TimingPlan plan{};
     truth::ProofLimit limit{};
-    evaluate::ShowForms show = {};  ///< receives the rows of `measure_candidates`; may be empty
-    /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
+    evaluate::ShowForms show = {};  ///< receives the results of `measure_candidates`; may be empty
+    /// Receives the number of (ray, form) pairs done since the last call; may throw to stop. The plan's own progress
     /// counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
@@ -86,17 +86,17 @@ struct ChoiceRequest {
 /// Converts a summary whose metrics are those of the requirement.
 FormQuality to_quality(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
                        const Requirement& requirement);
-/// Measures a row on a band.
+/// Measures a form on a band.
 FormQuality quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form,
                        const Requirement& requirement);
-/// Measures a row that receives these inputs instead of those of the band.
+/// Measures a form that receives these inputs instead of those of the band.
 FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
                        const evaluate::TestedForm& tested_form, const Requirement& requirement);
 
-/// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
+/// Measures every form on the scene, at the scene's size, and calls the request's `progress`.
 std::vector<FormQuality> measure_quality(const ChoiceRequest& request);
 
-/// Returns the format in which a row computes: the format of its inputs and answers, or f64 if they are f32 and the
+/// Returns the format in which a form computes: the format of its inputs and answers, or f64 if they are f32 and the
 /// formula converts them to f64 and back.
 Format computing_format(const evaluate::TestedForm& tested_form);
 
@@ -105,7 +105,7 @@ struct TimedRays {
     std::size_t rays = 0, primitives = 0;
 };
 
-/// Measures every row, in the request's order, and times it on rays of the scene or of the files.
+/// Measures every form, in the request's order, and times it on rays of the scene or of the files.
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
 
 /// Returns the indices of all candidates, cheapest first.

@@ -183,9 +183,7 @@ Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form
 struct TrialRays {
     std::optional<Scene> scene;  ///< a smaller picture of the request's scene; absent for rays of files
     std::optional<Band> band;
-    IdealRays ideal;  ///< empty
-    if wider
-        inputs are not tried
+    IdealRays ideal;  ///< empty if wider inputs are not tried
 };
 
 void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& rays) {
@@ -193,7 +191,7 @@ void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& r
     const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
     rays.scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
     rays.band.emplace(*rays.scene, 0, rays.scene->height, request.limit);
-    if (primitives < = most_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
+    if (primitives <= most_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
 }
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {

@@ -119,7 +119,7 @@ std::vector<external::Formula> placed_rows(const fs::path& library_path, const s
             .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
         if (is_double(forms[k])) form.native64 = load_kernel<double>(loaded, name);
         else form.native32 = load_kernel<float>(loaded, name);
-        formulas.push_back({.intersector = form, .packed = {}, .who = nullptr, .first = {}});
+        formulas.push_back({.intersector = form, .packed = {}, .who = nullptr, .first_root_forms = {}});
     }
     return formulas;
 }

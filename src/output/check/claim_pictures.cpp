@@ -84,14 +84,14 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
     }
 
     const measure::evaluate::MapStudy request{.scene = &scene,
-                                              .rows = tested_forms,
+                                              .tested_forms = tested_forms,
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
-    map::MapFiles sheet(request, {.folder = {},
-                                  .drawn_metrics = request.metrics,
-                                  .scene_arguments = scene.id,
-                                  .sheet_only_file = picture_path(shown, file)});
+    map::MapWriter sheet(request, {.folder = {},
+                                   .drawn_metrics = request.metrics,
+                                   .scene_arguments = scene.id,
+                                   .sheet_only_file = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }
@@ -100,7 +100,7 @@ std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown)
 std::string draw_picture(const StudySubject& subject, const ShownSubject& shown) {
     const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
     measure::check::StudyQuestion question{
-        .scene = scene, .rows = claimed_forms(shown.claims), .stop = shown.request.stop};
+        .scene = scene, .tested_forms = claimed_forms(shown.claims), .stop = shown.request.stop};
     for (const Claim* const claim : shown.claims) {
         for (const auto& [option, value] : claim->subject_if<StudySubject>()->options) {
             auto& values = question.options[option];
@@ -139,7 +139,7 @@ SweepPlots needed_plots(const std::vector<const Claim*>& claims) {
 std::string draw_cases(const scene::sweep::CaseFile& file, const ShownSubject& shown) {
     const std::vector<TestedForm> tested_forms = claimed_forms(shown.claims);
     const measure::sweep::CaseRequest request{
-        .file = file, .rows = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = shown.request.stop}};
+        .file = file, .tested_forms = tested_forms, .metrics = drawn_metrics(), .limit = {.stop = shown.request.stop}};
     const auto cases = measure::sweep::run_cases(request);
 
     std::string text;
@@ -173,7 +173,7 @@ std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject&
     const scene::sweep::SweepFile& sweep = measured.request.sweep;
     const SweepPlots plots = needed_plots(shown.claims);
     std::string text;
-    for (const Format& format : sweep::formats_of(measured)) {
+    for (const Format& format : sweep::list_formats(measured)) {
         const auto add_plot = [&](std::string_view name, const image::Canvas& plot) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, name, format.name);
             text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, name, format.name), file);
@@ -185,7 +185,7 @@ std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject&
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
             add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
-                     sweep::wrong_plot(measured, format, outcome));
+                     sweep::outcome_plot(measured, format, outcome));
     }
     return text;
 }
@@ -200,7 +200,7 @@ std::string draw_picture(const scene::check::SweepSubject& subject, const ShownS
 
     const scene::sweep::SweepFile sweep(path, shown.request.data_dir, {}, shown.request.stop);
     measure::sweep::SweepRequest request{.sweep = sweep,
-                                         .rows = claimed_forms(shown.claims),
+                                         .tested_forms = claimed_forms(shown.claims),
                                          .metrics = drawn_metrics(),
                                          .limit = {.stop = shown.request.stop}};
     for (TestedForm& tested_form : request.tested_forms)

@@ -21,10 +21,11 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     measure::choose::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
-    if (result.cheapest_index) result.margins = find_margins(quiet_request, candidates[*result.cheapest_index].row);
+    if (result.cheapest_index)
+        result.margins = find_margins(quiet_request, candidates[*result.cheapest_index].tested_form);
     else
         result.obstacle =
-            find_obstacle(quiet_request, candidates[*nearest_candidate(candidates, request.requirement)].row);
+            find_obstacle(quiet_request, candidates[*nearest_candidate(candidates, request.requirement)].tested_form);
     return result;
 }
 
@@ -149,7 +150,7 @@ std::vector<trade::KernelPoint> candidate_points(const ChoiceResult& result) {
     for (std::size_t k = 0; k < result.candidates.size(); ++k) {
         const Candidate& c = result.candidates[k];
         const bool is_chosen = result.cheapest_index == k;
-        points.push_back({.tested_form = c.row,
+        points.push_back({.tested_form = c.tested_form,
                           .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
                           .time = c.time,
                           .marker = is_chosen ? chosen_marker : 0,
@@ -167,10 +168,11 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     spec.title = fmt::format("Time against kept bits on {}", result.request.id());
     spec.subtitle = {
         fmt::format("Required: {}. {}.", requirement_text(requirement),
-                    result.cheapest_index ? fmt::format("Chosen: {} in {}",
-                                                        result.candidates[*result.cheapest_index].row.form->info->name,
-                                                        result.candidates[*result.cheapest_index].row.format.name)
-                                          : "Nothing meets the requirement"),
+                    result.cheapest_index
+                        ? fmt::format("Chosen: {} in {}",
+                                      result.candidates[*result.cheapest_index].tested_form.form->info->name,
+                                      result.candidates[*result.cheapest_index].tested_form.format.name)
+                        : "Nothing meets the requirement"),
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
@@ -213,8 +215,8 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
     std::vector<CandidateRow> rows;
     for (const std::size_t k : order_by_price(result.candidates)) {
         const Candidate& c = result.candidates[k];
-        const std::string_view form = c.row.form->info->name;
-        rows.push_back({.kernel = {form, c.row.format.name, c.isa},
+        const std::string_view form = c.tested_form.form->info->name;
+        rows.push_back({.kernel = {form, c.tested_form.format.name, c.isa},
                         .time = &c.time,
                         .quality = &c.quality,
                         .meets_requirement = c.quality.meets(requirement),

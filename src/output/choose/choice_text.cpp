@@ -21,9 +21,10 @@ namespace {
 double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
 
 std::string candidate_name(const Candidate& c) {
-    const Format inner_format = measure::choose::computing_format(c.row);
-    return fmt::format("{} in {}{}", c.row.form->info->name, c.row.format.name,
-                       inner_format == c.row.format ? "" : fmt::format(", which computes in {}", inner_format.name));
+    const Format inner_format = measure::choose::computing_format(c.tested_form);
+    return fmt::format(
+        "{} in {}{}", c.tested_form.form->info->name, c.tested_form.format.name,
+        inner_format == c.tested_form.format ? "" : fmt::format(", which computes in {}", inner_format.name));
 }
 
 std::string register_phrase(const Candidate& c) {
@@ -178,7 +179,7 @@ std::string time_sentence(const ChoiceResult& result, const Candidate& cheapest)
     const auto& candidates = result.candidates;
     const Candidate& fastest = candidates[*measure::choose::fastest(candidates)];
     const auto details_of = [&](const Candidate& other) {
-        const int precision = other.row.format.parameters.precision;
+        const int precision = other.tested_form.format.parameters.precision;
         return fmt::format("{} ({:.2f} ns{}; {}, {})", candidate_name(other), nanoseconds(other),
                            other.isa == cheapest.isa ? "" : " " + register_phrase(other),
                            kept_bits_phrase(other.quality, precision, result.request.requirement),
@@ -204,18 +205,18 @@ std::string accuracy_sentence(const ChoiceResult& result, const Candidate& cheap
     return fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
                        times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)), candidate_name(most_accurate),
                        nanoseconds(most_accurate),
-                       kept_bits_phrase(most_accurate.quality, most_accurate.row.format.parameters.precision,
+                       kept_bits_phrase(most_accurate.quality, most_accurate.tested_form.format.parameters.precision,
                                         result.request.requirement));
 }
 
 /// Sentences on the chosen candidate: its accuracy, time, assumptions and margins, and how the next ray may start.
 std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& c) {
-    const int precision = c.row.format.parameters.precision;
+    const int precision = c.tested_form.format.parameters.precision;
     std::string text =
         fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
                     kept_bits_phrase(c.quality, precision, result.request.requirement), decisions_phrase(c.quality));
     text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), register_phrase(c));
-    const std::string assumptions = assumptions_text(*c.row.form->info);
+    const std::string assumptions = assumptions_text(*c.tested_form.form->info);
     text +=
         assumptions.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumptions);
 
@@ -228,7 +229,7 @@ std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& c
 std::string nothing_meets_text(const ChoiceResult& result) {
     const Candidate& nearest =
         result.candidates[*measure::choose::nearest_candidate(result.candidates, result.request.requirement)];
-    const int precision = nearest.row.format.parameters.precision;
+    const int precision = nearest.tested_form.format.parameters.precision;
     std::string text =
         fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", candidate_name(nearest),
                     kept_bits_phrase(nearest.quality, precision, result.request.requirement),
@@ -246,8 +247,8 @@ std::string mended_text(const ChoiceResult& result) {
     std::string text;
     for (const RepairedCandidate& repair : *result.repaired) {
         const auto candidate = std::ranges::find(result.candidates, repair.name,
-                                                 [](const Candidate& c) { return c.row.form->info->name; });
-        const int precision = candidate->row.format.parameters.precision;
+                                                 [](const Candidate& c) { return c.tested_form.form->info->name; });
+        const int precision = candidate->tested_form.format.parameters.precision;
 
         text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.method,
                             kept_bits_phrase(candidate->quality, precision, requirement),

@@ -97,8 +97,8 @@ std::string no_hit_text(const ChoiceResult& result, const Candidate& nearest) {
 
 /// Text for a format with fewer bits than are required.
 std::string narrow_format_text(const ChoiceResult& result, const Candidate& nearest) {
-    return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", nearest.row.format.name,
-                       nearest.row.format.parameters.precision) +
+    return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", nearest.tested_form.format.name,
+                       nearest.tested_form.format.parameters.precision) +
            rounded_scene_text(result, nearest);
 }
 
@@ -144,7 +144,7 @@ std::string formula_text(const ChoiceResult& result, const Candidate& nearest) {
             : fmt::format(
                   "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
                   "would leave {}",
-                  nearest.row.format.name, remaining_bits_text(result));
+                  nearest.tested_form.format.name, remaining_bits_text(result));
     return fmt::format("  What limits it: {}. {}.\n", limit, inputs_sentence) + rounded_scene_text(result, nearest);
 }
 

@@ -21,9 +21,9 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
 using pixel::colour_of;
+using pixel::fraction_text;
 using pixel::PixelColumn;
 using pixel::PixelValue;
-using pixel::share_text;
 using table::Table;
 
 namespace {
@@ -58,29 +58,29 @@ std::string summary_note(const Check& check, const CheckSummary& s) {
         const auto yes_count = s.count_of(CheckResult::second_alone);
         return yes_count == 0           ? "always no"
                : yes_count == s.asked() ? "always yes"
-                                        : share_text(yes_count, s.asked()) + " yes";
+                                        : fraction_text(yes_count, s.asked()) + " yes";
     }
 
     const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? agreement : share_text(s.decisions(), s.asked()) + " differ";
+    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.asked()) + " differ";
     if (const auto input_count = s.count_of(CheckResult::by_inputs); input_count > 0 && !check.compares_numbers)
-        note += fmt::format("\n{} by inputs", share_text(input_count, s.asked()));
+        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.asked()));
 
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
     else if (s.count_of(CheckResult::other_number) > 0)
-        note += fmt::format("\n{} other bits", share_text(s.count_of(CheckResult::other_number), s.asked()));
+        note += fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.asked()));
     return note;
 }
 
 }  // namespace
 
-std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t form_index) {
+std::string ConsistencyPresentation::row_name(const ConsistencyStudy& study, std::size_t form_index) {
     return map::row_name(study.tested_forms[form_index]);
 }
 
-std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {
+std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
     std::vector<PixelColumn<ConsistencyBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
@@ -105,13 +105,13 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
                            ? PixelValue{result}
                            : PixelValue{ramp_category, pixels.excess[i]};
             };
-            columns.push_back({std::move(spec), r, pixel::drawn_by<ConsistencyBand>(value)});
+            columns.push_back({std::move(spec), r, pixel::make_draw_function<ConsistencyBand>(value)});
         }
     }
     return columns;
 }
 
-pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
+pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format(
@@ -134,7 +134,8 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
     return {file, std::move(spec)};
 }
 
-std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, const std::vector<FormChecks>& rows) {
+std::vector<study::Note> ConsistencyPresentation::notes(const ConsistencyStudy& study,
+                                                        const std::vector<FormChecks>& rows) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
@@ -142,7 +143,7 @@ std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, c
     return notes;
 }
 
-Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const ConsistencyStudy& study) {
+Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(const ConsistencyStudy& study) {
     using R = study::PixelInBand<ConsistencyBand>;
     std::string result_names;
     for (const std::string_view name : check_result_names)
@@ -174,7 +175,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
     return table;
 }
 
-Table<CheckRow> ConsistencyView::summary_table() {
+Table<CheckRow> ConsistencyPresentation::summary_table() {
     using R = CheckRow;
     Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
@@ -205,8 +206,8 @@ Table<CheckRow> ConsistencyView::summary_table() {
          {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study,
-                                                    const std::vector<FormChecks>& rows) {
+std::vector<CheckRow> ConsistencyPresentation::summary_rows(const ConsistencyStudy& study,
+                                                            const std::vector<FormChecks>& rows) {
     std::vector<CheckRow> check_rows;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)

@@ -251,10 +251,10 @@ namespace {
 /// Lines that explain the order of the forms and the worst pixels of a sheet.
 std::vector<std::string> explanations(const SheetSubject& sheet) {
     std::vector<std::string> lines;
-    if (!sheet.rows.empty())
+    if (!sheet.tested_forms.empty())
         lines.push_back(
             fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
-                        sheet.rows.front().format.name));
+                        sheet.tested_forms.front().format.name));
     if (sheet.paint.names_worst_ray())
         lines.push_back(
             sheet.scene_arguments.empty()

@@ -30,7 +30,7 @@ std::vector<StageRow> RenderPresentation::summary_rows(const RenderStudy& study,
 namespace {
 
 /// Adds the picture of stage `s`, the certified picture, and their difference.
-void add_stage(pixel::ExrLayers<RenderBand>& layers, const RenderStudy& study, std::size_ts) {
+void add_stage(pixel::ExrLayers<RenderBand>& layers, const RenderStudy& study, std::size_t s) {
     const std::string name(name_of(study.stages[s]));
     const auto stage = static_cast<std::size_t>(study.stages[s]);
     for (int k = 0; k < 3; ++k)

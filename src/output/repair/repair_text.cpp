@@ -334,7 +334,7 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
 
     for (const Proposal& proposal : list_proposals(summary)) {
         std::vector<GrowthMargin> margins;
-        if (proposal.quality->meets(request.requirement)) margins = margins_of_tape(request, proposal.tape);
+        if (proposal.quality->meets(request.requirement)) margins = find_margins_of_tape(request, proposal.tape);
         if (proposal.rewritten) summary.rewritten_margins.push_back(std::move(margins));
         else if (proposal.is_symmetric_set) summary.symmetric_margins = std::move(margins);
         else summary.margins = std::move(margins);
@@ -397,7 +397,7 @@ const Proposal* best_proposal(const std::vector<Proposal>& proposals, const Repa
     return best;
 }
 
-std::string rule_names(const measure::repair::Rewritten& rewritten) {
+std::string rule_names(const measure::repair::RewrittenForm& rewritten) {
     std::vector<std::string_view> names;
     for (const auto* rule : rewritten.rules) names.push_back(rule->name);
     if (rewritten.wider_set)

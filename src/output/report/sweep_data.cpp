@@ -76,11 +76,11 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
          {"label", axis.label},
          {"steps", json_array(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
          {"is_drawn", request.sweep.has_random_rays()}},
-        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
+        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].summaries[r]; },
         [&](Json& row, std::size_t r) {
             Json& row_onsets = row["onsets"] = Json::array();
             for (const Onset& o : onsets) {
-                if (o.row != r || !o.found) continue;
+                if (o.form_index != r || !o.found) continue;
                 const auto spread = o.spread();
                 row_onsets.push_back(Json::array(
                     {o.event, o.statistic, number_json(o.threshold), o.from_start ? Json() : number_json(o.last_good),
@@ -193,7 +193,7 @@ std::vector<EventColumn> event_columns(const std::vector<Onset>& onsets) {
 std::string onset_cell(const std::vector<Onset>& onsets, std::size_t form_index, const EventColumn& column,
                        double threshold) {
     const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
-        return o.row == form_index && o.event == column.event && o.statistic == column.statistic &&
+        return o.form_index == form_index && o.event == column.event && o.statistic == column.statistic &&
                o.threshold == threshold;
     });
     const bool is_found = onset != onsets.end() && onset->found;

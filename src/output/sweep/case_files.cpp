@@ -11,6 +11,7 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/cell_plots.hpp"
+#include "text/shell_word.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -171,7 +172,7 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     // The colour bar and the paler colour are explained only if a cell has them.
     if (has_within_inputs) {
         spec.legend.insert(spec.legend.begin() + 1,
-                           {within_meaning(request.file), map::make_paler(scale.bar().at(0.5)), {}});
+                           {within_meaning(request.file), map::make_paler(scale.bar().colour_at_position(0.5)), {}});
     }
     if (!has_wrong_value && !has_within_inputs) spec.scale.reset();
     return plot::matrix_plot(spec);

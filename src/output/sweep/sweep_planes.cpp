@@ -97,7 +97,7 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
 
 const FormSummary& SweepGrid::at(std::size_t form_index, std::size_t x_index, std::size_t y_index) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - x_index : x_index, j = y_falls_ ? y.size() - 1 - y_index : y_index;
-    return steps_[i * y.size() + j].rows[form_index];
+    return steps_[i * y.size() + j].summaries[form_index];
 }
 
 namespace {
@@ -187,7 +187,8 @@ std::vector<image::LegendEntry> plane_sheet_legend(const std::vector<DrawnPlane>
     std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
     for (image::LegendEntry& entry : legend) entry.count.clear();
     if (has_gap) legend.push_back({gap_text(), no_value_colour, ""});
-    if (has_explained) legend.push_back({map::paler_colour_meaning, map::make_paler(scale.bar().at(0.5)), ""});
+    if (has_explained)
+        legend.push_back({map::paler_colour_meaning, map::make_paler(scale.bar().colour_at_position(0.5)), ""});
     return legend;
 }
 

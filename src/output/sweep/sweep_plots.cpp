@@ -48,7 +48,7 @@ Series make_series(const std::vector<SweepStep>& steps, std::size_t form_index, 
     Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
-        series.y.push_back(value(step.rows[form_index]));
+        series.y.push_back(value(step.summaries[form_index]));
     }
     if (series.x.front() > series.x.back()) {
         std::ranges::reverse(series.x);
@@ -72,7 +72,7 @@ bool is_marching(const TestedForm& tested_form) { return !is_primitive(tested_fo
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
-    const FormSummary& first_summary = sweep.steps.front().rows.front();
+    const FormSummary& first_summary = sweep.steps.front().summaries.front();
     if (!sweep.request.sweep.has_random_rays()) return text::count_with_noun(first_summary.rays, "ray") + " per step";
     if (first_summary.views == first_summary.rays)
         return text::count_with_noun(first_summary.rays, "independent ray") + " per step";
@@ -115,13 +115,13 @@ void add_marks(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& for
         spec.marks.push_back({mark.at, mark.label});
 
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& tested_form = request.tested_forms[o.row];
+            const TestedForm& tested_form = request.tested_forms[o.form_index];
             return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
                    tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
                    o.threshold == mark.threshold;
         });
         if (onset == sweep.onsets.end()) continue;
-        const std::string form_name = map::short_name(*request.tested_forms[onset->row].form->info);
+        const std::string form_name = map::short_name(*request.tested_forms[onset->form_index].form->info);
         spec.marks.push_back({onset->first_bad, mark.event == "lost_bits"
                                                     ? fmt::format("{}: its {} reaches {} bits", form_name,
                                                                   mark.statistic == "p50" ? "median" : mark.statistic,
@@ -169,7 +169,7 @@ image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Out
     };
     std::uint64_t max_rays = 1;
     for (const SweepStep& step : sweep.steps) {
-        for (const FormSummary& s : step.rows) max_rays = std::max(max_rays, s.rays);
+        for (const FormSummary& s : step.summaries) max_rays = std::max(max_rays, s.rays);
     }
     // The axis begins at half the fraction of one ray, so only a fraction of 0 lies below it.
     Quantity quantity{.title = outcome_title(outcome),
@@ -183,7 +183,7 @@ image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Out
     const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
     const bool is_possible =
         outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
-            return std::ranges::any_of(step.rows, truly_misses);
+            return std::ranges::any_of(step.summaries, truly_misses);
         });
     if (is_possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
     else quantity.empty_text = "No ray of this sweep truly misses, so none can be a false hit.";
@@ -192,8 +192,8 @@ image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Out
 
 bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
     return std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
-        for (std::size_t r = 0; r < step.rows.size(); ++r)
-            if (sweep.request.tested_forms[r].format == format && step.rows[r].count(outcome) > 0) return true;
+        for (std::size_t r = 0; r < step.summaries.size(); ++r)
+            if (sweep.request.tested_forms[r].format == format && step.summaries[r].count(outcome) > 0) return true;
         return false;
     });
 }
@@ -240,7 +240,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
             return drawn_quantile(s, metric_index, 0.5);
         }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.row == form_index && o.event == metric)
+            if (o.found && !o.from_start && o.form_index == form_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
 
@@ -309,7 +309,7 @@ std::vector<std::size_t> rank_culprits(const MeasuredSweep& sweep, std::size_t f
         for (std::size_t c = 1; c < peak_fraction.size(); ++c)
             peak_fraction[c] = std::fmax(
                 peak_fraction[c],
-                measure::attribution::culprit_fraction(step.rows[form_index].categories[culprit_metric], std::array{c}));
+                measure::attribution::culprit_fraction(step.summaries[form_index].categories[culprit_metric], std::array{c}));
     }
 
     std::vector<std::size_t> order;

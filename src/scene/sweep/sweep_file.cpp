@@ -288,7 +288,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         }
     }
 
-    returnscene_ ? rays_of_scene(changes) : rays_of_distribution(changes);
+    return scene_ ? rays_of_scene(changes) : rays_of_distribution(changes);
 }
 
 /// Draws the rays of the ray distribution, with changes to its numbers and to the march.

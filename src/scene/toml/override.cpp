@@ -81,7 +81,7 @@ Node& find_or_add_value(Node& node, const PathPart& part, bool is_last, const Ov
 
     if (Node* const value = node.find(part.key)) return *value;
     if (!is_last) {
-        const std::string hint = text : : did_you_mean(part.key, node.keys());
+        const std::string hint = text::did_you_mean(part.key, node.keys());
         fail(change.where, unknown + location + " has no \"" + part.key + '"' + (hint.empty() ? "" : "; " + hint));
     }
     node.entries.push_back({part.key, change.where, {}});
