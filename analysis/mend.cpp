@@ -9,7 +9,7 @@
 #include <optional>
 #include <regex>
 
-#include "analysis/report/report_parts.hpp"
+#include "analysis/report/report_sections.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
@@ -105,7 +105,7 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
     output::report::Report report{
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
-    report.mends.push_back(report::make_mend_part(result));
+    report.mends.push_back(report::make_mend_section(result));
     if (report.mends.front().has_times) report.processor = measure::trade::processor_name();
     output::file::write_file(path, output::report::page(report));
 }

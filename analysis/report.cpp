@@ -6,7 +6,7 @@
 #include <memory>
 #include <set>
 
-#include "analysis/report/report_parts.hpp"
+#include "analysis/report/report_sections.hpp"
 #include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/ray_numbers.hpp"
@@ -346,7 +346,8 @@ PlannedReport plan_report(const ReportOptions& options, const std::filesystem::p
 /// Prints which forms of -i no map and no sweep of the report shows.
 void note_forms_not_shown(const PlannedReport& planned, const ReportOptions& options, bool quiet) {
     std::vector<TestedForm> shown_rows;
-    for (const PlannedMap& map : planned.maps) shown_rows.insert(shown_rows.end(), map.tested_forms.begin(), map.tested_forms.end());
+    for (const PlannedMap& map : planned.maps)
+        shown_rows.insert(shown_rows.end(), map.tested_forms.begin(), map.tested_forms.end());
     for (const PlannedSweep& sweep : planned.sweeps)
         shown_rows.insert(shown_rows.end(), sweep.tested_forms.begin(), sweep.tested_forms.end());
     selection::note_unmeasured(options.forms, shown_rows, quiet);
@@ -360,11 +361,11 @@ std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& pl
                                const std::filesystem::path& data, const std::function<void(std::uint64_t)>& advance) {
     std::uint64_t unresolved = 0;
     for (PlannedMap& map : planned.maps) {
-        report.maps.push_back(measure_map_part(map, planned.metric_set, advance, options.stop));
+        report.maps.push_back(measure_map_section(map, planned.metric_set, advance, options.stop));
         unresolved += map.unresolved;
     }
     for (const PlannedSweep& sweep : planned.sweeps) {
-        report.sweeps.push_back(measure_sweep_part(sweep, options.stop));
+        report.sweeps.push_back(measure_sweep_section(sweep, options.stop));
         advance(sweep_units);
     }
     const study::StudiesByName studies;
@@ -381,7 +382,7 @@ void measure_trades(output::report::Report& report, const ReportOptions& options
         const Shape shape = primitive.shape;
         const auto rows = selection::filter_tested_forms(select_timeable_forms(options),
                                                          [shape](Shapes forms) { return forms == shape; });
-        if (!rows.empty()) report.trades.push_back(report::measure_trade_part(shape, rows, options.stop));
+        if (!rows.empty()) report.trades.push_back(report::measure_trade_section(shape, rows, options.stop));
     }
 }
 
@@ -389,14 +390,16 @@ void measure_trades(output::report::Report& report, const ReportOptions& options
 void measure_requested_sections(output::report::Report& report, const PlannedReport& planned,
                                 const ReportOptions& options) {
     for (const report::PlannedStudy& planned_study : planned.studies)
-        report.studies.push_back(measure_study_part(planned_study, options.forms, options.formats, options.stop));
+        report.studies.push_back(measure_study_section(planned_study, options.forms, options.formats, options.stop));
     for (const scene::file::Scene& scene : planned.offsets) {
-        if (auto part = report::measure_offset_part(scene, options.stop)) report.offsets.push_back(std::move(*part));
+        if (auto section = report::measure_offset_section(scene, options.stop))
+            report.offsets.push_back(std::move(*section));
     }
     if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
     for (const PlannedChoice& choice : planned.choices)
-        report.choices.push_back(measure_choice_part(choice, options.stop));
-    for (const report::PlannedMend& mend : planned.mends) report.mends.push_back(measure_mend_part(mend, options.stop));
+        report.choices.push_back(measure_choice_section(choice, options.stop));
+    for (const report::PlannedMend& mend : planned.mends)
+        report.mends.push_back(measure_mend_section(mend, options.stop));
     if (options.trade) measure_trades(report, options);
 }
 

@@ -217,6 +217,8 @@ private:
                 "crashed while the program ended (signal {}, {}), in a destructor or a function given to atexit(); "
                 "the results are complete",
                 signal, signal_name);
+
+        // From here on the results are not complete.
         if (was_stopped_)
             return fmt::format(
                 "stopped the program (as SIGSTOP does), and nothing continued it within {:g} seconds; its results are "

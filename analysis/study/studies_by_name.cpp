@@ -82,10 +82,10 @@ std::optional<output::report::StudySection> measure_part_of(const scene::file::S
     // The study is measured while its sheet is drawn.
     const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::Presentation::Study::Summary> summaries;
-    output::report::StudySection part{
+    output::report::StudySection section{
         .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
-    part.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
-                                         [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
+    section.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
+                                            [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
 
     const auto table = Adapter::Presentation::summary_table();
     std::vector<std::vector<output::file::Cell>> cells;
@@ -93,8 +93,8 @@ std::optional<output::report::StudySection> measure_part_of(const scene::file::S
         auto& line = cells.emplace_back();
         for (const auto& column : table) line.push_back(column.value(row));
     }
-    part.table = output::report::study_table(table.columns(), cells);
-    return part;
+    section.table = output::report::study_table(table.columns(), cells);
+    return section;
 }
 
 }  // namespace
@@ -136,11 +136,11 @@ std::vector<std::string> study_names() {
     return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
 }
 
-std::optional<output::report::StudySection> measure_study_part(const std::string& study,
-                                                               const scene::file::Scene& scene,
-                                                               std::vector<std::string> forms,
-                                                               std::vector<std::string> formats,
-                                                               intersect::process::StopToken stop) {
+std::optional<output::report::StudySection> measure_study_section(const std::string& study,
+                                                                  const scene::file::Scene& scene,
+                                                                  std::vector<std::string> forms,
+                                                                  std::vector<std::string> formats,
+                                                                  intersect::process::StopToken stop) {
     return with_study(study, [&](auto adapter) {
         return measure_part_of<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
     });

@@ -28,7 +28,7 @@ public:
 /// Measures a study of a scene for the page, with its usual options. Empty lists of forms and formats mean the usual
 /// ones. Nothing if none of the forms fits the study and the scene. Throws InputError for an unknown study, and for a
 /// scene that it does not take.
-[[nodiscard]] std::optional<output::report::StudySection> measure_study_part(const std::string& study,
+[[nodiscard]] std::optional<output::report::StudySection> measure_study_section(const std::string& study,
                                                                              const scene::file::Scene& scene,
                                                                              std::vector<std::string> forms,
                                                                              std::vector<std::string> formats,

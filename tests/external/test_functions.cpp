@@ -92,7 +92,7 @@ TEST_CASE("functions: the same operations as a form of the catalogue have its an
     const auto f = intersect::function::load_function(folder + "sphere.c:schoolbook", {});
     for (const auto& row : intersect::table::catalogue())
         if (row.info->name == "sphere.schoolbook")
-            CHECK(differences(f->row.native32, row.native32, Shape::sphere) == 0);
+            CHECK(differences(f->intersector.native32, row.native32, Shape::sphere) == 0);
 }
 
 TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
@@ -124,7 +124,7 @@ float wide(const float o[3], const float d[3], const float c[3], float r) { retu
     const std::vector<double> zero{0}, five{5}, down{-1};
     std::array<std::vector<double>, 3> t{std::vector<double>(1), std::vector<double>(1), std::vector<double>(1)};
     std::vector<std::uint8_t> hit(1);
-    f->row.native64({zero, zero, five, zero, zero, down}, intersect::Target<double>(std::span(sphere)),
+    f->intersector.native64({zero, zero, five, zero, zero, down}, intersect::Target<double>(std::span(sphere)),
                     {t[0], t[1], t[2], hit});
     CHECK(hit[0] == 1);
     CHECK(t[0][0] == 0.1 * 5.0 + 3.7 * 1.0);

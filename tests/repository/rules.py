@@ -216,6 +216,22 @@ def file_length(path, text):
         for i, line in enumerate(text.split("\n"), 1) if len(line) > 120]
 
 
+def paragraphs(path, text):
+    """A body of 25 lines or more has a blank line or a comment, so that it can be read step by step."""
+    code, lines, offences, opened, begin = code_of(text), text.split("\n"), [], [], 0
+    for m in re.finditer(r"[{};]", code):
+        head = re.sub(r"\s+", " ", code[begin:m.start()].strip())
+        begin, line = m.end(), code.count("\n", 0, m.start())
+        if m[0] == "{":
+            is_function = re.search(r"\)[^()]*$", head) and not re.match(r"(\} ?)?(if|for|while|switch|else|catch)\b", head)
+            opened.append(line if is_function and "=" not in head and "[" not in head.rpartition("]]")[2] else None)
+        elif m[0] == "}" and opened and (first := opened.pop()) is not None:
+            body = lines[first + 1:line]
+            if len(body) >= 25 and not any(not b.strip() or "//" in b for b in body):
+                offences.append(f"{path}:{first + 1}: a body of {len(body)} lines without a blank line or a comment")
+    return offences
+
+
 def names_of_shapes(text):
     """Counts lines that name a shape by `Shape::` or by its struct, also in comments and strings."""
     structs = re.findall(r"    line\(\w+, (\w+)\)", read("src/shapes/list.hpp"))

@@ -95,6 +95,9 @@ class Tree(unittest.TestCase):
 class Rules(unittest.TestCase):
     """Each rule, on text that breaks it and on text that does not."""
 
+    def test_every_long_body_has_paragraphs(self):
+        self.hold(paragraphs, "src", "analysis")
+
     def test_a_forbidden_include_is_detected(self):
         rooms = rooms_in(read("src/README.md"))
         for path, text, offences in (
@@ -195,6 +198,12 @@ class Rules(unittest.TestCase):
         for text, code in (('a "b\\" c" d', 'a "     " d'), ("a // b\nc", "a     \nc"),
                            ("a /* b\n c */ d", "a     \n      d"), ("x = 'y'; 1'000", "x = ' '; 1'000")):
             self.assertEqual(code_of(text), code)
+
+    def test_a_long_body_without_paragraphs_is_detected(self):
+        lines = ["    f(1);"] * 25
+        for head, body, offences in (("void f() {", lines, 1), ("void f() {", lines[:24], 0), ("struct F {", lines, 0),
+                                     ("void f() {", lines[:20] + ["", "    // Ends."] + lines[:20], 0)):
+            self.assertEqual(len(paragraphs("x", "\n".join([head, *body, "}"]))), offences, head)
 
 
 class Format(unittest.TestCase):

@@ -91,6 +91,8 @@ private:
 
     [[nodiscard]] SpanDecision decide_from_outside() {
         const auto maximum = critical_points_.maximum();
+
+        // A minimum below 0 proves a hit before it; with a maximum between, the second pass may come first.
         for (int i = 0; i < critical_points_.points.count; i += 2) {
             const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
             if (!is_ahead(x) || !is_before_end(x)) continue;
@@ -105,6 +107,8 @@ private:
             if (!is_positive_from(begin_.lowest(), *maximum, 1)) return {};
             return {Tri::yes, Crossing::near, TorusPass::second};
         }
+
+        // So does a value below 0 at the end of the ray.
         if (end_) {
             const Near at_end = span_.f.at(*end_);
             if (at_end.highest() < 0)

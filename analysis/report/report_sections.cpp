@@ -1,4 +1,4 @@
-#include "analysis/report/report_parts.hpp"
+#include "analysis/report/report_sections.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,13 +39,14 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
-SweepSection measure_case_part(const PlannedSweep& planned, StopToken stop) {
+SweepSection measure_case_section(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::CaseFile file(planned.path);
     measure::sweep::CaseRequest request{
         .file = file,
         .tested_forms = {},
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.tested_forms),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
+            planned.tested_forms),
         .limit = {.stop = stop}};
     // Each form is judged by every convention of the file.
     for (TestedForm tested_form : planned.tested_forms) {
@@ -56,24 +57,24 @@ SweepSection measure_case_part(const PlannedSweep& planned, StopToken stop) {
     }
     const auto cases = measure::sweep::run_cases(request);
 
-    SweepSection part{.kind = SweepSection::Kind::cases,
-                      .id = file.id,
-                      .title = file.title,
-                      .note = file.note,
-                      .source = file.source,
-                      .row_names = row_keys(planned.tested_forms)};
-    for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
-    part.json = output::report::case_json(request, cases);
+    SweepSection section{.kind = SweepSection::Kind::cases,
+                         .id = file.id,
+                         .title = file.title,
+                         .note = file.note,
+                         .source = file.source,
+                         .row_names = row_keys(planned.tested_forms)};
+    for (std::size_t i = 0; i < file.size(); ++i) section.cases.push_back(file.name(i));
+    section.json = output::report::case_json(request, cases);
 
     // One chart for each convention.
     for (const auto& touching : file.conventions) {
         const std::string alt =
             touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
                      : file.title;
-        part.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, touching)),
-                               std::string(intersect::convention_name(touching)), false});
+        section.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, touching)),
+                                  std::string(intersect::convention_name(touching)), false});
     }
-    return part;
+    return section;
 }
 
 /// Charts of the sweep for each format, named by a statistic of `output::report::sweep_statistics` and the format.
@@ -108,69 +109,70 @@ std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Forma
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
 
-/// Makes the part of a sweep over a plane: one chart for each form and format.
-void add_plane(SweepSection& part, const measure::sweep::SweepRequest& request,
+/// Makes the section of a sweep over a plane: one chart for each form and format.
+void add_plane(SweepSection& section, const measure::sweep::SweepRequest& request,
                const std::vector<measure::sweep::SweepStep>& steps) {
     const output::sweep::SweepGrid plane(request, steps);
-    part.kind = SweepSection::Kind::plane;
-    part.axes = {plane.x, plane.y};
-    part.json = output::report::plane_json(request, steps);
+    section.kind = SweepSection::Kind::plane;
+    section.axes = {plane.x, plane.y};
+    section.json = output::report::plane_json(request, steps);
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const std::string alt =
             fmt::format("{}: {} in {}", request.sweep.title, request.tested_forms[r].form->info->name,
                         request.tested_forms[r].format.name);
-        part.charts.push_back(
-            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
+        section.charts.push_back(
+            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), section.row_names[r], false});
     }
 }
 
-/// Makes the part of a sweep along one axis: its onsets, and charts for each format.
-void add_line(SweepSection& part, const measure::sweep::SweepRequest& request,
+/// Makes the section of a sweep along one axis: its onsets, and charts for each format.
+void add_line(SweepSection& section, const measure::sweep::SweepRequest& request,
               const std::vector<measure::sweep::SweepStep>& steps) {
     const auto onsets = measure::sweep::find_onsets(request, steps);
-    part.axes = {request.sweep.axes.front().values};
-    part.json = output::report::sweep_json(request, steps, onsets);
-    part.table = output::report::onset_table(request, onsets);
+    section.axes = {request.sweep.axes.front().values};
+    section.json = output::report::sweep_json(request, steps, onsets);
+    section.table = output::report::onset_table(request, onsets);
 
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
-    part.charts = line_charts(measured);
+    section.charts = line_charts(measured);
     for (const Format& format : output::sweep::list_formats(measured)) {
         const std::string absent = absent_charts(measured, format);
-        part.json["absent"][format.name] = absent;
-        if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);
+        section.json["absent"][format.name] = absent;
+        if (!absent.empty()) section.table += fmt::format("<p>{}</p>\n", absent);
     }
 }
 
-SweepSection measure_axes_part(const PlannedSweep& planned, StopToken stop) {
+SweepSection measure_axes_section(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::SweepFile sweep(planned.path, planned.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
         .tested_forms = planned.tested_forms,
         .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, planned.tested_forms),
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
+            planned.tested_forms),
         .limit = {.stop = stop}};
     for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
 
-    SweepSection part{.kind = SweepSection::Kind::line,
-                      .id = sweep.id,
-                      .title = sweep.title,
-                      .note = sweep.note,
-                      .source = sweep.source,
-                      .row_names = row_keys(planned.tested_forms)};
+    SweepSection section{.kind = SweepSection::Kind::line,
+                         .id = sweep.id,
+                         .title = sweep.title,
+                         .note = sweep.note,
+                         .source = sweep.source,
+                         .row_names = row_keys(planned.tested_forms)};
     if (sweep.axes.size() == 2) {
-        add_plane(part, request, steps);
+        add_plane(section, request, steps);
     } else {
         request.further_draws = planned.further_draws;
-        add_line(part, request, steps);
+        add_line(section, request, steps);
     }
-    return part;
+    return section;
 }
 
 }  // namespace
 
-output::report::MapSection measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
-                                            const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+output::report::MapSection measure_map_section(PlannedMap& planned, measure::metric::MetricSet& metric_set,
+                                               const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = planned.scene;
     measure::evaluate::MapStudy request{
         .scene = &scene, .tested_forms = planned.tested_forms, .metrics = planned.metrics, .limit = {.stop = stop}};
@@ -215,13 +217,13 @@ output::report::MapSection measure_map_part(PlannedMap& planned, measure::metric
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
-SweepSection measure_sweep_part(const PlannedSweep& planned, StopToken stop) {
-    SweepSection part = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
-                            ? measure_case_part(planned, stop)
-                            : measure_axes_part(planned, stop);
-    part.json["named"] = selection::name_of_sweep(planned.path, planned.data);
-    part.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
-    return part;
+SweepSection measure_sweep_section(const PlannedSweep& planned, StopToken stop) {
+    SweepSection section = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
+                               ? measure_case_section(planned, stop)
+                               : measure_axes_section(planned, stop);
+    section.json["named"] = selection::name_of_sweep(planned.path, planned.data);
+    section.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
+    return section;
 }
 
 std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string>& names, const std::string& size,
@@ -233,7 +235,7 @@ std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string
     return scenes;
 }
 
-std::optional<output::report::OffsetSection> measure_offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<output::report::OffsetSection> measure_offset_section(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetStudy study{
         .scene = scene, .tested_forms = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
@@ -251,28 +253,28 @@ std::optional<output::report::OffsetSection> measure_offset_part(const scene::fi
 
     // Measures the study while its sheet is drawn.
     std::vector<offset::OffsetSummary> summaries;
-    output::report::OffsetSection part{
+    output::report::OffsetSection section{
         .id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
-    part.sheet = output::report::picture(scene.title +
-                                             ": outcomes of the next rays with every offset "
-                                             "strategy",
-                                         [&](const auto& file) {
-                                             output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
-                                                 study, {.folder = {}, .sheet_only_file = file});
-                                             summaries = measure::study::run_study(study, sheet.show());
-                                             sheet.finish(summaries);
-                                         });
+    section.sheet = output::report::picture(scene.title +
+                                                ": outcomes of the next rays with every offset "
+                                                "strategy",
+                                            [&](const auto& file) {
+                                                output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
+                                                    study, {.folder = {}, .sheet_only_file = file});
+                                                summaries = measure::study::run_study(study, sheet.show());
+                                                sheet.finish(summaries);
+                                            });
 
     const offset::OffsetSummary& summary = summaries.front();
-    part.sentences = output::offset::summary_lines(study, 0, summary);
-    part.table = output::report::offset_table(study, summary);
+    section.sentences = output::offset::summary_lines(study, 0, summary);
+    section.table = output::report::offset_table(study, summary);
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-        part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
+        section.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
-            part.wrong_fractions[static_cast<std::size_t>(side)].push_back(
+            section.wrong_fractions[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
-    return part;
+    return section;
 }
 
 PlannedStudy parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
@@ -290,35 +292,35 @@ PlannedStudy parse_study(const std::string& text, const std::string& size, const
     return {text.substr(0, colon), std::move(scenes.front())};
 }
 
-output::report::StudySection measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
-                                                const std::vector<std::string>& formats, StopToken stop) {
-    auto part = study::measure_study_part(planned.study, planned.scene, forms, formats, stop);
-    if (!part)
+output::report::StudySection measure_study_section(const PlannedStudy& planned, const std::vector<std::string>& forms,
+                                                   const std::vector<std::string>& formats, StopToken stop) {
+    auto section = study::measure_study_section(planned.study, planned.scene, forms, formats, stop);
+    if (!section)
         throw NothingSelected(
             fmt::format("--study {0}:{1}: none of the forms fits; `lostbits {0} --help` says which "
                         "forms and scenes the study takes",
                         planned.study, planned.scene.id));
-    return std::move(*part);
+    return std::move(*section);
 }
 
-output::report::TradeSection measure_trade_part(Shape shape, const std::vector<TestedForm>& tested_forms,
-                                                StopToken stop) {
+output::report::TradeSection measure_trade_section(Shape shape, const std::vector<TestedForm>& tested_forms,
+                                                   StopToken stop) {
     std::vector<TestedForm> timed = tested_forms;
     measure::trade::TradeRequest request =
         study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
-    output::report::TradeSection part{std::string(shape_names[static_cast<std::size_t>(shape)]),
-                                      output::report::trade_json(request, result),
-                                      output::trade::trade_text(request, result),
-                                      {}};
+    output::report::TradeSection section{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                                         output::report::trade_json(request, result),
+                                         output::trade::trade_text(request, result),
+                                         {}};
     const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
-        part.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),
-                               svg_text(scatter_plot(output::trade::trade_plot(request, result, s))),
-                               std::string(sets[s].name)});
-    return part;
+        section.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),
+                                  svg_text(scatter_plot(output::trade::trade_plot(request, result, s))),
+                                  std::string(sets[s].name)});
+    return section;
 }
 
 }  // namespace lostbits::analysis::report

@@ -1,9 +1,9 @@
-// The parts of a report that answer a requirement: a choice, and a repaired form.
+// The sections of a report that answer a requirement: a choice, and a repaired form.
 #include <charconv>
 
 #include <fmt/format.h>
 
-#include "analysis/report/report_parts.hpp"
+#include "analysis/report/report_sections.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "measure/choose/margin.hpp"
@@ -19,8 +19,8 @@ namespace {
 /// Parses the value `REST:BITS` or `REST:BITS:AT` of an option.
 class RequirementText {
 public:
-    /// `default_requirement` is the requirement of a text without AT. Throws InputError if the bits, or the part before
-    /// them, are missing.
+    /// `default_requirement` is the requirement of a text without AT. Throws InputError if the bits, or the section
+    /// before them, are missing.
     RequirementText(std::string option, std::string parts, std::string example, const std::string& text,
                     measure::choose::Requirement default_requirement)
         : requirement(default_requirement),
@@ -98,7 +98,7 @@ PlannedMend parse_mend(const std::string& text, const std::string& size, const s
     return planned;
 }
 
-output::report::ChoiceSection measure_choice_part(const PlannedChoice& planned, StopToken stop) {
+output::report::ChoiceSection measure_choice_section(const PlannedChoice& planned, StopToken stop) {
     measure::choose::ChoiceRequest request{
         .scene = &planned.scene, .tested_forms = planned.tested_forms, .requirement = planned.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
@@ -115,17 +115,17 @@ output::report::ChoiceSection measure_choice_part(const PlannedChoice& planned, 
         .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
-output::report::MendSection measure_mend_part(const PlannedMend& planned, StopToken stop) {
+output::report::MendSection measure_mend_section(const PlannedMend& planned, StopToken stop) {
     measure::repair::RepairRequest request{
         .scene = &planned.scene, .tested_form = planned.tested_form, .requirement = planned.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
-    return make_mend_part(output::repair::summarize_repair(request, repair));
+    return make_mend_section(output::repair::summarize_repair(request, repair));
 }
 
-output::report::MendSection make_mend_part(const output::repair::RepairSummary& result) {
+output::report::MendSection make_mend_section(const output::repair::RepairSummary& result) {
     const auto& row = result.request.tested_form;
-    output::report::MendSection part{
+    output::report::MendSection section{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),
         .requirement = output::choose::requirement_text(result.request.requirement),
@@ -135,8 +135,8 @@ output::report::MendSection make_mend_part(const output::repair::RepairSummary& 
         .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(pareto_plot(result))},
         .has_times = !result.prices.empty()};
     for (const output::repair::FormRow& form_row : form_rows(result))
-        if (form_row.is_proposal()) part.changes.push_back(change_text(result, form_row));
-    return part;
+        if (form_row.is_proposal()) section.changes.push_back(change_text(result, form_row));
+    return section;
 }
 
 }  // namespace lostbits::analysis::report

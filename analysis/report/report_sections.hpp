@@ -1,4 +1,4 @@
-// Measures the parts of a report and makes them ready for the page.
+// Measures the sections of a report and makes them ready for the page.
 #pragma once
 
 #include <filesystem>
@@ -26,12 +26,12 @@ struct PlannedMap {
     bool has_own_size = true;      ///< the scene's own, not --size
     std::string scene_arguments;   ///< arguments that name the scene, with its size, for a later command
     std::string name_in_claims;    ///< name of the scene in a claim
-    std::uint64_t unresolved = 0;  ///< after `measure_map_part`: rays without a proved truth
+    std::uint64_t unresolved = 0;  ///< after `measure_map_section`: rays without a proved truth
 };
 /// Measures a map. `metric_set` owns the metrics that are made for the map; `advance` gets the units of work that are
 /// done.
-output::report::MapSection measure_map_part(PlannedMap& planned, measure::metric::MetricSet& metric_set,
-                                            const std::function<void(std::uint64_t)>& advance, StopToken stop);
+output::report::MapSection measure_map_section(PlannedMap& planned, measure::metric::MetricSet& metric_set,
+                                               const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
 /// A sweep along one axis, over a plane, or over named cases, and the forms that can test it.
 struct PlannedSweep {
@@ -39,7 +39,7 @@ struct PlannedSweep {
     std::vector<measure::evaluate::TestedForm> tested_forms;
     int further_draws = 0;  ///< more draws of random rays, for the spread of onsets
 };
-output::report::SweepSection measure_sweep_part(const PlannedSweep& planned, StopToken stop);
+output::report::SweepSection measure_sweep_section(const PlannedSweep& planned, StopToken stop);
 
 /// A scene, a requirement, and the forms that can be timed on the scene.
 struct PlannedChoice {
@@ -52,7 +52,7 @@ struct PlannedChoice {
 PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
                            const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
-output::report::ChoiceSection measure_choice_part(const PlannedChoice& planned, StopToken stop);
+output::report::ChoiceSection measure_choice_section(const PlannedChoice& planned, StopToken stop);
 
 /// A scene, a form to repair and a requirement.
 struct PlannedMend {
@@ -65,8 +65,8 @@ struct PlannedMend {
 PlannedMend parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
                        StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
-output::report::MendSection measure_mend_part(const PlannedMend& planned, StopToken stop);
-output::report::MendSection make_mend_part(const output::repair::RepairSummary& result);
+output::report::MendSection measure_mend_section(const PlannedMend& planned, StopToken stop);
+output::report::MendSection make_mend_section(const output::repair::RepairSummary& result);
 
 /// A study and a scene that it takes.
 struct PlannedStudy {
@@ -78,19 +78,19 @@ PlannedStudy parse_study(const std::string& text, const std::string& size, const
                          StopToken stop);
 /// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
 /// NothingSelected if none of the forms fits.
-output::report::StudySection measure_study_part(const PlannedStudy& planned, const std::vector<std::string>& forms,
-                                                const std::vector<std::string>& formats, StopToken stop);
+output::report::StudySection measure_study_section(const PlannedStudy& planned, const std::vector<std::string>& forms,
+                                                   const std::vector<std::string>& formats, StopToken stop);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                                    const std::filesystem::path& data, StopToken stop);
 /// Measures the rays that leave the points of a scene. The first of `usual_forms` that fits the scene finds the points,
 /// in `usual_format`. Returns nothing if none of these forms fits.
-std::optional<output::report::OffsetSection> measure_offset_part(const scene::file::Scene& scene, StopToken stop);
+std::optional<output::report::OffsetSection> measure_offset_section(const scene::file::Scene& scene, StopToken stop);
 
 /// Measures speed and accuracy of the forms of one shape, with short measurements.
-output::report::TradeSection measure_trade_part(Shape shape,
-                                                const std::vector<measure::evaluate::TestedForm>& tested_forms,
-                                                StopToken stop);
+output::report::TradeSection measure_trade_section(Shape shape,
+                                                   const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                                   StopToken stop);
 
 }  // namespace lostbits::analysis::report
