@@ -95,7 +95,7 @@ void set_flags(Contract& contract, const std::string& value, const std::string& 
 
 /// Throws if the header says why the program cannot serve: EnvironmentError if a line begins with `missing=`, else
 /// InputError.
-void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms) {
+void throw_refusal(const std::vector<std::string>& lines, const PipeOptions& options) {
     std::string refusal;
     bool is_environment = false;
     for (const std::string_view line : lines) {
@@ -103,10 +103,10 @@ void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms
         if (!is_missing && !line.starts_with("error=")) continue;
         is_environment = is_environment || is_missing;
         const std::string_view reason = line.substr(line.find('=') + 1);
-        refusal += (refusal.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(reason) : escape_text(reason));
+        refusal += (refusal.empty() ? "" : "\n") + (options.is_lostbits ? std::string(reason) : escape_text(reason));
     }
     if (refusal.empty()) return;
-    if (!terms.is_lostbits) refusal = terms.message_prefix + ": refuses: " + refusal;
+    if (!options.is_lostbits) refusal = options.message_prefix + ": refuses: " + refusal;
     if (is_environment) throw EnvironmentError(refusal);
     throw InputError(refusal);
 }
@@ -179,7 +179,7 @@ std::string make_pipe_header(const std::vector<Contract>& contracts) {
     return header + "\n";
 }
 
-std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& terms) {
+std::vector<Contract> read_greeting(const LineSource& source, const PipeOptions& options) {
     std::vector<std::string> lines;
     for (std::size_t bytes = 0;;) {
         lines.push_back(source.next_line());
@@ -192,8 +192,8 @@ std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& t
         if (bytes > 100'000) source.fail("sent more than 100000 bytes of header; an empty line must end it");
     }
     lines.pop_back();
-    throw_refusal(lines, terms);
-    return read_pipe_header(lines, terms.message_prefix);
+    throw_refusal(lines, options);
+    return read_pipe_header(lines, options.message_prefix);
 }
 
 }  // namespace lostbits::intersect::external
