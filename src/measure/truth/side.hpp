@@ -102,7 +102,7 @@ template <class E>
 std::optional<int> side_at(const CappedSpan<E>& s, Crossing crossing, const E& m, Length length) {
     const bool is_entry = crossing == Crossing::near;
     if ((is_entry ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
-        return side_of_fraction(is_entry ? s.entry : s.exit, s.d2, m, length);
+        return side_of_fraction(is_entry ? s.planes_entry : s.planes_exit, s.d2, m, length);
     return side_of_root(s.side, crossing, m, length);
 }
 template <class E>
