@@ -26,13 +26,13 @@ public:
         sample_t_ = t;
         sample_point_ = p;
     }
-    void stepped(bool active, const T& t) { stepped(active, t, false); }
-    void stepped(bool active, const T& t, bool has_moved) {
+    void on_step(bool active, const T& t) { on_step(active, t, false); }
+    void on_step(bool active, const T& t, bool has_moved) {
         if (!active) return;
         next_t_ = t;
         is_stagnant_ = !has_moved && is_same(t, sample_t_);
     }
-    void stepped(bool active, const T& t, const Vec<T>& p) { stepped(active, t, !is_same(p, sample_point_)); }
+    void on_step(bool active, const T& t, const Vec<T>& p) { on_step(active, t, !is_same(p, sample_point_)); }
 
     [[nodiscard]] bool is_stagnant() const { return is_stagnant_; }
     [[nodiscard]] Stop stop(const Hit<T>& hit, const MarchConstants<T>& c) const {
@@ -92,8 +92,8 @@ public:
         this->sampled(t, p);
     }
     template <class... Position>
-    void stepped(bool active, const T& t, const Position&... position) {
-        LastStep<T>::stepped(active, t, position...);
+    void on_step(bool active, const T& t, const Position&... position) {
+        LastStep<T>::on_step(active, t, position...);
         if (active) steps_.back().is_stagnant = this->is_stagnant();
     }
     [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }

@@ -40,7 +40,7 @@ struct OverRelaxed {
             d_last = select(active && !is_undone, d, d_last);
             t = select(active, next, t);
 
-            watch.stepped(active, t, is_undone);
+            watch.on_step(active, t, is_undone);
             active = active && !(t > c.max_dist);
         }
         return single_hit(hit, t);

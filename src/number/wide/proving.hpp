@@ -58,7 +58,7 @@ public:
     /// Upper bound on the distance from the word to any enclosed x.
     [[nodiscard]] P radius() const { return e_ * outward_factor<P>(); }
     /// True if the word is positive; x itself may have the other sign.
-    [[nodiscard]] Mask word_is_positive() const {
+    [[nodiscard]] Mask is_roughly_positive() const {
         const Lanes is_positive = value_of(w_) > P(0);
         return {is_positive, !is_positive};
     }

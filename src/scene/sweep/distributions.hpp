@@ -26,7 +26,7 @@ struct DistributionRow {
     rays::HitsAndMisses (*timed)();           ///< rays for timing, like those of the easy set
     /// Targets of the key `aim` by name; none for spheres and planes.
     std::span<const std::pair<std::string_view, int>> aims = {};
-    rays::AimedPlace (*aimed_at)(rays::Random&, const Primitive<double>&, int aim) = nullptr;
+    rays::AimedPlace (*draw_target)(rays::Random&, const Primitive<double>&, int aim) = nullptr;
 };
 
 /// One row for each shape, in the order of the list.

@@ -58,7 +58,7 @@ struct Torus {
         if (size == 0) return centre + r * axes.first;
         return centre + (r * x / size) * axes.first + (r * y / size) * axes.second;
     }
-    /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// Returns the torus scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing if
     /// there is no single nearest point.
     [[nodiscard]] std::optional<Torus> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         const RelativeToCircle relative(*this, viewpoint);

@@ -208,7 +208,7 @@ TEST_CASE("targets of rays lie on the surface, and lines at silhouettes touch it
                 const auto off = [&](const Vec<double>& p) {
                     return std::fabs(visit(primitive, [&p](const auto& shape) { return shape.distance(p); }));
                 };
-                const AimedPlace target = row.aimed_at(random, primitive, aim);
+                const AimedPlace target = row.draw_target(random, primitive, aim);
                 const Vec<double> p = target.point;
                 INFO(row.table << ' ' << name << ' ' << i);
                 if (on_surface.contains(name)) CHECK(off(p) < 1e-7);
