@@ -63,7 +63,7 @@ std::optional<Certified> certified_value(const Real& t) {
     if (t == 0) return Certified{};
     int exponent = 0;
     const Real scaled = frexp(t, &exponent);
-    const double hi = word_of(scaled), lo = low_word_of(scaled);
+    const double hi = nearest_double(scaled), lo = nearest_low_double(scaled);
     Certified result = truth::make_certified(hi, lo, std::fabs(hi) * 0x1p-70);
     result.exponent += exponent;
     return result;
@@ -133,7 +133,7 @@ private:
         if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
         const truth::Truth truth =
             truth::find_truth(object_ray.ray, object, {}, row_.info->convention().of(object.shape),
-                              scaled_range(word_of(object_ray.length)));
+                              scaled_range(nearest_double(object_ray.length)));
         if (!truth.is_hit()) return std::nullopt;
         return certified_value(parts_.method->real.back(maps_, exact_world_, object_ray, value_of(truth.t)));
     }

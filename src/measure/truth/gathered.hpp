@@ -40,8 +40,9 @@ public:
                 // First words in the first six buffers, second words in the others
                 buffers_[k].resize(numbers.size());
                 buffers_[k + 6].resize(numbers.size());
-                std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return word_of(x); });
-                std::ranges::transform(numbers, buffers_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
+                std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return nearest_double(x); });
+                std::ranges::transform(numbers, buffers_[k + 6].begin(),
+                                       [](const S& x) { return nearest_low_double(x); });
                 words[k] = buffers_[k];
                 low[k] = buffers_[k + 6];
             }

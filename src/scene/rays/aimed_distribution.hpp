@@ -150,7 +150,7 @@ struct AimedDistribution {
         return ray_sets;
     }
     /// Rays for timing. The misses point away from the primitive.
-    static HitsAndMisses timed() {
+    static HitsAndMisses draw_timed_rays() {
         const F distribution = of_one_view(F{});
         HitsAndMisses rays{distribution.draw().front(), distribution.draw().front()};
         for (auto* column : {&rays.misses.rays.dx, &rays.misses.rays.dy, &rays.misses.rays.dz})

@@ -180,7 +180,7 @@ TEST_CASE("every shape has a ray distribution with its own table, and an easy se
     for (const auto& row : scene::sweep::distributions()) {
         INFO(row.table);
         CHECK(row.sets().front().name == "easy");
-        const auto timed = row.timed();
+        const auto timed = row.draw_timed_rays();
         REQUIRE(timed.hits.rays.size() == 4096);
         REQUIRE(timed.misses.rays.size() == 4096);
         int hit = 0, missed = 0;

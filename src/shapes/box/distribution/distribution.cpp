@@ -165,7 +165,7 @@ std::span<const rays::RaySet> BoxDistribution::sets() {
     return all;
 }
 
-rays::HitsAndMisses BoxDistribution::timed() {
+rays::HitsAndMisses BoxDistribution::draw_timed_rays() {
     const BoxDistribution hits = rays::of_one_view(BoxDistribution{.aim = BoxDistribution::Aim::inside});
     BoxDistribution misses = hits;
     misses.aim = BoxDistribution::Aim::edge;

@@ -44,7 +44,7 @@ struct BoxDistribution {
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
     static std::span<const rays::RaySet> sets();
-    static rays::HitsAndMisses timed();
+    static rays::HitsAndMisses draw_timed_rays();
 };
 
 }  // namespace lostbits::scene::box
