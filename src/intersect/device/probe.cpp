@@ -301,7 +301,7 @@ const std::string_view probed_inputs =
     "16379 sets of six numbers with random significands, exponents from -16 to 16 and both signs; and five sets for "
     "subnormals, infinities and NaN";
 
-std::string Arithmetic::value_of(std::string_view key) const {
+std::string Arithmetic::find_fact(std::string_view key) const {
     const auto found = std::ranges::find(facts, key, &Fact::key);
     return found == facts.end() ? "" : found->value;
 }
@@ -324,7 +324,7 @@ Arithmetic probe(Device& device) {
     return arithmetic;
 }
 
-std::string line_of(const DeviceDescription& description, const Arithmetic& arithmetic) {
+std::string describe_device(const DeviceDescription& description, const Arithmetic& arithmetic) {
     std::array<char, 17> digest{};
     std::snprintf(digest.data(), digest.size(), "%016llx", static_cast<unsigned long long>(arithmetic.digest));
     return description.renderer + ", " + description.version + ", arithmetic " + digest.data();

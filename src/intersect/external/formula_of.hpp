@@ -173,11 +173,11 @@ Formula formula_of() {
     form.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
     form.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
     form.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
-    form.record = ReportingCall<Form, table::record_of<Form>>::run;
-    form.record_all = ReportingCall<Form, table::record_all_of<Form>>::run;
-    form.count = ReportingCall<Form, table::count_of<Form>>::run;
+    form.record = ReportingCall<Form, table::record_form_evaluation<Form>>::run;
+    form.record_all = ReportingCall<Form, table::record_whole_form<Form>>::run;
+    form.count = ReportingCall<Form, table::count_form_operations<Form>>::run;
     form.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
-    if constexpr (marches<Form>) form.log = ReportingCall<Form, table::log_of<Form>>::run;
+    if constexpr (marches<Form>) form.log = ReportingCall<Form, table::log_form_march<Form>>::run;
 
     if constexpr (Form::info.formats == Formats::all) {
         form.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;

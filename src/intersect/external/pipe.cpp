@@ -140,9 +140,9 @@ bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_
     child.fail("refuses: " + quote_text(text, 400));
 }
 
-PipeRequest make_pipe_request(std::uint32_t form, const lb_batch& batch) {
+PipeRequest make_pipe_request(std::uint32_t form_index, const lb_batch& batch) {
     PipeRequest request;
-    request.form = form;
+    request.form_index = form_index;
     request.rays = static_cast<std::uint32_t>(batch.size);
     request.primitives = batch.primitive_stride == 0 ? 1 : request.rays;
     request.ends = batch.ends == nullptr ? 0 : request.rays;
@@ -186,9 +186,9 @@ void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& co
     std::memcpy(batch.hit, memory + offsets[BatchColumn::hit], bytes[BatchColumn::hit]);
 }
 
-void evaluate(AnsweringProcess& answerer, std::uint32_t form, const std::string& code_name, const Contract& contract,
-              const lb_batch& batch) {
-    const PipeRequest request = make_pipe_request(form, batch);
+void evaluate(AnsweringProcess& answerer, std::uint32_t form_index, const std::string& code_name,
+              const Contract& contract, const lb_batch& batch) {
+    const PipeRequest request = make_pipe_request(form_index, batch);
     answerer.child.set_subject("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
     if (answerer.memory) evaluate_in_shared_memory(answerer, code_name, request, bytes, batch);

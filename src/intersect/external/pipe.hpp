@@ -18,7 +18,7 @@ namespace lostbits::intersect::external {
 /// primitive.
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
-    std::uint32_t form = 0;  ///< index of the form in the program's header, from 0
+    std::uint32_t form_index = 0;  ///< in the program's header, from 0
     std::uint32_t rays = 0;
     std::uint32_t primitives = 0;  ///< 1, or as many as `rays`
     std::uint32_t ends = 0;        ///< as many as `rays`, or 0

@@ -98,8 +98,8 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
 }
 
 bool is_valid_request(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
-    return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 && request.form < forms.size() &&
-           (request.primitives == 1 || request.primitives == request.rays) &&
+    return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 &&
+           request.form_index < forms.size() && (request.primitives == 1 || request.primitives == request.rays) &&
            (request.ends == 0 || request.ends == request.rays);
 }
 
@@ -186,7 +186,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
         }
 
         if (!is_valid_request(request, forms)) return false;
-        const ForeignForm& form = forms[request.form];
+        const ForeignForm& form = forms[request.form_index];
         const std::optional<BatchColumns> columns = read_batch(input, request, form.contract, buffers);
         if (!columns) return true;
         if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers)) {

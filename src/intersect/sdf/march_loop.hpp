@@ -36,7 +36,7 @@ struct MarchSamples {
 };
 
 template <Number T>
-Vec<T> along(const Ray<T>& ray, const T& t) {
+Vec<T> point_on_ray(const Ray<T>& ray, const T& t) {
     return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y,
                   ray.origin.z + t * ray.direction.z);
 }
@@ -50,7 +50,7 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
     auto active = zero <= zero;
     MarchSamples<T> m{!active, zero, zero, zero, zero};
     for (int i = 0; i < c.max_steps && any_of(active); ++i) {
-        const Vec<T> p = along(ray, m.t);
+        const Vec<T> p = point_on_ray(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
 

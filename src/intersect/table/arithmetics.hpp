@@ -19,7 +19,7 @@ template <class Form>
 void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
                    const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    constexpr EvaluateTarget<RoundedAny, Tally<RoundedAny>> evaluate = intersect_target<Form>;
+    constexpr EvaluateTarget<RoundedAny, MarchRecorder<RoundedAny>> evaluate = intersect_target<Form>;
     const LiftedTarget<RoundedAny> lifted(target);
     intersect_batch(evaluate, marches<Form>, rays, lifted.get(), hits);
 }
@@ -59,12 +59,12 @@ MarchLog log_march(const Ray<double>& ray, const Target<double>& target) {
     const LiftedInputs<T> inputs(ray, target, 0.0);
     StepLog<T> log;
     const Hit<T> hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, log);
-    const Stop stop = log.stop(hit, *inputs.target.get().march);
+    const StopReason stop = log.stop(hit, *inputs.target.get().march);
     return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
 }
 
 template <class Form>
-MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<double>& target) {
+MarchLog log_form_march(const Format& format, const Ray<double>& ray, const Target<double>& target) {
     const CurrentFormat::Scope scope(format.parameters);
     return log_march<Form, RoundedAny>(ray, target);
 }
@@ -115,7 +115,8 @@ inline void record_evaluation(EvaluateRecorded evaluate, const Format& format, c
 }
 
 template <class Form>
-void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
+void record_form_evaluation(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+                            Tape& tape) {
     record_evaluation(evaluate_recorded<Form>, format, ray, target, tmax, tape);
 }
 
@@ -138,7 +139,7 @@ inline void record_all_operations(EvaluateRecorded evaluate, const Target<double
 }
 
 template <class Form>
-void record_all_of(const Target<double>& target, Tape& tape) {
+void record_whole_form(const Target<double>& target, Tape& tape) {
     record_all_operations(evaluate_recorded<Form>, target, tape);
 }
 
@@ -210,7 +211,7 @@ OperationCounts count_operations(const Evaluate& evaluate, const Ray<float>& ray
 }
 
 template <class Form>
-OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
+OperationCounts count_form_operations(const Ray<float>& ray, const Target<float>& target, float tmax) {
     constexpr EvaluateTarget<Counted<float>, sdf::NoMarchWatch> evaluate = intersect_target<Form>;
     const auto unwatched = [evaluate](const auto&... in) {
         sdf::NoMarchWatch watch;

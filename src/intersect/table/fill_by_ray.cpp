@@ -49,9 +49,9 @@ void fill_by_ray(std::span<Intersector> forms) {
         }
 
         // Counts in the form itself: `a || b` on one ray does not evaluate b if a is true.
-        form.count = count_of<Form>;
+        form.count = count_form_operations<Form>;
         if constexpr (filters<Form>) form.filter_arithmetic = filter_arithmetic_of<Form>;
-        if constexpr (marches<Form>) form.log = log_of<Form>;
+        if constexpr (marches<Form>) form.log = log_form_march<Form>;
     });
 }
 

@@ -83,7 +83,7 @@ using Kernel = Function<void(const RayBatch<S>&, const Target<S>&, const HitBatc
 struct MarchLog {
     std::vector<MarchStep> steps;
     Hit<double> hit{false, 0, 0, 0};
-    Stop stop = Stop::max_steps;
+    StopReason stop = StopReason::max_steps;
 };
 
 /// One form in every arithmetic, or a set with one form for each of several shapes (`sets.hpp`). A function is empty if
@@ -132,9 +132,9 @@ struct Intersector {
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
     [[nodiscard]] bool is_set() const { return !parts.empty(); }
     /// The form for one of the form's shapes: for a set, its form for that shape.
-    [[nodiscard]] const Intersector& of(Shape primitive) const {
+    [[nodiscard]] const Intersector& form_for(Shape primitive_shape) const {
         for (const Intersector* const part : parts)
-            if (part->shape == primitive) return *part;
+            if (part->shape == primitive_shape) return *part;
         return *this;
     }
     /// The shapes of the form's primitives; `sdf` for a form that marches.

@@ -258,7 +258,7 @@ void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
 /// Returns the index of the primitive whose surface is nearest to the point at t, in double precision. A distance field
 /// does not say which primitive was hit.
 std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const Primitive<double>> primitives) {
-    const Vec<double> p = intersect::sdf::along(ray, t);
+    const Vec<double> p = intersect::sdf::point_on_ray(ray, t);
     const auto distance = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
     return static_cast<std::int32_t>(std::ranges::min_element(primitives, {}, distance) - primitives.begin());
 }
@@ -301,7 +301,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const auto run = [&]<class S>(const auto& whole_ray) {
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
-            const Intersector& shape_form = marches ? form : form.of(target.primitives.front().shape);
+            const Intersector& shape_form = marches ? form : form.form_for(target.primitives.front().shape);
             intersect::table::limit_batch_to_range(*shape_form.info, shape_form.shape, batch, hits);
         };
         if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_batches, answers);

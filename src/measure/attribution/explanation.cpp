@@ -120,7 +120,7 @@ const Intersector* substitute_form(const Intersector& explained, Shape shape, co
     if (other.shape != shape) return nullptr;
     std::vector<const Intersector*> parts(explained.parts.begin(), explained.parts.end());
     *std::ranges::find(parts, shape, &Intersector::shape) = &other;
-    return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
+    return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::find_or_add_set(parts) : nullptr;
 }
 
 /// The same form with the ray generator of `explained`.
@@ -229,7 +229,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
         names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
-    append_range_checks(tape, names, form.of(target.primitives.front().shape), format, range);
+    append_range_checks(tape, names, form.form_for(target.primitives.front().shape), format, range);
     const Attribution tape_attribution = attribute(tape);
     result.hit = tape[tape.outputs.hit].value != 0;
     result.t = tape[tape.outputs.t].value;
@@ -358,7 +358,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         explanation.is_generated_ray = recorded_ray.has_value();
         explanation.input_names = names_of_inputs(
             form, target, recorded_ray && recorded_ray->try_put_before(explanation.tape) ? &*recorded_ray : nullptr);
-        append_range_checks(explanation.tape, explanation.input_names, form.of(explanation.shape), format,
+        append_range_checks(explanation.tape, explanation.input_names, form.form_for(explanation.shape), format,
                             explanation.range);
         for (const TapeNode& n : explanation.tape.nodes) {
             if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);

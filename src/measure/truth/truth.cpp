@@ -146,7 +146,7 @@ Truth find_first_hit(const Ray<S>& ray, std::span<const Primitive<S>> primitives
     const Ray<Ball> ball_ray = lift_ray<Ball>(ray);
     for (std::size_t index = 0; index < primitives.size(); ++index) {
         const Primitive<S>& primitive = primitives[index];
-        const ProofOptions options(limit, convention.of(primitive.shape), range);
+        const ProofOptions options(limit, convention.for_shape(primitive.shape), range);
         if (!options.range.holds_any() || !is_valid_primitive(primitive)) continue;
         Truth truth;
         truth.proof_bits = 106;

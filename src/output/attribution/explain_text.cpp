@@ -296,7 +296,7 @@ namespace {
 
 /// Phrase for what the envelope perturbs: the numbers of the problem as it is stored, before any step of the form.
 std::string perturbation_phrase(const Explanation& explanation) {
-    const bool is_placed = explanation.form->of(explanation.shape).is_placed;
+    const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
     if (explanation.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
     return is_placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
                      : "half an ulp in each input";
@@ -316,7 +316,7 @@ bool does_another_form_better(const Explanation& explanation) {
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope(const Explanation& explanation) {
-    const bool is_placed = explanation.form->of(explanation.shape).is_placed;
+    const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
     const char* const losing_part = is_placed                      ? "transform and form lose"
                                     : explanation.is_generated_ray ? "making the ray and the form lose"
                                                                    : "the formula loses";
@@ -369,7 +369,7 @@ std::string explain_text(const Explanation& explanation, bool show_all, const st
                             explanation.primitive_count - 1, explanation.primitive_index);
     if (explanation.form->is_set())
         text += fmt::format("It is a {}, which the form {} answers.\n", name_of(explanation.shape),
-                            explanation.form->of(explanation.shape).info->name);
+                            explanation.form->form_for(explanation.shape).info->name);
     if (explanation.touching)
         text += fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
                             intersect::convention_name(explanation.touching),
