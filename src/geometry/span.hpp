@@ -81,14 +81,14 @@ template <class T>
 struct SpanRange {
     T begin;
     Fraction<T> end;
-    OpenEnds open;
+    OpenEnds open_ends;
 };
 
 /// True if a point lies before the end of a range, or at a closed end. `to_end` is the comparison of the point with
 /// that end.
 template <class Mask, class T>
 Mask is_before_range_end(const Order<Mask>& to_end, const SpanRange<T>& range) {
-    return range.open.tmax ? to_end.less : to_end.at_most;
+    return range.open_ends.tmax ? to_end.less : to_end.at_most;
 }
 
 /// P(t) = a t² + 2 h t + c and half of its slope, a t + h, at t = n/m: `value` is m² P(t), and `half_slope` is m (a t +
@@ -164,7 +164,7 @@ SlabHit<T> slab_hit(const SlabSpan<T>& s, const SpanRange<T>& range) {
                    entry_to_end = order_of(s.entry[i], range.end);
         const auto is_parallel = !s.crossed[i];
         result.closed =
-            result.closed && (is_parallel || ((range.open.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
+            result.closed && (is_parallel || ((range.open_ends.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
                                               is_before_range_end(entry_to_end, range)));
         result.open = result.open && (is_parallel || (begin_to_exit.less && entry_to_end.less));
     });

@@ -62,7 +62,7 @@ struct Columns {
     Columns(Shape shape, std::span<const Problem> problems) {
         columns.size = problems.size();
         columns.shape = shape;
-        columns.open = {problems.front().open_tmin, problems.front().open_tmax};
+        columns.open_ends = {problems.front().open_tmin, problems.front().open_tmax};
         const auto put = [&](std::vector<S>& to, const auto& number) {
             to.reserve(problems.size());
             for (const Problem& p : problems) to.push_back(static_cast<S>(number(p)));

@@ -30,11 +30,11 @@ struct RayBatch {
     /// beginning of a range: the caller keeps only the hits that lie in the range (`limit_batch_to_range`).
     std::span<const S> tmax = {};
     std::span<const S> tmin = {};
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
     [[nodiscard]] std::size_t size() const { return ox.size(); }
-    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
+    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open_ends.tmin; }
     [[nodiscard]] Range<S> range(std::size_t i) const {
-        Range<S> result{.open = open};
+        Range<S> result{.open_ends = open_ends};
         if (!tmin.empty()) result.tmin = tmin[i];
         if (!tmax.empty()) result.tmax = tmax[i];
         return result;

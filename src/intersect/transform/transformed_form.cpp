@@ -50,7 +50,7 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
         end = primitives == 1 ? rays.size() : i + 1;
         const auto slice = [&](auto span) { return span.empty() ? span : span.subspan(i, end - i); };
         const RayBatch<S> world_rays{slice(rays.ox), slice(rays.oy),   slice(rays.oz),   slice(rays.dx), slice(rays.dy),
-                                     slice(rays.dz), slice(rays.tmax), slice(rays.tmin), rays.open};
+                                     slice(rays.dz), slice(rays.tmax), slice(rays.tmin), rays.open_ends};
         const HitBatch<S> batch_hits{slice(hits.t), slice(hits.near), slice(hits.far), slice(hits.hit)};
 
         // A primitive without a transform is in the world already.
@@ -73,7 +73,7 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
             ends.resize(world_rays.size());
             for (std::size_t k = 0; k < ends.size(); ++k) ends[k] = world_rays.tmax[k] * columns.length[k];
             object_rays.tmax = ends;
-            object_rays.open.tmax = world_rays.open.tmax;
+            object_rays.open_ends.tmax = world_rays.open_ends.tmax;
         }
 
         // Runs the form there, and converts its answers back to the world.

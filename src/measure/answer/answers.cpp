@@ -146,8 +146,8 @@ private:
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
         const Range<double> range = rays_.range(ray_index);
-        kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_,
-                hit_);
+        kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open_ends}, spheres,
+                t_, hit_);
         const bool has_best = answers_.hit[ray_index] != 0 && !std::isnan(answers_.t[ray_index]);
         if (has_best && !has_nearer_hit<S>(t_, hit_, static_cast<S>(answers_.t[ray_index]))) return;
         for_each_hit(hit_, [&](std::size_t c) {
@@ -195,7 +195,7 @@ OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
                          .dy = span_of_one(d.y),
                          .dz = span_of_one(d.z)};
         if (!range.is_whole())
-            rays.tmax = span_of_one(range.tmax), rays.tmin = span_of_one(range.tmin), rays.open = range.open;
+            rays.tmax = span_of_one(range.tmax), rays.tmin = span_of_one(range.tmin), rays.open_ends = range.open_ends;
         for (std::size_t i = 0; i < spheres.size(); ++i) {
             for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
                 primitive.numbers[k] = spheres.numbers[k][i];

@@ -242,7 +242,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
 std::optional<double> true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
                                       const intersect::Info& info) {
     scene::rays::RayGroup group = scene::rays::group_of(in.format_inputs.rays[in.index]);
-    group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open = range.open;
+    group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open_ends = range.open_ends;
     for (std::size_t i = 0; i < in.format_inputs.primitives.size(); ++i)
         group.primitives.push_back(in.format_inputs.primitives[i]);
     group.march = in.format_inputs.march;
@@ -257,8 +257,8 @@ void find_hits_out_of_range(Explanation& explanation, const OneRay& ray, const O
     const Range<double> range = in.format_inputs.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;
     const intersect::Info& info = *explanation.form->info;
-    explanation.t_beyond_tmax = true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open.tmin}}, ray, in, info);
-    explanation.t_before_tmin = true_t_in_range({0, range.tmax, {.tmax = range.open.tmax}}, ray, in, info);
+    explanation.t_beyond_tmax = true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open_ends.tmin}}, ray, in, info);
+    explanation.t_before_tmin = true_t_in_range({0, range.tmax, {.tmax = range.open_ends.tmax}}, ray, in, info);
 }
 
 /// True for equal numbers and for two NaN.

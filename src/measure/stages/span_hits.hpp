@@ -186,7 +186,7 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const SpanRang
     using E = Running<W>;
     using Quick = ByFirstWord<W>;
     const auto [slabs, is_precise] = quick_slabs(s);
-    const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
+    const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open_ends};
     const SlabHit<Quick> in = slab_hit(slabs, quick_range);
     const Fraction<Quick> entry = largest_entry(slabs, quick_range);
     const auto at_begin = compare_entries_with_begin(slabs, quick_range).at_most.yes();

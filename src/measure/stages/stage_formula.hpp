@@ -41,7 +41,7 @@ auto settle_inputs(const StageKey& key, const Word& word) {
     }
 
     const auto range = [&](mask_t<P>& proper) {
-        return range_of<E>(word(input_of_tmin), word(input_of_tmax), key.open, proper);
+        return range_of<E>(word(input_of_tmin), word(input_of_tmax), key.open_ends, proper);
     };
     return settle_shape(problem, {key.has_ranges, key.wants_t, key.wants_distance}, range);
 }

@@ -26,7 +26,7 @@ struct StageKey {
     bool two_words;  ///< true if each input has two words
     MatrixKind matrix;
     bool has_ranges;
-    OpenEnds open;
+    OpenEnds open_ends;
     bool wants_t, wants_distance;
 
     friend auto operator<=>(const StageKey&, const StageKey&) = default;

@@ -86,7 +86,7 @@ void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
                        .two_words = problems.two_words,
                        .matrix = problems.matrix.placed ? problems.matrix : MatrixKind{},
                        .has_ranges = problems.has_ranges,
-                       .open = problems.has_ranges ? problems.open : OpenEnds{},
+                       .open_ends = problems.has_ranges ? problems.open_ends : OpenEnds{},
                        .wants_t = problems.out.t.hi != nullptr,
                        .wants_distance = problems.out.distance.hi != nullptr};
     RunCache::of(key, *kernels, shared_inputs_of(problems))(problems);

@@ -358,15 +358,15 @@ template <class E, class F = E>
 std::optional<SpanRange<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;
     const bool is_bounded = !std::isinf(range.tmax);
-    const OpenEnds open{range.open.tmin, range.open.tmax && is_bounded};
-    return SpanRange<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open};
+    const OpenEnds open_ends{range.open_ends.tmin, range.open_ends.tmax && is_bounded};
+    return SpanRange<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open_ends};
 }
 
 /// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides
 /// whether a hit at its start counts, in place of the convention for t = 0.
 inline intersect::Convention convention_in(const Range<double>& range, intersect::Convention convention) {
     using intersect::AtOrigin;
-    if (range.open.tmin) convention.at_origin = AtOrigin::miss;
+    if (range.open_ends.tmin) convention.at_origin = AtOrigin::miss;
     else if (range.tmin > 0) convention.at_origin = AtOrigin::hit;
     return convention;
 }

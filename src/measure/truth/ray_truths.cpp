@@ -42,7 +42,7 @@ public:
           out_(out),
           results_(results),
           isa_(intersect::simd::current_isa()),
-          has_ranges_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open)) {}
+          has_ranges_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open_ends)) {}
 
     /// Finds the truths. With an index, each ray is tested against its candidates; without one, each primitive is
     /// tested against whole columns of rays.
@@ -66,7 +66,7 @@ private:
                 .primitive = {},
                 .tmin = rays_.tmin,
                 .tmax = rays_.tmax,
-                .open = problems_.rays.open,
+                .open_ends = problems_.rays.open_ends,
                 .matrix = {},
                 .ray_low = rays_.low};
     }
@@ -291,7 +291,7 @@ private:
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& problems = gathered_problems(shape);
         auto raw = problems.added_problems(stages.lanes, two_words);
-        raw.open = problems_.rays.open;
+        raw.open_ends = problems_.rays.open_ends;
         raw.has_ranges = has_ranges_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.double_double(raw);

@@ -34,7 +34,7 @@ Truth find_single_truth(const ProblemColumns<S>& p, const TruthOptions& options,
     return find_truth(
         {{number_in(r[0]), number_in(r[1]), number_in(r[2])}, {number_in(r[3]), number_in(r[4]), number_in(r[5])}},
         primitive, options.limit, options.convention,
-        {p.tmin.empty() ? 0 : number_in(p.tmin), p.tmax.empty() ? HUGE_VAL : number_in(p.tmax), p.open});
+        {p.tmin.empty() ? 0 : number_in(p.tmin), p.tmax.empty() ? HUGE_VAL : number_in(p.tmax), p.open_ends});
 }
 
 /// Appends begin + i to `open` for each problem i that is not settled. Most problems are settled, so eight flags are

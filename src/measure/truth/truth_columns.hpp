@@ -28,7 +28,7 @@ struct ProblemColumns {
     /// is placed.
     std::array<std::span<const S>, most_stored> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
     stages::MatrixKind matrix = {};
     /// Second words: the exact numbers minus those above, to 2^-104 of these. All are empty if the numbers above are
     /// exact.

@@ -32,7 +32,8 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     const Range<double> range = group->rays.range(0);
     if (range.tmin != 0) text += " --tmin=" + file::hex(range.tmin);
     if (!std::isinf(range.tmax)) text += " --tmax=" + file::hex(range.tmax);
-    if (range.open.tmin || range.open.tmax) text += fmt::format(" --open-ends {}", lostbits::name_of(range.open));
+    if (range.open_ends.tmin || range.open_ends.tmax)
+        text += fmt::format(" --open-ends {}", lostbits::name_of(range.open_ends));
     if (!group->march) return text;
     std::size_t constant_index = 0;
     transformed(*group->march, [&](double x) {

@@ -74,7 +74,7 @@ std::string explain_json(const Explanation& explanation, const std::optional<Mar
               {"primitives", explanation.primitive_count}};
     for (std::size_t i = 0; i < explanation.input_values.size(); ++i)
         json["inputs"][explanation.input_names[i]] = exact_number(explanation.input_values[i]);
-    json["open_ends"] = std::string(name_of(explanation.range.open));
+    json["open_ends"] = std::string(name_of(explanation.range.open_ends));
     json["inputs_rounded"] = explanation.rounded_inputs;
     json["given_direction"] =
         explanation.given_direction

@@ -42,10 +42,10 @@ std::string inputs_block(const Explanation& explanation) {
         return is_open ? " (open: a surface there does not count)" : " (closed)";
     };
     for (std::size_t i = 0; i < explanation.input_values.size(); ++i) {
-        if (explanation.input_names[i] == "ray.tmin") begin_line = line(i, end_kind(explanation.range.open.tmin));
+        if (explanation.input_names[i] == "ray.tmin") begin_line = line(i, end_kind(explanation.range.open_ends.tmin));
         else if (explanation.input_names[i] == "ray.tmax")
-            end_line =
-                line(i, std::isinf(explanation.input_values[i]) ? " (no end)" : end_kind(explanation.range.open.tmax));
+            end_line = line(
+                i, std::isinf(explanation.input_values[i]) ? " (no end)" : end_kind(explanation.range.open_ends.tmax));
         else text += line(i, "");
     }
     return explanation.range.is_whole() ? text : text + begin_line + end_line;

@@ -71,8 +71,8 @@ std::string range_sentence(const Explanation& explanation) {
             clauses.push_back(
                 fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, is_open)));
     };
-    add(explanation.t_before_tmin, "before", "tmin", explanation.range.tmin, explanation.range.open.tmin);
-    add(explanation.t_beyond_tmax, "beyond", "tmax", explanation.range.tmax, explanation.range.open.tmax);
+    add(explanation.t_before_tmin, "before", "tmin", explanation.range.tmin, explanation.range.open_ends.tmin);
+    add(explanation.t_beyond_tmax, "beyond", "tmax", explanation.range.tmax, explanation.range.open_ends.tmax);
     if (clauses.empty()) return "";
     return fmt::format(" The exact hit {}{}.", clauses.front(),
                        clauses.size() > 1 ? ", and that " + clauses.back() : "");

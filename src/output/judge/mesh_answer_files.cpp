@@ -93,7 +93,8 @@ std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     const Vec<double>& origin = answer.ray.origin;
     if (is_point) return file::number_list(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
     scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
-    group.rays.tmin = {answer.range.tmin}, group.rays.tmax = {answer.range.tmax}, group.rays.open = answer.range.open;
+    group.rays.tmin = {answer.range.tmin}, group.rays.tmax = {answer.range.tmax},
+    group.rays.open_ends = answer.range.open_ends;
     return attribution::explain_ray_arguments(&group);
 }
 

@@ -150,7 +150,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     }
     std::ranges::stable_sort(primitives, {}, [](const auto& positioned) { return positioned.first; });
     for (auto& [position, spec] : primitives) new_case.primitives.push_back(std::move(spec));
-    table.read("open_ends", new_case.open, open_ends_names);
+    table.read("open_ends", new_case.open_ends, open_ends_names);
     for (TableReader& ray : table.tables("rays")) {
         new_case.rays.push_back(
             {read_quantities(ray, "origin", 3, true), read_quantities(ray, "direction", 3, true), {}, {}});
@@ -159,8 +159,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         const auto end = [](const std::vector<Quantity>& values, double default_t) {
             return values.empty() ? default_t : values.front().in(binary64, 0);
         };
-        require_range(ray,
-                      {end(new_case.rays.back().tmin, 0), end(new_case.rays.back().tmax, HUGE_VAL), new_case.open});
+        require_range(
+            ray, {end(new_case.rays.back().tmin, 0), end(new_case.rays.back().tmax, HUGE_VAL), new_case.open_ends});
         ray.reject_unknown_keys();
     }
     table.reject_unknown_keys();
@@ -272,7 +272,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& named_case, const FloatFormat& 
         };
         add_ends(&RaySpec::tmin, 0, group.rays.tmin);
         add_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
-        group.rays.open = named_case.open;
+        group.rays.open_ends = named_case.open_ends;
         group.rays.set_as_list();
         groups.push_back(std::move(group));
     }

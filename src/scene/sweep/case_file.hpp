@@ -63,7 +63,7 @@ private:
         std::string name, note;
         toml::Exponent lengths, directions;  ///< every length and every direction is multiplied by two to this power
         std::optional<double> zeros;         ///< +0 or −0: replaces every zero of a direction
-        OpenEnds open = {};                  ///< for the ranges of all rays
+        OpenEnds open_ends = {};             ///< for the ranges of all rays
         bool symmetric = false;  ///< true: ray and primitive are repeated under each of the 48 symmetries of the axes
         std::vector<PrimitiveSpec> primitives;
         std::vector<RaySpec> rays;

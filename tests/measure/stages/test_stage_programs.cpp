@@ -84,7 +84,7 @@ public:
         for (std::size_t k = 0; k < most_stored; ++k)
             p.primitive[k] = column(input_of_primitive + k), p.primitive_low[k] = column(input_of_primitive_low + k);
         p.tmin = column(input_of_tmin), p.tmax = column(input_of_tmax);
-        p.two_words = key.two_words, p.has_ranges = key.has_ranges, p.open = key.open, p.matrix = key.matrix;
+        p.two_words = key.two_words, p.has_ranges = key.has_ranges, p.open_ends = key.open_ends, p.matrix = key.matrix;
         return p;
     }
     [[nodiscard]] double at(std::size_t input, std::size_t i) const { return static_cast<double>(columns_[input][i]); }
@@ -139,7 +139,7 @@ std::vector<StageKey> keys_of(Shape shape, int words) {
     const StageKey plain{shape, words, false, {}, false, {}, true, true};
     std::vector<StageKey> all{plain, plain, plain, plain, plain, plain, plain};
     all[1].has_ranges = true;
-    all[2].has_ranges = true, all[2].open = {true, true};
+    all[2].has_ranges = true, all[2].open_ends = {true, true};
     all[3].matrix = {true, false, 1};
     all[4].matrix = {true, true, 1}, all[4].has_ranges = true;
     all[5].wants_distance = false;
