@@ -281,7 +281,7 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
         fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
     for (const auto& form : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(form)) {
+        for (const ForeignForm* const form : intersect::external::find_foreign_forms(form)) {
             // If the file does not say which root its t is, --shader takes t for the near root, and --function for the
             // first one. These count as the same.
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
@@ -323,7 +323,7 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
     for (const auto& form : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(form))
+        for (const ForeignForm* const form : intersect::external::find_foreign_forms(form))
             if (!form->contract.state.empty()) states.try_emplace(form->provider, form->contract.state);
     }
     for (const auto& [library, state] : states)

@@ -112,7 +112,8 @@ void fuzz_plugin(std::string_view bytes) {
     form.flags = static_cast<unsigned>(numbers[6]);
     form.run = bytes.size() > numbers.size() ? nullptr : +[](const lb_batch*) -> const char* { return nullptr; };
     answer_or_error([&] {
-        const std::vector<intersect::external::Contract> told{intersect::external::contract_of(form, "a library")};
+        const std::vector<intersect::external::Contract> told{
+            intersect::external::read_form_contract(form, "a library")};
         const std::string header = intersect::external::make_pipe_header(told);
         std::vector<std::string> lines;
         for (std::string_view rest = header; rest.size() > 1;) lines.push_back(take_line(rest));

@@ -239,7 +239,7 @@ std::vector<std::string> noted_changes() {
     return sentences;
 }
 
-std::string noted_change_of(const std::string& who) {
+std::string find_noted_change(const std::string& who) {
     const std::scoped_lock lock(state_changes().lock);
     const auto entry = state_changes().by_name.find(who);
     return entry == state_changes().by_name.end() ? "" : entry->second;

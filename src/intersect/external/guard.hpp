@@ -79,7 +79,7 @@ void note_change(const std::string& who, const std::string& change);
 /// Returns the noted changes as sentences that begin with the name of the library or form.
 std::vector<std::string> noted_changes();
 /// Returns the change noted for one library or form; empty if no change was noted.
-std::string noted_change_of(const std::string& who);
+std::string find_noted_change(const std::string& who);
 
 /// Name of the foreign code that runs in this thread, for messages; null if there is none.
 const char* running_foreign_code() noexcept;

@@ -132,7 +132,7 @@ std::optional<BatchColumns> read_batch(int input, const PipeRequest& request, co
 bool write_answer(int output, const std::string& error_text, const ForeignForm& form, const ColumnMemory& buffers) {
     PipeAnswer answer;
     answer.error_bytes = static_cast<std::uint32_t>(error_text.size());
-    if (buffers.shared && !noted_change_of(name_in_messages(form)).empty()) answer.error_bytes |= state_changed_bit;
+    if (buffers.shared && !find_noted_change(name_in_messages(form)).empty()) answer.error_bytes |= state_changed_bit;
     if (!write_all(output, &answer, sizeof answer)) return false;
     if (!error_text.empty()) return write_all(output, error_text.data(), error_text.size());
     const auto write_column = [&](std::size_t k) {

@@ -110,7 +110,7 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, 
         const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
             std::array<T, 6 + sizeof...(i)> result{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
             std::size_t k = 6;
-            each_number(primitive, [&](const T& x) { result[k++] = x; });
+            for_each_number(primitive, [&](const T& x) { result[k++] = x; });
             return result;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());

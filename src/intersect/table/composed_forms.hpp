@@ -41,7 +41,7 @@ public:
         return composed.intersector;
     }
     /// The parts of a form; null pointers if this object did not create the form.
-    Parts parts_of(const Intersector& form) {
+    Parts find_parts(const Intersector& form) {
         const std::lock_guard lock(mutex_);
         const auto found = std::ranges::find_if(
             forms_, [&form](const ComposedForm& composed) { return &composed.intersector == &form; });

@@ -59,7 +59,7 @@ void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S
 }
 
 template <class Form, class T>
-void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
+void intersect_native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
     const auto evaluate = [](const Ray<T>& ray, const Target<T>& single_target, const T& tmax,
                              MarchRecorder<T>& recorder, std::size_t primitive_index) {
         return intersect_target<Form>(ray, single_target, tmax, recorder, primitive_index);

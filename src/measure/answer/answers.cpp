@@ -287,7 +287,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
     const bool marches = !is_primitive(form.shape),
-               takes_batches = !intersect::external::foreign_forms_of(form).empty();
+               takes_batches = !intersect::external::find_foreign_forms(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Kernels of packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches

@@ -78,7 +78,7 @@ public:
     StepWalk(const Intersector& form, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
              const Range<double>& range)
         : row_(form),
-          parts_(intersect::transform::transformed_parts_of(form)),
+          parts_(intersect::transform::find_transformed_parts(form)),
           format_(format),
           primitive_(primitive),
           range_(range) {
@@ -229,13 +229,13 @@ Levels levels_of(const Intersector& form, const Format& format, const Ray<double
     };
     const Intersector* current = &form;
     for (;;) {
-        if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
+        if (const auto boxed_parts = intersect::bounding_box::find_boxed_parts(*current); boxed_parts.form != nullptr) {
             const BoundingBox<double> box = boxed_parts.method->compute_box(format, problem.primitive);
             levels.boxes.push_back({problem.ray, box});
             if (!evaluate_one(*boxed_parts.box, format, problem.ray, box, problem.range.tmax))
                 lose_to(problem.primitive.placed ? Level::world_box : Level::box);
             current = boxed_parts.form;
-        } else if (const auto transformed_parts = intersect::transform::transformed_parts_of(*current);
+        } else if (const auto transformed_parts = intersect::transform::find_transformed_parts(*current);
                    transformed_parts.form != nullptr) {
             if (problem.primitive.placed) {
                 problem = to_object_space(*transformed_parts.method, format, problem);

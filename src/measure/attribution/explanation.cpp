@@ -153,10 +153,10 @@ void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const
         mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
     std::vector<const Intersector*> candidates;
     for (const Intersector& other : intersect::table::intersectors()) candidates.push_back(&other);
-    if (const auto parts = intersect::transform::transformed_parts_of(*explanation.form); parts.method != nullptr)
+    if (const auto parts = intersect::transform::find_transformed_parts(*explanation.form); parts.method != nullptr)
         for (const auto& method : intersect::transform::transform_methods())
             candidates.push_back(&intersect::transform::transformed_form(method, *parts.form));
-    if (const auto parts = intersect::bounding_box::boxed_parts_of(*explanation.form); parts.form != nullptr)
+    if (const auto parts = intersect::bounding_box::find_boxed_parts(*explanation.form); parts.form != nullptr)
         for (const Intersector& box : intersect::table::intersectors(parts.box->shape))
             if (intersect::external::is_safe_to_run(box))
                 candidates.push_back(&intersect::bounding_box::boxed_form(*parts.method, box, *parts.form));

@@ -222,7 +222,7 @@ private:
     /// divided by that factor here.
     void compute_object_point(StrategyInput<T>& strategy_input) const {
         const auto& steps = intersect::transform::step_functions<T>(
-            *intersect::transform::transformed_parts_of(
+            *intersect::transform::find_transformed_parts(
                  intersect::bounding_box::without_world_boxes(
                      work_.tested_form_.form->form_for(strategy_input.primitive.shape)))
                  .method);

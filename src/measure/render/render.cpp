@@ -146,7 +146,7 @@ private:
     template <class T>
     [[nodiscard]] Vec<T> normal_under_matrix(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
         const auto& steps = intersect::transform::step_functions<T>(
-            *intersect::transform::transformed_parts_of(
+            *intersect::transform::find_transformed_parts(
                  intersect::bounding_box::without_world_boxes(row_.form->form_for(primitive.shape)))
                  .method);
         const auto maps = steps.maps(*primitive.placed);

@@ -160,7 +160,7 @@ private:
 class TestedBox {
 public:
     explicit TestedBox(const evaluate::TestedForm& tested_form)
-        : row_(tested_form), boxed_parts_(intersect::bounding_box::boxed_parts_of(*tested_form.form)) {}
+        : row_(tested_form), boxed_parts_(intersect::bounding_box::find_boxed_parts(*tested_form.form)) {}
 
     [[nodiscard]] bool has_box() const {
         return row_.form->shape == bounding_box_shape || boxed_parts_.form != nullptr;

@@ -61,7 +61,7 @@ BoundDecision<T> decide_by_bound(const T& tmin, const T& tmax, const T& overflow
 }
 
 template <Number T, class B>
-OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
+OrderedSlabs<T> order_planes(const Ray<T>& ray, const B& box) {
     const auto planes_at = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
     return {{planes_at(0), planes_at(1), planes_at(2)}};
 }

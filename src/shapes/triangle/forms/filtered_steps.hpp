@@ -38,7 +38,7 @@ struct Determinants {
 };
 
 template <Number N>
-Determinants<N> determinants_of(const Ray<N>& ray, const Triangle<N>& triangle) {
+Determinants<N> compute_determinants(const Ray<N>& ray, const Triangle<N>& triangle) {
     const Vec<N>& d = ray.direction;
     const Vec<N> a = triangle.a - ray.origin, b = triangle.b - ray.origin, c = triangle.c - ray.origin;
     const Vec<N> p = triangle.b - triangle.a, q = triangle.c - triangle.a, n = cross(p, q);
@@ -147,8 +147,8 @@ auto map_determinants(const Determinants<N>& det, const F& f) {
 template <class W, Number T, class F>
 Determinants<W> determinants_of_mapped(const Ray<T>& ray, const Triangle<T>& triangle, const F& f) {
     const auto map_vec = [&](const Vec<T>& x) { return Vec<W>(f(x.x), f(x.y), f(x.z)); };
-    return determinants_of<W>({map_vec(ray.origin), map_vec(ray.direction)},
-                              {map_vec(triangle.a), map_vec(triangle.b), map_vec(triangle.c)});
+    return compute_determinants<W>({map_vec(ray.origin), map_vec(ray.direction)},
+                                   {map_vec(triangle.a), map_vec(triangle.b), map_vec(triangle.c)});
 }
 
 /// Returns the roundoff u of the format that `T` computes in, as a number of type P.
