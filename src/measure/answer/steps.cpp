@@ -132,7 +132,7 @@ private:
         Primitive<Real> object = transformed(object_primitive_, [](double x) { return Real(x); });
         if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
         const truth::Truth truth =
-            truth::find_truth(object_ray.ray, object, {}, row_.info->convention().of(object.shape),
+            truth::find_truth(object_ray.ray, object, {}, row_.info->convention().for_shape(object.shape),
                               scaled_range(nearest_double(object_ray.length)));
         if (!truth.is_hit()) return std::nullopt;
         return certified_value(parts_.method->real.back(maps_, exact_world_, object_ray, value_of(truth.t)));
@@ -182,7 +182,7 @@ std::optional<std::size_t> Steps::worst() const {
 Steps steps_of(const Intersector& form, const Format& format, const Ray<double>& ray,
                const Primitive<double>& primitive, const Range<double>& range) {
     const truth::Truth truth =
-        truth::find_truth(ray, primitive, {}, form.info->convention().of(primitive.shape), range);
+        truth::find_truth(ray, primitive, {}, form.info->convention().for_shape(primitive.shape), range);
     const bool has_unit_directions = form.info->direction == intersect::Direction::unit;
     return with_number(format, [&]<class T>() {
         Steps steps =
@@ -239,7 +239,7 @@ Levels levels_of(const Intersector& form, const Format& format, const Ray<double
                    transformed_parts.form != nullptr) {
             if (problem.primitive.placed) {
                 problem = to_object_space(*transformed_parts.method, format, problem);
-                const auto form_convention = current->info->convention().of(primitive.shape);
+                const auto form_convention = current->info->convention().for_shape(primitive.shape);
                 if (!truth::find_truth(problem.ray, problem.primitive, {}, form_convention, problem.range).is_hit())
                     lose_to(Level::space);
             }
