@@ -128,7 +128,7 @@ struct SceneSummaries {
 /// Prints which forms missed hits because they return one crossing and the range of the rays excludes it.
 void note_missed_crossings(const PlannedScene& planned, const std::vector<measure::evaluate::FormSummary>& summaries) {
     const Range<double>& range = planned.map.scene->range;
-    if (!range.open.tmin && !(range.tmin > 0)) return;
+    if (!range.open_ends.tmin && !(range.tmin > 0)) return;
 
     std::string missing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
@@ -147,7 +147,7 @@ void note_missed_crossings(const PlannedScene& planned, const std::vector<measur
         "lostbits: scene {}: its rays begin {} t = {:g}. These forms return only one crossing, and miss the next "
         "one if the range excludes the first: {}. Forms with next_crossing = yes in `lostbits list forms` return "
         "both\n",
-        planned.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, missing_forms);
+        planned.map.scene->id, range.open_ends.tmin ? "beyond" : "at", range.tmin, missing_forms);
 }
 
 void print_results(const PlannedScene& planned, const SceneSummaries& summaries, const std::filesystem::path& folder,

@@ -61,7 +61,7 @@ Exit serve_shader(const std::string& shader_name, const std::string& kind) {
         if (shader.f32 && shader.f64 && !device->limits().has_doubles)
             fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; its form exists in f32 only\n", shader.path,
                        device->description().renderer);
-        forms = forms_of(shader, device, !kind.empty(), line_of(device->description(), arithmetic));
+        forms = forms_of(shader, device, !kind.empty(), describe_device(device->description(), arithmetic));
     } catch (const Error& error) {
         const std::string message = intersect::external::refusal_of(error);
         return write(output, message.data(), message.size()) < 0 ? Exit::environment : error.code();

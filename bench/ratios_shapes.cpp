@@ -83,7 +83,7 @@ void print_truth_of_shapes() {
     };
     std::vector<Pair> sets;
     for (const auto& distribution : scene::sweep::distributions()) {
-        const auto hits = distribution.timed().hits;
+        const auto hits = distribution.draw_timed_rays().hits;
         sets.push_back({ShapeSet(hits, std::nullopt), ShapeSet(hits, turned())});
     }
     std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one primitive, packs of %s\n", "truth",

@@ -11,7 +11,7 @@ namespace {
 
 /// A form that runs a function of the caller in this process.
 ForeignForm make_foreign_form(const lb_form& caller_form) {
-    ForeignForm foreign{intersect::external::contract_of(caller_form, "form"), "form", {}};
+    ForeignForm foreign{intersect::external::read_form_contract(caller_form, "form"), "form", {}};
     const auto run = caller_form.run;
     void* const user_data = caller_form.own;
     foreign.answer = [run, user_data, name = foreign.contract.name](const lb_batch& given_batch) {

@@ -1,8 +1,8 @@
 #include "analysis/library/given_rays.hpp"
 
 #include "analysis/selection/ray_file_options.hpp"
-#include "text/count_with_noun.hpp"
 #include "shapes/number_names.hpp"
+#include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -82,7 +82,7 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
     require_arrays(rays);
     std::vector<ArrayColumn> columns = list_columns(rays);
     scene::dump::DumpOptions options{.stop = settings.stop()};
-    if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
+    if (rays.open_ends != nullptr) options.open_ends = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
 
     // Pairs have the numbers of their primitives in further columns.

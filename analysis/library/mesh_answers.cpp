@@ -65,7 +65,7 @@ std::unique_ptr<ArrayDump> make_dump(const lostbits_rays& rays, const lostbits_m
 
     scene::dump::DumpOptions options{.stop = settings.stop()};
     options.primitive = scene::triangle::Mesh::shape;
-    if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
+    if (rays.open_ends != nullptr) options.open_ends = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
     return std::make_unique<ArrayDump>(answers_name, std::move(columns), rays.count, options);
 }

@@ -31,7 +31,7 @@ intersect::Info read_contract(const lostbits_rays& rays, Shape shape) {
     if (rays.facing != 0) form.shape = static_cast<int>(shape);
     form.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
     form.run = [](const lb_batch*) -> const char* { return nullptr; };
-    const auto contract = intersect::external::contract_of(form, rays_name);
+    const auto contract = intersect::external::read_form_contract(form, rays_name);
     if (rays.scene == nullptr) intersect::require_origin(contract.at_origin, contract.inside, shape, rays_name);
     intersect::Info info{};
     info.direction = contract.direction;

@@ -34,37 +34,38 @@ namespace lostbits::analysis::selection {
 
 using intersect::external::ForeignForm;
 using intersect::external::open_pipe;
-using intersect::external::PipeTerms;
+using intersect::external::PipeOptions;
 using text::shell_word;
 
 namespace {
 
 /// The forms of a library that is loaded in another process of this program.
-std::vector<ForeignForm> load_isolated_forms(const std::filesystem::path& library, PipeTerms terms) {
-    terms.message_prefix = library.string() + " in a process of its own";
-    terms.is_lostbits = true;
-    return open_pipe(this_program("plugin serve " + shell_word(library.string())), terms);
+std::vector<ForeignForm> load_isolated_forms(const std::filesystem::path& library, PipeOptions pipe_options) {
+    pipe_options.message_prefix = library.string() + " in a process of its own";
+    pipe_options.is_lostbits = true;
+    return open_pipe(this_program("plugin serve " + shell_word(library.string())), pipe_options);
 }
 
 /// The forms of a shader. Another process of this program holds the driver, with its compiler, its threads and its
 /// faults.
-std::vector<ForeignForm> load_shader_forms(const std::string& shader, const std::string& device, PipeTerms terms) {
-    terms.message_prefix = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
-    terms.is_lostbits = true;
+std::vector<ForeignForm> load_shader_forms(const std::string& shader, const std::string& device,
+                                           PipeOptions pipe_options) {
+    pipe_options.message_prefix = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
+    pipe_options.is_lostbits = true;
     return open_pipe(
         this_program("shader serve " + shell_word(shader) + (device.empty() ? "" : " --device " + shell_word(device))),
-        terms);
+        pipe_options);
 }
 
 /// The forms of a shader on each named device; for `all`, on each available one.
 std::vector<ForeignForm> load_forms_on_devices(const std::string& shader, const ExternalOptions& options,
-                                               const PipeTerms& terms) {
+                                               const PipeOptions& pipe_options) {
     const bool wants_all = std::ranges::find(options.devices, "all") != options.devices.end();
     std::vector<ForeignForm> forms;
     std::string problems;
     for (const std::string& device : select_devices(options.devices)) {
         try {
-            std::ranges::move(load_shader_forms(shader, device, terms), std::back_inserter(forms));
+            std::ranges::move(load_shader_forms(shader, device, pipe_options), std::back_inserter(forms));
         } catch (const EnvironmentError& missing) {
             if (!wants_all) throw;
             problems += std::string("\n  ") + missing.what();
@@ -121,12 +122,13 @@ void require_new_formula(const std::string& name, const std::string& library,
 }
 
 /// Adds the forms and formulas of a library, with the prefix that `plugin` gives them.
-void add_library(const std::string& plugin, const ExternalOptions& options, const PipeTerms& terms,
+void add_library(const std::string& plugin, const ExternalOptions& options, const PipeOptions& pipe_options,
                  std::map<std::string, std::string>& library_by_formula, ExternalForms& external_forms) {
     const auto library = intersect::external::find_plugin(plugin);
     scene::toml::note_read(library);
     const bool is_in_own_process = is_isolated(library, options);
-    auto forms = is_in_own_process ? load_isolated_forms(library, terms) : intersect::external::load_plugin(library);
+    auto forms =
+        is_in_own_process ? load_isolated_forms(library, pipe_options) : intersect::external::load_plugin(library);
     auto formulas =
         is_in_own_process ? std::vector<intersect::external::Formula>() : intersect::external::load_formulas(library);
     if (const std::string prefix = intersect::external::prefix_of_plugin(plugin); !prefix.empty()) {
@@ -206,7 +208,7 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
     intersect::external::guard_foreign_code(
         {options.seconds, options.stop, output::file::remove_partial_files, options.on_fatal_fault});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const PipeTerms terms{
+    const PipeOptions pipe_options{
         .seconds = options.seconds, .processes = static_cast<unsigned>(processes), .stop = options.stop};
 
     // The options are recorded too, so that later commands can name the same intersectors.
@@ -214,17 +216,18 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
     std::string plugin_options;
     std::map<std::string, std::string> library_by_formula;
     for (const std::string& plugin : options.plugins) {
-        add_library(plugin, options, terms, library_by_formula, external_forms);
+        add_library(plugin, options, pipe_options, library_by_formula, external_forms);
         plugin_options += " --plugin " + shell_word(plugin);
     }
     for (const std::string& command : options.pipes) {
-        std::ranges::move(open_pipe(command, terms), std::back_inserter(external_forms.forms));
+        std::ranges::move(open_pipe(command, pipe_options), std::back_inserter(external_forms.forms));
         plugin_options += " --pipe " + shell_word(command);
     }
     for (const std::string& shader : options.shaders) {
         for (std::size_t end = shader.size(); end != std::string::npos && end > 0; end = shader.rfind(':', end - 1))
             scene::toml::note_read(shader.substr(0, end));  // FILE:FUNCTION
-        std::ranges::move(load_forms_on_devices(shader, options, terms), std::back_inserter(external_forms.forms));
+        std::ranges::move(load_forms_on_devices(shader, options, pipe_options),
+                          std::back_inserter(external_forms.forms));
         plugin_options += " --shader " + shell_word(shader);
     }
     for (const std::string& function : options.functions) plugin_options += " --function " + shell_word(function);
@@ -279,7 +282,7 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
         fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
     for (const auto& shader_form : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(shader_form)) {
+        for (const ForeignForm* const form : intersect::external::find_foreign_forms(shader_form)) {
             // If the file does not say which root its t is, --shader takes t for the near root, and --function for the
             // first one. These count as the same.
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
@@ -323,7 +326,7 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
     for (const auto& intersector : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::foreign_forms_of(intersector))
+        for (const ForeignForm* const form : intersect::external::find_foreign_forms(intersector))
             if (!form->contract.state.empty()) states.try_emplace(form->provider, form->contract.state);
     }
     for (const auto& [library, state] : states)

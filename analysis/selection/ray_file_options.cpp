@@ -148,7 +148,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
     dump_options.miss = parse_miss_rule(options.miss);
     dump_options.primitive = primitive;
     dump_options.keep = keeps_own_columns;
-    dump_options.open = open_ends_named(options.open_ends);
+    dump_options.open_ends = open_ends_named(options.open_ends);
     return scene::dump::open_dump(file, dump_options);
 }
 

@@ -307,7 +307,7 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
     };
     add_end(options.tmin, "--tmin", "a start of a range; write one number", group.rays.tmin);
     add_end(options.tmax, "--tmax", "an end of a range; write one number", group.rays.tmax);
-    group.rays.open = open_ends_named(options.open_ends);
+    group.rays.open_ends = open_ends_named(options.open_ends);
     require_range(options, group.rays.range(0));
     group.march = parse_march(options.set);
     return {nullptr, OneRay(std::move(group)), tested_form.form};

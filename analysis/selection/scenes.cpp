@@ -184,7 +184,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
             options.scene, target_scene->primitive_count(), max_primitives));
 
     // Opens the files, and joins them to one.
-    OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
+    OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .options = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> dumps;
     for (const std::string& file : files) {
         dumps.push_back(open_file(options, file, shared_shape(options, target_scene)));
@@ -199,11 +199,11 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     result.dump = scene::dump::join_dumps(std::move(dumps));
 
     // What the command line says of them.
-    result.terms = {.id = result.id,
-                    .primitives = shared_primitives(options, target_scene, result.dump->format()),
-                    .contract = answer_contract(options, *result.dump)};
-    if (target_scene) result.terms.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
-    const std::vector<Primitive<double>> representatives = result.terms.representatives();
+    result.options = {.id = result.id,
+                      .primitives = shared_primitives(options, target_scene, result.dump->format()),
+                      .contract = answer_contract(options, *result.dump)};
+    if (target_scene) result.options.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
+    const std::vector<Primitive<double>> representatives = result.options.representatives();
     put_under_matrices(*result.dump, representatives);
     result.shapes = shapes_of_rays(result.dump->layout(), representatives);
     return result;

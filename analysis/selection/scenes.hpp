@@ -72,8 +72,8 @@ void refuse_misplaced_options(const RayFileOptions& options, const std::vector<s
 struct OpenedRays {
     std::string id, quoted_files;  ///< name of the results, and the names of the files, quoted for a shell
     std::unique_ptr<scene::dump::Dump> dump;
-    measure::choose::FileTerms terms;  ///< what the command line says of the files
-    Shapes shapes;                     ///< of the primitives of the rays
+    measure::choose::FileOptions options;  ///< what the command line says of the files
+    Shapes shapes;                         ///< of the primitives of the rays
 };
 OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,
                      const std::filesystem::path& data);

@@ -67,7 +67,7 @@ Forms combinations(const std::vector<Forms>& forms_by_shape, const std::string& 
             remaining /= forms->size();
         }
         const std::string why = intersect::table::refusal_of_set(parts);
-        if (why.empty()) sets.push_back(&intersect::table::set_of(parts));
+        if (why.empty()) sets.push_back(&intersect::table::find_or_add_set(parts));
         else if (refusal.empty()) refusal = why;
     }
     if (sets.empty()) throw InputError(prefix + ": " + refusal);
@@ -233,7 +233,7 @@ const Intersector& plain_set(Shapes shapes) {
                                                   intersect::transform::default_transform_method(), plain)
                                             : &plain);
     }
-    return intersect::table::set_of(parts);
+    return intersect::table::find_or_add_set(parts);
 }
 
 namespace {

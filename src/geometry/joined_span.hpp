@@ -16,18 +16,18 @@ struct JoinedSpan {
 
     static constexpr bool may_hit_beyond_touch = false;
 
-    /// True if some point of the line lies in the closed (`is_hit`) or in the open primitive (`is_open`).
-    [[nodiscard]] mask_t<T> is_hit() const { return enter.q >= T(0) && leave.q >= T(0); }
-    [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }
+    /// True if some point of the line lies in the closed (`meets_closed`) or in the open primitive (`meets_open`).
+    [[nodiscard]] mask_t<T> meets_closed() const { return enter.q >= T(0) && leave.q >= T(0); }
+    [[nodiscard]] mask_t<T> meets_open() const { return enter.q > T(0) && leave.q > T(0); }
     /// Compares the entry (`compare_entry`) or the exit (`compare_exit`) of a line that meets the closed primitive with
     /// t: before t (`less`), or no later (`at_most`).
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> compare_entry(const At& t) const {
-        return quadratic_at(enter, t).near_root();
+        return quadratic_at(enter, t).compare_near_root();
     }
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> compare_exit(const At& t) const {
-        return quadratic_at(leave, t).far_root();
+        return quadratic_at(leave, t).compare_far_root();
     }
 };
 

@@ -18,13 +18,13 @@ struct OpenEnds {
 /// Names of the open ends in files and on the command line.
 inline constexpr std::array<std::pair<std::string_view, OpenEnds>, 4> open_ends_names{
     {{"none", {}}, {"tmin", {.tmin = true}}, {"tmax", {.tmax = true}}, {"both", {.tmin = true, .tmax = true}}}};
-inline constexpr std::string_view name_of(OpenEnds open) {
-    return open_ends_names[(open.tmin ? 1U : 0U) + (open.tmax ? 2U : 0U)].first;
+inline constexpr std::string_view name_of(OpenEnds open_ends) {
+    return open_ends_names[(open_ends.tmin ? 1U : 0U) + (open_ends.tmax ? 2U : 0U)].first;
 }
 /// Finds the open ends with one of the names above; none for any other name.
 inline constexpr OpenEnds open_ends_named(std::string_view name) {
-    for (const auto& [known_name, open] : open_ends_names)
-        if (known_name == name) return open;
+    for (const auto& [known_name, open_ends] : open_ends_names)
+        if (known_name == name) return open_ends;
     return {};
 }
 
@@ -34,29 +34,29 @@ template <class T>
 struct Range {
     T tmin = 0;
     T tmax = std::numeric_limits<T>::infinity();
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
 
     /// Returns the range with both ends closed that holds the same numbers of this format: t > tmin becomes t ≥ the
     /// next number above tmin. A tmax of infinity is not changed.
     [[nodiscard]] Range closed() const {
         constexpr T infinity = std::numeric_limits<T>::infinity();
         Range result{tmin, tmax};
-        if (open.tmin) result.tmin = std::nextafter(tmin, infinity);
-        if (open.tmax && tmax < infinity) result.tmax = std::nextafter(tmax, -infinity);
+        if (open_ends.tmin) result.tmin = std::nextafter(tmin, infinity);
+        if (open_ends.tmax && tmax < infinity) result.tmax = std::nextafter(tmax, -infinity);
         return result;
     }
     /// True if the range holds every t ≥ 0.
     [[nodiscard]] bool is_whole() const {
-        return tmin == 0 && tmax == std::numeric_limits<T>::infinity() && !open.tmin;
+        return tmin == 0 && tmax == std::numeric_limits<T>::infinity() && !open_ends.tmin;
     }
     /// True if some t is in the range; false if an end is NaN.
     [[nodiscard]] bool holds_any() const {
         if (!(tmin >= 0 && tmin < std::numeric_limits<T>::infinity())) return false;
-        return tmin < tmax || (tmin == tmax && !open.tmin && !open.tmax);
+        return tmin < tmax || (tmin == tmax && !open_ends.tmin && !open_ends.tmax);
     }
-    [[nodiscard]] bool is_before(const T& t) const { return open.tmin ? t <= tmin : t < tmin; }
+    [[nodiscard]] bool is_before(const T& t) const { return open_ends.tmin ? t <= tmin : t < tmin; }
     [[nodiscard]] bool is_after(const T& t) const {
-        return open.tmax && tmax < std::numeric_limits<T>::infinity() ? t >= tmax : t > tmax;
+        return open_ends.tmax && tmax < std::numeric_limits<T>::infinity() ? t >= tmax : t > tmax;
     }
 };
 

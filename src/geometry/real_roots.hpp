@@ -85,10 +85,11 @@ struct EnclosedRoots {
 
     [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
     /// Compares root i with a point x: −1 if the root is below x, 0 if it is x, +1 if it is above x. Returns nothing if
-    /// that is not known. `sign_relative_to_x(p)` is the sign of p − x. `value()` is the sign of `simple` at x: between
-    /// the neighbouring roots it changes only at root i.
-    template <class SignRelativeToX, class Value>
-    [[nodiscard]] std::optional<int> order(int i, const SignRelativeToX& sign_relative_to_x, const Value& value) const {
+    /// that is not known. `sign_relative_to_x(p)` is the sign of p − x. `sign_at_x()` returns the sign of `simple` at
+    /// x. Between roots i − 1 and i + 1, that sign changes only at root i.
+    template <class SignRelativeToX, class SignAtX>
+    [[nodiscard]] std::optional<int> order(int i, const SignRelativeToX& sign_relative_to_x,
+                                           const SignAtX& sign_at_x) const {
         const auto agrees = [](const std::optional<int>& sign, int expected) { return sign && *sign * expected >= 0; };
         const auto& [low, high, root, changes_sign, sign_beyond] = (*this)[i];
         const auto sign_of_low = sign_relative_to_x(low), sign_of_high = sign_relative_to_x(high);
@@ -96,9 +97,9 @@ struct EnclosedRoots {
         if (agrees(sign_of_high, -1)) return -1;
         if (i > 0 && !agrees(sign_relative_to_x((*this)[i - 1].high), -1)) return std::nullopt;
         if (i + 1 < count && !agrees(sign_relative_to_x((*this)[i + 1].low), 1)) return std::nullopt;
-        const auto sign_at_x = value(), sign_at_low = known_sign(simple.at(low));
-        if (!sign_at_x || !sign_at_low) return std::nullopt;
-        return *sign_at_x * *sign_at_low;
+        const auto sign = sign_at_x(), sign_at_low = known_sign(simple.at(low));
+        if (!sign || !sign_at_low) return std::nullopt;
+        return *sign * *sign_at_low;
     }
     [[nodiscard]] std::optional<int> order(int i, const E& x) const {
         return order(
@@ -108,8 +109,8 @@ struct EnclosedRoots {
 
 namespace detail {
 
-/// Approximates the roots within ±bound of a polynomial in double. With y = x/bound, the coefficients divided by the
-/// leading one are in the range of double, except for lines so far away that f has no root.
+/// Approximates the roots within ±bound of a polynomial in double. Substitutes y = x/bound and divides by the leading
+/// coefficient. The coefficients then fit a double, unless the line is so far away that f has no root.
 template <class E>
 ApproximateRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
     Polynomial<double> in_double{{}, f.degree};
@@ -196,8 +197,8 @@ std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& ap
         if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
     }
 
-    // The sign beyond the last root is that of the leading coefficient. Half way between two roots the sign is known,
-    // even if the sign of f close to a double root, where f is the square of a small number, is not.
+    // The sign beyond the last root is that of the leading coefficient. Close to a double root f is tiny and its sign
+    // may be unknown. So the sign is taken half way between two roots.
     for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
         root.sign_beyond = sign;

@@ -44,7 +44,7 @@ Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& 
 }
 
 /// t = 0, where a ray begins. Comparisons with it need no product.
-struct Start {};
+struct RayOrigin {};
 
 /// The fraction n/m, m ≥ 0. Fractions are compared by n₁ m₂ and n₂ m₁: for equal fractions these products are the same
 /// number at some precision, which need not be true of the quotients.
@@ -56,7 +56,7 @@ struct Fraction {
     friend Order<mask_t<T>> order_of(const Fraction& a, const Fraction& b) {
         return order_of_products(a.n, b.m, b.n, a.m);
     }
-    friend Order<mask_t<T>> order_of(const Fraction& a, Start) { return {a.n < T(0), a.n <= T(0)}; }
+    friend Order<mask_t<T>> order_of(const Fraction& a, RayOrigin) { return {a.n < T(0), a.n <= T(0)}; }
     friend Fraction select(const mask_t<T>& mask, const Fraction& a, const Fraction& b) {
         return {select(mask, a.n, b.n), select(mask, a.m, b.m)};
     }
@@ -81,14 +81,14 @@ template <class T>
 struct SpanRange {
     T begin;
     Fraction<T> end;
-    OpenEnds open;
+    OpenEnds open_ends;
 };
 
 /// True if a point lies before the end of a range, or at a closed end. `to_end` is the comparison of the point with
 /// that end.
 template <class Mask, class T>
 Mask is_before_range_end(const Order<Mask>& to_end, const SpanRange<T>& range) {
-    return range.open.tmax ? to_end.less : to_end.at_most;
+    return range.open_ends.tmax ? to_end.less : to_end.at_most;
 }
 
 /// P(t) = a t² + 2 h t + c and half of its slope, a t + h, at t = n/m: `value` is m² P(t), and `half_slope` is m (a t +
@@ -99,11 +99,11 @@ struct QuadraticAt {
 
     /// Compares the roots, if there are any, with t. The near root comes before t if P(t) < 0 or the slope is positive;
     /// the far root comes before t if both P(t) and the slope are positive. The same holds with equality included.
-    [[nodiscard]] Order<mask_t<T>> near_root() const {
+    [[nodiscard]] Order<mask_t<T>> compare_near_root() const {
         const T zero(0);
         return {value < zero || half_slope > zero, value <= zero || half_slope >= zero};
     }
-    [[nodiscard]] Order<mask_t<T>> far_root() const {
+    [[nodiscard]] Order<mask_t<T>> compare_far_root() const {
         const T zero(0);
         return {value > zero && half_slope > zero, value >= zero && half_slope >= zero};
     }
@@ -114,7 +114,7 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const T& t) {
     return {(half_slope + s.h) * t + s.c, half_slope};
 }
 template <class T>
-QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, Start) {
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, RayOrigin) {
     return {s.c, s.h};
 }
 template <class T>
@@ -164,7 +164,7 @@ SlabHit<T> slab_hit(const SlabSpan<T>& s, const SpanRange<T>& range) {
                    entry_to_end = order_of(s.entry[i], range.end);
         const auto is_parallel = !s.crossed[i];
         result.closed =
-            result.closed && (is_parallel || ((range.open.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
+            result.closed && (is_parallel || ((range.open_ends.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
                                               is_before_range_end(entry_to_end, range)));
         result.open = result.open && (is_parallel || (begin_to_exit.less && entry_to_end.less));
     });
@@ -214,7 +214,7 @@ Fraction<T> smallest_exit(const SlabSpan<T>& s) {
 /// open one, and compares the entry and the exit of the line with a fraction.
 template <class S, class T>
 concept ComparableSpan = requires(const S& s, const Fraction<T>& t) {
-    s.is_hit(), s.is_open(), s.compare_entry(t), s.compare_exit(t);
+    s.meets_closed(), s.meets_open(), s.compare_entry(t), s.compare_exit(t);
 };
 
 /// Entry and exit of a line: near ≤ far if it meets the primitive.

@@ -21,9 +21,10 @@ struct WallSpan {
 
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int i) const {
         const T zero(0);
-        const auto& [side, entry, exit, at_entry, at_exit, crossed, closed, open, direction_square] = primitive;
-        const auto entry_order = i == 0 ? at_entry.near_root() : at_entry.far_root();
-        const auto exit_order = i == 0 ? at_exit.near_root() : at_exit.far_root();
+        const auto& [side, planes_entry, planes_exit, at_planes_entry, at_planes_exit, crossed, closed, open,
+                     direction_square] = primitive;
+        const auto entry_order = i == 0 ? at_planes_entry.compare_near_root() : at_planes_entry.compare_far_root();
+        const auto exit_order = i == 0 ? at_planes_exit.compare_near_root() : at_planes_exit.compare_far_root();
         const auto is_quadratic = side.a > zero;
         return {is_quadratic && closed && side.q >= zero && !entry_order.less && exit_order.at_most,
                 is_quadratic && open && side.q > zero && !entry_order.at_most && exit_order.less};
@@ -32,7 +33,7 @@ struct WallSpan {
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> compare_crossing(int i, const At& t) const {
         const auto quadratic = quadratic_at(primitive.side, t);
-        return i == 0 ? quadratic.near_root() : quadratic.far_root();
+        return i == 0 ? quadratic.compare_near_root() : quadratic.compare_far_root();
     }
 };
 

@@ -72,7 +72,7 @@ struct Convention {
     friend bool operator==(const Convention&, const Convention&) = default;
 
     /// The convention for primitives of one shape.
-    [[nodiscard]] constexpr Convention of(Shape shape) const {
+    [[nodiscard]] constexpr Convention for_shape(Shape shape) const {
         return by_shape ? by_shape[static_cast<std::size_t>(shape)] : *this;
     }
 

@@ -40,22 +40,22 @@ auto transformed(const MarchConstants<S>& c, Lift lift) {
                              .bisect_steps = c.bisect_steps};
 }
 
-/// The reason why a march ended; if two hold, the one listed first.
+/// Why a march ended. If two reasons hold, the first in this list counts.
 ///
 ///   hit         the form answers a hit.
 ///   max_dist    the step after the last sample led beyond max_dist. A step that does so after sample max_steps counts.
+///   max_steps   max_steps samples are used, and the step after the last of them led to another t, or was not a number.
 ///   stagnated   max_steps samples are used, and the step after the last of them led nowhere: t + d == t in the
 ///               arithmetic of the march (over_relaxed: t + ω·d == t), so that no number of further samples would
 ///               change the answer. `accumulated` moves its point by itself: both t and the point must stand.
-///   max_steps   max_steps samples are used, and the step after the last of them led to another t, or was no number.
-enum class Stop : std::uint8_t { hit, max_dist, max_steps, stagnated };
+enum class StopReason : std::uint8_t { hit, max_dist, max_steps, stagnated };
 
 inline constexpr std::array<std::string_view, 4> stop_names{"hit", "max_dist", "max_steps", "stagnated"};
 
 /// Record of a march beside its answer.
 struct MarchRecord {
     int iterations = 0;  ///< number of samples of the field, without those of a refinement
-    Stop stop = Stop::max_steps;
+    StopReason stop = StopReason::max_steps;
     double least = 0;  ///< the smallest |field| of the samples; NaN if every sample was NaN
     double deepest =
         0;  ///< the smallest field value of the samples, with its sign: if negative, the march went through the surface

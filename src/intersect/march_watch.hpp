@@ -22,23 +22,23 @@ bool is_same(const Vec<T>& a, const Vec<T>& b) {
 template <class T>
 class LastStep {
 public:
-    void sampled(const T& t, const Vec<T>& p) {
+    void on_sample(const T& t, const Vec<T>& p) {
         sample_t_ = t;
         sample_point_ = p;
     }
-    void stepped(bool active, const T& t) { stepped(active, t, false); }
-    void stepped(bool active, const T& t, bool has_moved) {
+    void on_step(bool active, const T& t) { on_step(active, t, false); }
+    void on_step(bool active, const T& t, bool has_moved) {
         if (!active) return;
         next_t_ = t;
         is_stagnant_ = !has_moved && is_same(t, sample_t_);
     }
-    void stepped(bool active, const T& t, const Vec<T>& p) { stepped(active, t, !is_same(p, sample_point_)); }
+    void on_step(bool active, const T& t, const Vec<T>& p) { on_step(active, t, !is_same(p, sample_point_)); }
 
     [[nodiscard]] bool is_stagnant() const { return is_stagnant_; }
-    [[nodiscard]] Stop stop(const Hit<T>& hit, const MarchConstants<T>& c) const {
-        if (hit.hit) return Stop::hit;
-        if (next_t_ > c.max_dist) return Stop::max_dist;
-        return is_stagnant_ ? Stop::stagnated : Stop::max_steps;
+    [[nodiscard]] StopReason stop(const Hit<T>& hit, const MarchConstants<T>& c) const {
+        if (hit.hit) return StopReason::hit;
+        if (next_t_ > c.max_dist) return StopReason::max_dist;
+        return is_stagnant_ ? StopReason::stagnated : StopReason::max_steps;
     }
 
 private:
@@ -49,14 +49,14 @@ private:
 
 /// Counts the samples, and keeps the smallest |field| and the smallest field value.
 template <class T>
-class Tally : public LastStep<T> {
+class MarchRecorder : public LastStep<T> {
 public:
     void operator()(bool active, const T& t, const Vec<T>& p, const T& d) {
         if (!active) return;
         const T magnitude = abs(d);
         if (count_ == 0 || magnitude < least_ || !(least_ <= least_)) least_ = magnitude;
         if (count_ == 0 || d < deepest_ || !(deepest_ <= deepest_)) deepest_ = d;
-        this->sampled(t, p);
+        this->on_sample(t, p);
         ++count_;
     }
 
@@ -89,11 +89,11 @@ public:
         if (!active) return;
         const Vec<double> point{as_double(p.x), as_double(p.y), as_double(p.z)};
         steps_.push_back({as_double(t), point, as_double(length(p)), as_double(d)});
-        this->sampled(t, p);
+        this->on_sample(t, p);
     }
     template <class... Position>
-    void stepped(bool active, const T& t, const Position&... position) {
-        LastStep<T>::stepped(active, t, position...);
+    void on_step(bool active, const T& t, const Position&... position) {
+        LastStep<T>::on_step(active, t, position...);
         if (active) steps_.back().is_stagnant = this->is_stagnant();
     }
     [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }

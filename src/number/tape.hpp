@@ -159,7 +159,7 @@ public:
     }
     NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& operands = {}) {
         nodes.push_back({op,
-                         index_of(format),
+                         find_or_add_format(format),
                          {operands.a, operands.b, operands.c},
                          value,
                          is_operation(op) ? part_name : std::string_view()});
@@ -179,7 +179,7 @@ public:
     }
 
 private:
-    std::uint8_t index_of(const FloatFormat& format) {
+    std::uint8_t find_or_add_format(const FloatFormat& format) {
         for (std::size_t i = 0; i < formats.size(); ++i) {
             if (formats[i] == format) return static_cast<std::uint8_t>(i);
         }

@@ -60,13 +60,14 @@ Primitive<double> as_doubles(const Primitive<T>& primitive) {
     return transformed(primitive, [](const T& x) { return as_double(x); });
 }
 
-/// `word_of` returns the double nearest to a number, and `low_word_of` the double nearest to the remainder. The low
-/// word is NaN if the sum of both may not be within 2^-104 of the number, relatively, as `lift` requires.
-inline double word_of(double x) { return x; }
-inline double low_word_of(double) { return 0; }
-inline double word_of(const Real& x) { return x.convert_to<double>(); }
-inline double low_word_of(const Real& x) {
-    const double hi = word_of(x);
+/// `nearest_double` returns the double nearest to a number, and `nearest_low_double` the double nearest to the
+/// remainder. The latter is NaN if the sum of both may not be within 2^-104 of the number, relatively, as `lift`
+/// requires.
+inline double nearest_double(double x) { return x; }
+inline double nearest_low_double(double) { return 0; }
+inline double nearest_double(const Real& x) { return x.convert_to<double>(); }
+inline double nearest_low_double(const Real& x) {
+    const double hi = nearest_double(x);
     if (!std::isfinite(hi)) return std::numeric_limits<double>::quiet_NaN();
     const Real rest = x - Real(hi);
     if (rest == 0) return 0;

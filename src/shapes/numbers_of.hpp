@@ -31,7 +31,7 @@ constexpr S<T> primitive_from(const Numbers& number_at) {
 
 /// Calls `visit(number)` for each number of a primitive.
 template <template <class> class S, class T, class Visit>
-constexpr void each_number(const S<T>& primitive, const Visit& visit) {
+constexpr void for_each_number(const S<T>& primitive, const Visit& visit) {
     const auto visit_keys = [&visit](const auto&... values) {
         const auto visit_key = [&visit](const auto& x) {
             if constexpr (std::same_as<decltype(x), const Vec<T>&>) {

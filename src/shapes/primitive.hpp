@@ -31,7 +31,7 @@ struct Primitive {
     template <template <class> class Of>
     requires(shape_as<Of> != Shape::sdf) Primitive(const Of<S>& primitive) : shape(shape_as<Of>) {
         std::size_t k = 0;
-        each_number(primitive, [&](const S& x) { numbers[k++] = x; });
+        for_each_number(primitive, [&](const S& x) { numbers[k++] = x; });
     }
 
     /// Returns the numbers of the shape, without those of its matrix.

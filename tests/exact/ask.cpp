@@ -62,7 +62,7 @@ struct Columns {
     Columns(Shape shape, std::span<const Problem> problems) {
         columns.size = problems.size();
         columns.shape = shape;
-        columns.open = {problems.front().open_tmin, problems.front().open_tmax};
+        columns.open_ends = {problems.front().open_tmin, problems.front().open_tmax};
         const auto put = [&](std::vector<S>& to, const auto& number) {
             to.reserve(problems.size());
             for (const Problem& p : problems) to.push_back(static_cast<S>(number(p)));
@@ -83,11 +83,11 @@ struct Columns {
 };
 
 template <class S>
-void decide_columns(Shape shape, const truth::ColumnTerms& terms, std::span<const Problem> problems,
+void decide_columns(Shape shape, const truth::TruthOptions& options, std::span<const Problem> problems,
                     std::vector<std::uint8_t>& hits) {
     const Columns<S> given(shape, problems);
     thread_local truth::TruthColumns found;
-    truth::find_truth_columns(given.columns, terms, found);
+    truth::find_truth_columns(given.columns, options, found);
     hits.clear();
     for (const truth::Truth::Decision decision : found.decision) {
         if (decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");
@@ -178,13 +178,13 @@ void ask(std::string_view shape, TruthRoute route, std::span<const Problem> prob
 void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<const Problem> problems,
             std::vector<std::uint8_t>& hits) {
     const Shape named = shape_named(shape).value();
-    const truth::ColumnTerms terms{.convention = with_rim ? intersect::Touching::hit : intersect::Touching::miss,
-                                   .tightness = route == TruthRoute::floats_for_ulps
-                                                    ? truth::Tightness::ulps_of_binary32
-                                                    : truth::Tightness::certified,
-                                   .limit = {}};
-    route == TruthRoute::doubles ? decide_columns<double>(named, terms, problems, hits)
-                                 : decide_columns<float>(named, terms, problems, hits);
+    const truth::TruthOptions options{.convention = with_rim ? intersect::Touching::hit : intersect::Touching::miss,
+                                      .tightness = route == TruthRoute::floats_for_ulps
+                                                       ? truth::Tightness::ulps_of_binary32
+                                                       : truth::Tightness::certified,
+                                      .limit = {}};
+    route == TruthRoute::doubles ? decide_columns<double>(named, options, problems, hits)
+                                 : decide_columns<float>(named, options, problems, hits);
 }
 
 std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are() {

@@ -81,12 +81,12 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
 /// First lines of a process behind a pipe. If they are read without error, they are written and read back as the same.
 void fuzz_headers(std::string_view bytes) {
     using intersect::external::read_greeting;
-    const intersect::external::PipeTerms terms{.message_prefix = "a pipe"};
+    const intersect::external::PipeOptions options{.message_prefix = "a pipe"};
     static_cast<void>(intersect::external::quote_text(bytes));
     answer_or_error([&] {
-        const auto contracts = read_greeting(speaker_of(bytes), terms);
+        const auto contracts = read_greeting(speaker_of(bytes), options);
         const std::string written = intersect::external::make_pipe_header(contracts);
-        if (read_greeting(speaker_of(written), terms) != contracts)
+        if (read_greeting(speaker_of(written), options) != contracts)
             throw std::logic_error("a header is read back as another one");
     });
 }
@@ -112,7 +112,8 @@ void fuzz_plugin(std::string_view bytes) {
     form.flags = static_cast<unsigned>(numbers[6]);
     form.run = bytes.size() > numbers.size() ? nullptr : +[](const lb_batch*) -> const char* { return nullptr; };
     answer_or_error([&] {
-        const std::vector<intersect::external::Contract> told{intersect::external::contract_of(form, "a library")};
+        const std::vector<intersect::external::Contract> told{
+            intersect::external::read_form_contract(form, "a library")};
         const std::string header = intersect::external::make_pipe_header(told);
         std::vector<std::string> lines;
         for (std::string_view rest = header; rest.size() > 1;) lines.push_back(take_line(rest));

@@ -28,7 +28,7 @@ void check_open_sign() {
     const Ray<Ball> ray{{half, almost_zero(), zero}, {zero, Ball(1), zero}};
     const Primitive<Ball> primitive(Sphere<Ball>{{zero, zero, zero}, Ball(1)});
     const Hit<Ball> walked = row_of_form<Form>().ball(ray, primitive);
-    const Hit<Ball> compiled = intersect::table::enclosed<Form, Ball>(ray, primitive);
+    const Hit<Ball> compiled = intersect::table::enclose_hit<Form, Ball>(ray, primitive);
     INFO(Form::info.name);
     REQUIRE((almost_zero() < zero).is_unknown());
     CHECK(walked.hit.is_yes());

@@ -24,7 +24,8 @@ inline const intersect::table::Intersector& form_named(std::string_view name) {
         if (form.info->name == name) return form;
     }
     if (const auto plus = name.find('+'); plus != std::string_view::npos)
-        return intersect::table::set_of({&form_named(name.substr(0, plus)), &form_named(name.substr(plus + 1))});
+        return intersect::table::find_or_add_set(
+            {&form_named(name.substr(0, plus)), &form_named(name.substr(plus + 1))});
     throw std::logic_error("no form " + std::string(name));
 }
 

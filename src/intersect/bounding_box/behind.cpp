@@ -207,7 +207,7 @@ std::string refusal(const Intersector& box, const Intersector& form) {
         return "a form that marches takes all primitives at once, so no single one has a bounding box; leave ^BOX out";
     if (!has_bounding_box(form.shape))
         return join_text(with_article(form.shape), " has no end, so it has no bounding box; leave ^BOX out");
-    if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || boxed_parts_of(box).form != nullptr)
+    if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || find_boxed_parts(box).form != nullptr)
         return join_text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
         return join_text(box.info->name, " needs unit directions, but ", form.info->name,
@@ -223,17 +223,17 @@ const Intersector& boxed_form(const BoxMethod& method, const Intersector& box, c
     return boxed_forms().find_or_add({&method, &box, &form}, fill_form);
 }
 
-BoxedFormParts boxed_parts_of(const Intersector& form) { return parts_in(boxed_forms().parts_of(form)); }
+BoxedFormParts find_boxed_parts(const Intersector& form) { return parts_in(boxed_forms().find_parts(form)); }
 
 bool has_box(const Intersector& form) {
     if (form.is_set()) return std::ranges::any_of(form.parts, [](const Intersector* part) { return has_box(*part); });
-    if (boxed_parts_of(form).form != nullptr) return true;
-    const auto placed = transform::transformed_parts_of(form);
+    if (find_boxed_parts(form).form != nullptr) return true;
+    const auto placed = transform::find_transformed_parts(form);
     return placed.form != nullptr && has_box(*placed.form);
 }
 
 const Intersector& without_world_boxes(const Intersector& form) {
-    const BoxedFormParts parts = boxed_parts_of(form);
+    const BoxedFormParts parts = find_boxed_parts(form);
     return parts.form != nullptr && form.is_placed ? without_world_boxes(*parts.form) : form;
 }
 
@@ -241,11 +241,11 @@ std::vector<std::string> names_on_tape(const Intersector& form, const Target<dou
     std::vector<std::string> names = table::input_names(form, target);
     const Intersector* current = &form;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
-        if (const BoxedFormParts parts = boxed_parts_of(*current); parts.form != nullptr) {
+        if (const BoxedFormParts parts = find_boxed_parts(*current); parts.form != nullptr) {
             for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
                 names.push_back(join_text(in_world ? "world_box." : "box.", coordinate));
             current = parts.form;
-        } else if (const auto placed = transform::transformed_parts_of(*current); placed.form != nullptr) {
+        } else if (const auto placed = transform::find_transformed_parts(*current); placed.form != nullptr) {
             in_world = false;
             current = placed.form;
         } else {
@@ -255,15 +255,15 @@ std::vector<std::string> names_on_tape(const Intersector& form, const Target<dou
 }
 
 const Intersector& innermost_form(const Intersector& form) {
-    if (const BoxedFormParts parts = boxed_parts_of(form); parts.form != nullptr) return innermost_form(*parts.form);
-    const auto placed = transform::transformed_parts_of(form);
+    if (const BoxedFormParts parts = find_boxed_parts(form); parts.form != nullptr) return innermost_form(*parts.form);
+    const auto placed = transform::find_transformed_parts(form);
     return placed.form != nullptr ? innermost_form(*placed.form) : form;
 }
 
 const Intersector& with_other_form(const Intersector& composed_form, const Intersector& form) {
-    if (const BoxedFormParts parts = boxed_parts_of(composed_form); parts.form != nullptr)
+    if (const BoxedFormParts parts = find_boxed_parts(composed_form); parts.form != nullptr)
         return boxed_form(*parts.method, *parts.box, with_other_form(*parts.form, form));
-    const auto placed = transform::transformed_parts_of(composed_form);
+    const auto placed = transform::find_transformed_parts(composed_form);
     return placed.form != nullptr ? transform::transformed_form(*placed.method, with_other_form(*placed.form, form))
                                   : form;
 }

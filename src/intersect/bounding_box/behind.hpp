@@ -30,7 +30,7 @@ struct BoxedFormParts {
     const table::Intersector *box, *form;
 };
 /// The parts of a form; null pointers if `boxed_form` did not create it.
-BoxedFormParts boxed_parts_of(const table::Intersector& form);
+BoxedFormParts find_boxed_parts(const table::Intersector& form);
 
 /// True if a form has a box, in the space of its primitive or in the world. A set has a box if any of its forms has
 /// one.

@@ -20,12 +20,12 @@ BoundingBox<T> world_box(const Primitive<T>& primitive) {
     return bounding_box_of_corners(object_box, [&](const Vec<T>& p) { return Method::point(to_world, p); });
 }
 
-/// `round_down` returns the largest number of the format that is not above x, `round_up` the smallest that is not below
-/// x.
+/// The largest number of the format that is ≤ x.
 double round_down(mpfr_srcptr x, const FloatFormat& format) {
     const double d = mpfr_get_d(x, MPFR_RNDD), nearest = rounding::to_format(d, 0, format);
     return nearest > d ? -rounding::next_up(-nearest, format) : nearest;
 }
+/// The smallest number of the format that is ≥ x.
 double round_up(mpfr_srcptr x, const FloatFormat& format) {
     const double d = mpfr_get_d(x, MPFR_RNDU), nearest = rounding::to_format(d, 0, format);
     return nearest < d ? rounding::next_up(nearest, format) : nearest;

@@ -79,7 +79,7 @@ template <class S>
 class FormatProbe {
 public:
     explicit FormatProbe(Device& device) : inputs_(make_probe_inputs<S>()), answers_(input_count) {
-        const auto program = device.compile(probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
+        const auto program = device.compile(write_probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
         const std::array<Buffer, 2> buffers{
             {{.bytes = std::as_writable_bytes(std::span(inputs_))},
              {.bytes = std::as_writable_bytes(std::span(answers_)), .is_written = true}}};
@@ -268,7 +268,7 @@ private:
 std::uint32_t measure_count(Device& device, LoopKind kind, std::uint32_t count, std::uint32_t repetitions) {
     std::array<std::uint32_t, 3> input{count, 1, repetitions};
     std::array<std::uint32_t, 2> output{0, 0};
-    const auto program = device.compile(loop_program(device.limits().glsl, kind), Language::glsl);
+    const auto program = device.compile(write_loop_program(device.limits().glsl, kind), Language::glsl);
     const std::array<Buffer, 2> buffers{{{.bytes = std::as_writable_bytes(std::span(input))},
                                          {.bytes = std::as_writable_bytes(std::span(output)), .is_written = true}}};
     device.run(*program, buffers, 1);
@@ -301,7 +301,7 @@ const std::string_view probed_inputs =
     "16379 sets of six numbers with random significands, exponents from -16 to 16 and both signs; and five sets for "
     "subnormals, infinities and NaN";
 
-std::string Arithmetic::value_of(std::string_view key) const {
+std::string Arithmetic::find_fact(std::string_view key) const {
     const auto found = std::ranges::find(facts, key, &Fact::key);
     return found == facts.end() ? "" : found->value;
 }
@@ -324,7 +324,7 @@ Arithmetic probe(Device& device) {
     return arithmetic;
 }
 
-std::string line_of(const DeviceDescription& description, const Arithmetic& arithmetic) {
+std::string describe_device(const DeviceDescription& description, const Arithmetic& arithmetic) {
     std::array<char, 17> digest{};
     std::snprintf(digest.data(), digest.size(), "%016llx", static_cast<unsigned long long>(arithmetic.digest));
     return description.renderer + ", " + description.version + ", arithmetic " + digest.data();

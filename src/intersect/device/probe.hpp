@@ -24,13 +24,13 @@ struct Arithmetic {
     std::uint64_t digest = 0;        ///< digest of all bits of the answers
 
     /// Value of a key; empty if the key was not probed.
-    [[nodiscard]] std::string value_of(std::string_view key) const;
+    [[nodiscard]] std::string find_fact(std::string_view key) const;
 };
 
 /// Probes a device. Throws EnvironmentError if the device does not compute at all.
 Arithmetic probe(Device& device);
 
 /// One line for the results: `llvmpipe (LLVM 15.0.6), OpenGL 4.5, arithmetic 0123456789abcdef`.
-std::string line_of(const DeviceDescription& description, const Arithmetic& arithmetic);
+std::string describe_device(const DeviceDescription& description, const Arithmetic& arithmetic);
 
 }  // namespace lostbits::intersect::device

@@ -77,13 +77,13 @@ std::string version_line(int version) { return "#version " + std::to_string(vers
 
 }  // namespace
 
-std::string probe_program(int bits, int version) {
+std::string write_probe_program(int bits, int version) {
     const bool is_double = bits == 64;
     return version_line(version) + "#define R " + (is_double ? "double" : "float") + "\n#define V " +
            (is_double ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
 }
 
-std::string loop_program(int version, LoopKind kind) {
+std::string write_loop_program(int version, LoopKind kind) {
     return version_line(version) + "#define OUTER_LOOP " +
            (kind == LoopKind::nested ? "for (uint r = 0u; r < inputs[2]; ++r)" : "") + R"(
 layout(local_size_x = 1) in;

@@ -32,12 +32,12 @@ inline constexpr std::size_t probed_count = static_cast<std::size_t>(ProbedOpera
 
 /// Returns GLSL that reads six numbers for each element at binding 0, and writes `probed_count` answers for each
 /// element at binding 1.
-std::string probe_program(int bits, int version);
+std::string write_probe_program(int bits, int version);
 
 enum class LoopKind { single, nested };
 
 /// Returns GLSL that counts to the first number at binding 0 and writes the count at binding 1. If the loop is nested,
 /// an outer loop repeats this as many times as the third number at binding 0 says.
-std::string loop_program(int version, LoopKind kind);
+std::string write_loop_program(int version, LoopKind kind);
 
 }  // namespace lostbits::intersect::device

@@ -96,7 +96,7 @@ void require_valid_facing(Facing facing, Shape shape, const std::string& subject
                      "); leave it out for " + with_article(shape));
 }
 
-Contract contract_of(const lb_form& form, const std::string& library) {
+Contract read_form_contract(const lb_form& form, const std::string& library) {
     if (form.name == nullptr) throw InputError(library + ": a form has no name");
     const std::string subject = library + ": form \"" + form.name + "\"";
 
@@ -151,7 +151,7 @@ void require_valid(const Contract& c, const std::string& library) {
     require_origin(c.at_origin, inside_of(c), c.shape, subject);
 }
 
-Info info_of(const Contract& c) {
+Info make_info(const Contract& c) {
     return {.name = c.name,
             .title = c.title,
             .source = c.source,

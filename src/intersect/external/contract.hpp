@@ -45,7 +45,7 @@ inline std::string name_in_messages(const ForeignForm& form) {
 
 /// Converts the contract that a library states. Throws InputError, which begins with `library`, for an invalid
 /// contract.
-Contract contract_of(const lb_form& form, const std::string& library);
+Contract read_form_contract(const lb_form& form, const std::string& library);
 
 /// Throws InputError if a property of a contract is not valid, or if two of them contradict each other; `library`
 /// begins the message.
@@ -60,7 +60,7 @@ void require_valid_facing(Facing facing, Shape shape, const std::string& subject
 Inside inside_of(const Contract& contract);
 
 /// Converts the contract to the `Info` of a form of the catalogue, which points to the texts of the contract.
-Info info_of(const Contract& contract);
+Info make_info(const Contract& contract);
 
 /// Adds the forms in the table of intersectors, which keeps them until the program ends. Two forms of one name in
 /// different formats become one form. Throws InputError if two forms of one name differ in more than the format, or if
@@ -68,7 +68,7 @@ Info info_of(const Contract& contract);
 void register_forms(std::vector<ForeignForm> forms);
 
 /// Returns the external forms of a form: one, or one for each of two formats. Empty for a form of the catalogue.
-std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form);
+std::vector<const ForeignForm*> find_foreign_forms(const table::Intersector& form);
 
 /// True if a call of the form cannot crash or hang this process: for a form of the catalogue, or of isolated forms.
 bool is_safe_to_run(const table::Intersector& form);

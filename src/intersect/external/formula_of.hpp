@@ -89,7 +89,7 @@ void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype
 template <class Form>
 Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
     const Interval::Precision precision(mpfr_get_prec(ray.origin.x.lower()));
-    return table::enclosed<Form, Interval>(ray, target);
+    return table::enclose_hit<Form, Interval>(ray, target);
 }
 
 /// Kernels of the form for each register width, from the object files that are compiled for that width.
@@ -170,18 +170,18 @@ Formula formula_of() {
     table::Intersector form{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
 
     // Every call reports the form, so that a crash names it.
-    form.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
-    form.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
+    form.native32 = ReportingCall<Form, table::intersect_native_batch<Form, float>>::run;
+    form.ball = ReportingCall<Form, table::enclose_hit<Form, Ball>>::run;
     form.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
-    form.record = ReportingCall<Form, table::record_of<Form>>::run;
-    form.record_all = ReportingCall<Form, table::record_all_of<Form>>::run;
-    form.count = ReportingCall<Form, table::count_of<Form>>::run;
-    form.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
-    if constexpr (marches<Form>) form.log = ReportingCall<Form, table::log_of<Form>>::run;
+    form.record = ReportingCall<Form, table::record_form_evaluation<Form>>::run;
+    form.record_all = ReportingCall<Form, table::record_whole_form<Form>>::run;
+    form.count = ReportingCall<Form, table::count_form_operations<Form>>::run;
+    form.bounded = ReportingCall<Form, table::evaluate_form_with_bounds<Form>>::run;
+    if constexpr (marches<Form>) form.log = ReportingCall<Form, table::log_form_march<Form>>::run;
 
     if constexpr (Form::info.formats == Formats::all) {
-        form.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
-        form.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
+        form.native64 = ReportingCall<Form, table::intersect_native_batch<Form, double>>::run;
+        form.rounded = ReportingCall<Form, table::intersect_rounded_batch<Form>>::run;
     }
 
     if (false) check_rules_last<Form>();

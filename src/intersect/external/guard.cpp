@@ -24,10 +24,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The terms are read by signal handlers and by the watching thread, and therefore never freed.
-const GuardTerms default_terms;
-std::atomic<const GuardTerms*> current_terms{&default_terms};
-const GuardTerms& terms() { return *current_terms.load(); }
+/// The options are read by signal handlers and by the watching thread, and therefore never freed.
+const GuardOptions default_options;
+std::atomic<const GuardOptions*> current_options{&default_options};
+const GuardOptions& options() { return *current_options.load(); }
 
 /// A running call as the watching thread sees it. If more calls run at once than fit in the array, the rest are not
 /// watched.
@@ -66,11 +66,11 @@ void print_message(const char* who, const char* problem, const char* remedy) {
 
 /// Removes unfinished files. A copy of the process (fork) that foreign code made leaves them: they are not its own.
 void clean_up() {
-    if (terms().clean_up && !process::is_forked_copy()) terms().clean_up();
+    if (options().clean_up && !process::is_forked_copy()) options().clean_up();
 }
 
 [[noreturn]] void exit_program(Exit code) {
-    if (terms().exit_with) terms().exit_with(static_cast<int>(code));
+    if (options().exit_with) options().exit_with(static_cast<int>(code));
     _exit(static_cast<int>(code));
 }
 
@@ -149,12 +149,12 @@ void restore_limits_sometimes(const char* who) {
 
 /// Ends the program if a call runs for too long: beyond the time limit, or beyond a second after an interrupt.
 void end_if_overdue(const char* who, std::chrono::duration<double> duration) {
-    if (terms().stop.is_requested() && duration.count() > 1) {
+    if (options().stop.is_requested() && duration.count() > 1) {
         clean_up();
         print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
         exit_program(Exit::interrupted);
     }
-    if (duration.count() > terms().seconds)
+    if (duration.count() > options().seconds)
         end_with_message(who, "has not answered a batch within the time limit",
                          "raise --time-limit SECONDS, or check the code for an endless loop");
 }
@@ -239,7 +239,7 @@ std::vector<std::string> noted_changes() {
     return sentences;
 }
 
-std::string noted_change_of(const std::string& who) {
+std::string find_noted_change(const std::string& who) {
     const std::scoped_lock lock(state_changes().lock);
     const auto entry = state_changes().by_name.find(who);
     return entry == state_changes().by_name.end() ? "" : entry->second;
@@ -247,10 +247,10 @@ std::string noted_change_of(const std::string& who) {
 
 const char* running_foreign_code() noexcept { return running_code.load(); }
 
-void guard_foreign_code(const GuardTerms& new_terms) {
+void guard_foreign_code(const GuardOptions& new_options) {
     static bool is_guarding = false;
-    static std::deque<GuardTerms> all_terms;
-    current_terms = &all_terms.emplace_back(new_terms);
+    static std::deque<GuardOptions> all_options;
+    current_options = &all_options.emplace_back(new_options);
     if (is_guarding) return;
     is_guarding = true;
     process::keep_own_state();

@@ -79,12 +79,12 @@ void note_change(const std::string& who, const std::string& change);
 /// Returns the noted changes as sentences that begin with the name of the library or form.
 std::vector<std::string> noted_changes();
 /// Returns the change noted for one library or form; empty if no change was noted.
-std::string noted_change_of(const std::string& who);
+std::string find_noted_change(const std::string& who);
 
 /// Name of the foreign code that runs in this thread, for messages; null if there is none.
 const char* running_foreign_code() noexcept;
 
-struct GuardTerms {
+struct GuardOptions {
     double seconds = 30;  ///< limit for one batch
     /// If a stop is requested, the program ends as soon as a batch has taken a second, since foreign code does not
     /// check for a stop.
@@ -99,6 +99,6 @@ struct GuardTerms {
 /// too long ends the program with Exit::environment and a line that names the code and what to try. Other crashes are
 /// not changed. A call cannot be ended without the process, so other runs in the process end too, or wait for the
 /// batch.
-void guard_foreign_code(const GuardTerms& terms);
+void guard_foreign_code(const GuardOptions& options);
 
 }  // namespace lostbits::intersect::external

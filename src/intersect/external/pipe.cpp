@@ -22,16 +22,16 @@ namespace {
 using process::Child;
 using process::SharedMemory;
 
-std::vector<Contract> read_contracts(Child& child, const PipeTerms& terms) {
+std::vector<Contract> read_contracts(Child& child, const PipeOptions& options) {
     return read_greeting({.next_line = [&child] { return child.read_line(); },
                           .fail = [&child](const std::string& problem) { child.fail(problem); }},
-                         terms);
+                         options);
 }
 
 /// Advice for the author of the program. A process of this program needs none: the author of a shader has no say in how
 /// it reads and writes.
-std::string author_advice(const PipeTerms& terms) {
-    return terms.is_lostbits ? "" : "it must read a whole batch, answer it and flush its output";
+std::string author_advice(const PipeOptions& options) {
+    return options.is_lostbits ? "" : "it must read a whole batch, answer it and flush its output";
 }
 
 template <class T>
@@ -41,11 +41,11 @@ std::span<std::byte> bytes_of(T& value) {
 
 /// A process that answers, and, if it is a process of this program, the memory that it shares with this process.
 struct AnsweringProcess {
-    AnsweringProcess(const std::string& command, const PipeTerms& terms)
-        : memory(terms.is_lostbits ? std::make_unique<SharedMemory>() : nullptr),
-          child(command, {terms.message_prefix, author_advice(terms), terms.seconds, memory ? memory->descriptor() : -1,
-                          terms.stop}),
-          contracts(read_contracts(child, terms)) {
+    AnsweringProcess(const std::string& command, const PipeOptions& options)
+        : memory(options.is_lostbits ? std::make_unique<SharedMemory>() : nullptr),
+          child(command, {options.message_prefix, author_advice(options), options.seconds,
+                          memory ? memory->descriptor() : -1, options.stop}),
+          contracts(read_contracts(child, options)) {
         if (memory && memory->descriptor() < 0) memory.reset();
         if (!memory) return;
         PipeRequest memory_request;
@@ -58,15 +58,16 @@ struct AnsweringProcess {
     std::vector<Contract> contracts;
 };
 
-/// The processes of one command: one for each thread that sends batches at the same time, up to the limit of the terms.
+/// The processes of one command: one for each thread that sends batches at the same time, up to the limit of the
+/// options.
 class Pool {
 public:
-    Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
-        free_.push_back(std::make_unique<AnsweringProcess>(command_, terms_));
+    Pool(std::string command, const PipeOptions& options) : command_(std::move(command)), options_(options) {
+        free_.push_back(std::make_unique<AnsweringProcess>(command_, options_));
         contracts_ = free_.back()->contracts;
         running_ = 1;
         const auto needs_one_thread = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
-        if (std::ranges::any_of(contracts_, needs_one_thread)) terms_.processes = 1;
+        if (std::ranges::any_of(contracts_, needs_one_thread)) options_.processes = 1;
     }
 
     [[nodiscard]] const std::vector<Contract>& contracts() const { return contracts_; }
@@ -90,7 +91,7 @@ public:
 private:
     std::unique_ptr<AnsweringProcess> take_process() {
         std::unique_lock lock(mutex_);
-        freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, terms_.processes); });
+        freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, options_.processes); });
         if (!free_.empty()) {
             std::unique_ptr<AnsweringProcess> answerer = std::move(free_.back());
             free_.pop_back();
@@ -100,7 +101,7 @@ private:
         // Starts a process without the lock, since others may return theirs in the meantime.
         ++running_;
         lock.unlock();
-        auto answerer = std::make_unique<AnsweringProcess>(command_, terms_);
+        auto answerer = std::make_unique<AnsweringProcess>(command_, options_);
         if (answerer->contracts != contracts_)
             answerer->child.fail(
                 "sent a different header when it was started a second time; let it send the same header, or add "
@@ -109,7 +110,7 @@ private:
     }
 
     std::string command_;
-    PipeTerms terms_;
+    PipeOptions options_;
     std::vector<Contract> contracts_;
     std::mutex mutex_;
     std::condition_variable freed_;
@@ -139,9 +140,9 @@ bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_
     child.fail("refuses: " + quote_text(text, 400));
 }
 
-PipeRequest make_pipe_request(std::uint32_t form, const lb_batch& batch) {
+PipeRequest make_pipe_request(std::uint32_t form_index, const lb_batch& batch) {
     PipeRequest request;
-    request.form = form;
+    request.form_index = form_index;
     request.rays = static_cast<std::uint32_t>(batch.size);
     request.primitives = batch.primitive_stride == 0 ? 1 : request.rays;
     request.ends = batch.ends == nullptr ? 0 : request.rays;
@@ -185,9 +186,9 @@ void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& co
     std::memcpy(batch.hit, memory + offsets[BatchColumn::hit], bytes[BatchColumn::hit]);
 }
 
-void evaluate(AnsweringProcess& answerer, std::uint32_t form, const std::string& code_name, const Contract& contract,
-              const lb_batch& batch) {
-    const PipeRequest request = make_pipe_request(form, batch);
+void evaluate(AnsweringProcess& answerer, std::uint32_t form_index, const std::string& code_name,
+              const Contract& contract, const lb_batch& batch) {
+    const PipeRequest request = make_pipe_request(form_index, batch);
     answerer.child.set_subject("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
     if (answerer.memory) evaluate_in_shared_memory(answerer, code_name, request, bytes, batch);
@@ -209,14 +210,14 @@ std::array<std::size_t, BatchColumn::count + 1> column_offsets(const ColumnBytes
     return offsets;
 }
 
-std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms) {
-    PipeTerms named_terms = terms;
-    if (named_terms.message_prefix.empty()) named_terms.message_prefix = "--pipe '" + command + "'";
-    const auto pool = std::make_shared<Pool>(command, named_terms);
+std::vector<ForeignForm> open_pipe(const std::string& command, const PipeOptions& options) {
+    PipeOptions named_options = options;
+    if (named_options.message_prefix.empty()) named_options.message_prefix = "--pipe '" + command + "'";
+    const auto pool = std::make_shared<Pool>(command, named_options);
     std::vector<ForeignForm> forms;
     std::uint32_t form_index = 0;
     for (const Contract& contract : pool->contracts()) {
-        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named_terms.message_prefix, {}, true});
+        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named_options.message_prefix, {}, true});
         form.answer = [pool, contract, form_index, code_name = name_in_messages(form)](const lb_batch& batch) {
             pool->with_process(
                 [&](AnsweringProcess& answerer) { evaluate(answerer, form_index, code_name, contract, batch); });

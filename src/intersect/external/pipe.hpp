@@ -18,7 +18,7 @@ namespace lostbits::intersect::external {
 /// primitive.
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
-    std::uint32_t form = 0;  ///< index of the form in the program's header, from 0
+    std::uint32_t form_index = 0;  ///< in the program's header, from 0
     std::uint32_t rays = 0;
     std::uint32_t primitives = 0;  ///< 1, or as many as `rays`
     std::uint32_t ends = 0;        ///< as many as `rays`, or 0
@@ -53,7 +53,7 @@ ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract);
 /// Offset of each column in shared memory; the last entry is the end of the last column.
 std::array<std::size_t, BatchColumn::count + 1> column_offsets(const ColumnBytes& bytes);
 
-struct PipeTerms {
+struct PipeOptions {
     double seconds = 30;              ///< limit for one answer
     unsigned processes = 1;           ///< at most one per thread; a single one for a form that says one_thread
     process::StopToken stop = {};     ///< stop request of the caller: ends every wait for an answer
@@ -64,7 +64,7 @@ struct PipeTerms {
 
 /// Starts the command and reads its header. Throws InputError for an invalid header or a header that says `error=`;
 /// EnvironmentError if the process does not answer, or says `missing=`. The processes end with the program.
-std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms);
+std::vector<ForeignForm> open_pipe(const std::string& command, const PipeOptions& options);
 
 /// Returns the text that is sent in place of a header: the lines of the error, which say why the program cannot serve.
 std::string refusal_of(const Error& error);

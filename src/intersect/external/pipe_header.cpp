@@ -24,7 +24,7 @@ constexpr std::array<unsigned, 5> flag_bits{LB_LINE, LB_NO_END, LB_ONE_THREAD, L
 
 /// One key of a form: the texts that it allows, and the functions that read them into a contract and write them from
 /// it.
-struct Key {
+struct HeaderKey {
     std::string_view name;
     Texts texts;  ///< empty: any text is allowed
     std::function<void(Contract&, std::size_t, const std::string&)> set;
@@ -32,12 +32,12 @@ struct Key {
 };
 
 template <class Value>
-Key enumeration_key(std::string_view name, Texts texts, Value Contract::*field) {
+HeaderKey enumeration_key(std::string_view name, Texts texts, Value Contract::*field) {
     return {name, texts, [field](Contract& c, std::size_t i, const std::string&) { c.*field = static_cast<Value>(i); },
             [field, texts](const Contract& c) { return std::string(texts[static_cast<std::size_t>(c.*field)]); }};
 }
 
-Key text_key(std::string_view name, std::string Contract::*field) {
+HeaderKey text_key(std::string_view name, std::string Contract::*field) {
     return {name,
             {},
             [field](Contract& c, std::size_t, const std::string& text) { c.*field = text; },
@@ -52,8 +52,8 @@ std::string flags_of(const Contract& c) {
     return list;
 }
 
-const std::vector<Key>& keys() {
-    static const std::vector<Key> key_list{
+const std::vector<HeaderKey>& keys() {
+    static const std::vector<HeaderKey> key_list{
         text_key("name", &Contract::name),
         text_key("title", &Contract::title),
         text_key("source", &Contract::source),
@@ -95,7 +95,7 @@ void set_flags(Contract& contract, const std::string& value, const std::string& 
 
 /// Throws if the header says why the program cannot serve: EnvironmentError if a line begins with `missing=`, else
 /// InputError.
-void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms) {
+void throw_refusal(const std::vector<std::string>& lines, const PipeOptions& options) {
     std::string refusal;
     bool is_environment = false;
     for (const std::string_view line : lines) {
@@ -103,10 +103,10 @@ void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms
         if (!is_missing && !line.starts_with("error=")) continue;
         is_environment = is_environment || is_missing;
         const std::string_view reason = line.substr(line.find('=') + 1);
-        refusal += (refusal.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(reason) : escape_text(reason));
+        refusal += (refusal.empty() ? "" : "\n") + (options.is_lostbits ? std::string(reason) : escape_text(reason));
     }
     if (refusal.empty()) return;
-    if (!terms.is_lostbits) refusal = terms.message_prefix + ": refuses: " + refusal;
+    if (!options.is_lostbits) refusal = options.message_prefix + ": refuses: " + refusal;
     if (is_environment) throw EnvironmentError(refusal);
     throw InputError(refusal);
 }
@@ -133,7 +133,7 @@ bool set_property(Contract& contract, const std::string& key, const std::string&
         set_flags(contract, value, where);
         return true;
     }
-    const auto entry = std::ranges::find(keys(), key, &Key::name);
+    const auto entry = std::ranges::find(keys(), key, &HeaderKey::name);
     if (entry == keys().end()) return false;
     entry->set(contract, entry->texts.empty() ? 0 : find_text(entry->texts, value, where, key), value);
     return true;
@@ -169,7 +169,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
 std::string make_pipe_header(const std::vector<Contract>& contracts) {
     std::string header = std::string(pipe_version) + "\n";
     for (const Contract& contract : contracts) {
-        for (const Key& key : keys()) {
+        for (const HeaderKey& key : keys()) {
             if (key.name == "state" && contract.state.empty()) continue;
             if (key.name == "facing" && contract.facing == Facing::both) continue;
             header += std::string(key.name) + "=" + key.get(contract) + "\n";
@@ -179,7 +179,7 @@ std::string make_pipe_header(const std::vector<Contract>& contracts) {
     return header + "\n";
 }
 
-std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& terms) {
+std::vector<Contract> read_greeting(const LineSource& source, const PipeOptions& options) {
     std::vector<std::string> lines;
     for (std::size_t bytes = 0;;) {
         lines.push_back(source.next_line());
@@ -192,8 +192,8 @@ std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& t
         if (bytes > 100'000) source.fail("sent more than 100000 bytes of header; an empty line must end it");
     }
     lines.pop_back();
-    throw_refusal(lines, terms);
-    return read_pipe_header(lines, terms.message_prefix);
+    throw_refusal(lines, options);
+    return read_pipe_header(lines, options.message_prefix);
 }
 
 }  // namespace lostbits::intersect::external

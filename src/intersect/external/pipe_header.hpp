@@ -11,7 +11,7 @@
 
 namespace lostbits::intersect::external {
 
-struct PipeTerms;
+struct PipeOptions;
 
 inline constexpr std::string_view pipe_version = "lostbits-pipe/1";
 
@@ -42,6 +42,6 @@ struct LineSource {
 /// Reads the contracts of the header, up to the empty line that ends the header. Throws InputError for an invalid
 /// header or a header that says `error=`, and EnvironmentError for `missing=`. Calls `fail` if the lines are not a
 /// header at all.
-std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& terms);
+std::vector<Contract> read_greeting(const LineSource& source, const PipeOptions& options);
 
 }  // namespace lostbits::intersect::external

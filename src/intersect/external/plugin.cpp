@@ -56,7 +56,7 @@ std::string loader_error(const fs::path& library) {
 }  // namespace
 
 ForeignForm build_foreign_form(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
-    ForeignForm result{contract_of(form, from), from, {}};
+    ForeignForm result{read_form_contract(form, from), from, {}};
     result.contract.state = fp_state.differences();
     const char* const lasting_name = lasting_text(name_in_messages(result));
     result.answer = [&form, lasting_name, fp_state](const lb_batch& request) {
@@ -111,7 +111,7 @@ const char* lasting_text(const std::string& text) { return (new std::string(text
 
 namespace {
 
-std::string first_bytes(const fs::path& file, std::size_t size) {
+std::string read_first_bytes(const fs::path& file, std::size_t size) {
     std::string text(size, '\0');
     std::ifstream in(file, std::ios::binary);
     in.read(text.data(), static_cast<std::streamsize>(size));
@@ -128,7 +128,7 @@ bool is_source(const fs::path& file) {
 
 /// Returns the command that compiles a source file to a library. A formula needs the program's own headers and flags.
 std::string compile_command(const fs::path& source) {
-    const bool is_formula = first_bytes(source, 65536).find("lostbits_form.hpp") != std::string::npos;
+    const bool is_formula = read_first_bytes(source, 65536).find("lostbits_form.hpp") != std::string::npos;
     return (is_formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + text::shell_word(source.filename().string()) +
            " -o " + text::shell_word(source.stem().string() + ".so") + (is_formula ? " @build/form.flags" : "");
 }
@@ -139,7 +139,7 @@ Library load_library(const fs::path& library) {
     static std::map<void*, process::FloatingPoint> states_after_load;  // by handle; a second load runs no initialisers
     const std::string path = library.string();
     const char* const lasting_path = lasting_text(path);
-    if (first_bytes(library, 4) != "\177ELF")
+    if (read_first_bytes(library, 4) != "\177ELF")
         throw InputError(path + " is not a library; " +
                          (is_source(library) ? "compile it first: " + compile_command(library)
                                              : "give one that a compiler made (c++ -O2 -shared -fPIC mine.cpp -o "

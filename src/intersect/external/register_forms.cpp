@@ -25,7 +25,7 @@ void answer_batch(void* context, const table::RayBatch<S>& rays, const Target<S>
 
 ForeignIntersector::ForeignIntersector(ForeignForm first) {
     store(std::move(first));
-    info = info_of((batch32 ? batch32 : batch64)->form().contract);
+    info = make_info((batch32 ? batch32 : batch64)->form().contract);
 }
 
 void ForeignIntersector::add(ForeignForm other) {
@@ -83,7 +83,7 @@ void register_forms(std::vector<ForeignForm> forms) {
     table::register_intersectors(intersectors);
 }
 
-std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form) {
+std::vector<const ForeignForm*> find_foreign_forms(const table::Intersector& form) {
     std::vector<const ForeignForm*> forms;
     for (const ForeignIntersector& e : all_registered()) {
         if (&e.info != form.info) continue;
@@ -96,7 +96,7 @@ std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& form)
 bool is_safe_to_run(const table::Intersector& form) {
     const auto catalogue = table::catalogue();
     if (&form >= catalogue.data() && &form < catalogue.data() + catalogue.size()) return true;
-    const auto forms = foreign_forms_of(form);  // empty for a formula of a library, which runs in this process
+    const auto forms = find_foreign_forms(form);  // empty for a formula of a library, which runs in this process
     return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::is_isolated);
 }
 

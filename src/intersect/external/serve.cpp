@@ -98,8 +98,8 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
 }
 
 bool is_valid_request(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
-    return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 && request.form < forms.size() &&
-           (request.primitives == 1 || request.primitives == request.rays) &&
+    return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 &&
+           request.form_index < forms.size() && (request.primitives == 1 || request.primitives == request.rays) &&
            (request.ends == 0 || request.ends == request.rays);
 }
 
@@ -132,7 +132,7 @@ std::optional<BatchColumns> read_batch(int input, const PipeRequest& request, co
 bool write_answer(int output, const std::string& error_text, const ForeignForm& form, const ColumnMemory& buffers) {
     PipeAnswer answer;
     answer.error_bytes = static_cast<std::uint32_t>(error_text.size());
-    if (buffers.shared && !noted_change_of(name_in_messages(form)).empty()) answer.error_bytes |= state_changed_bit;
+    if (buffers.shared && !find_noted_change(name_in_messages(form)).empty()) answer.error_bytes |= state_changed_bit;
     if (!write_all(output, &answer, sizeof answer)) return false;
     if (!error_text.empty()) return write_all(output, error_text.data(), error_text.size());
     const auto write_column = [&](std::size_t k) {
@@ -186,7 +186,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
         }
 
         if (!is_valid_request(request, forms)) return false;
-        const ForeignForm& form = forms[request.form];
+        const ForeignForm& form = forms[request.form_index];
         const std::optional<BatchColumns> columns = read_batch(input, request, form.contract, buffers);
         if (!columns) return true;
         if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers)) {

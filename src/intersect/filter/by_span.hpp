@@ -32,7 +32,7 @@ template <template <class> class S, class T, class P>
     const auto first_hit =
         first_span_hit(primitive_from<S, E>([&](std::size_t i) { return number_at(6 + i); }).span(ray));
 
-    const P u = number::wide::roundoff<P>(), t = number::wide::value_of(first_hit.t.word());
+    const P u = number::wide::roundoff<P>(), t = number::wide::plain_value(first_hit.t.word());
     const mask_t<P> is_fine_enough = P(1024) * u <= P(1) / P(1024), is_accurate = first_hit.t.radius() <= P(62) * u * t;
     return {is_fine_enough && (first_hit.hit.no() || (first_hit.hit.yes() && is_accurate)), first_hit.hit.yes(),
             named("t", first_hit.t.word())};
@@ -103,14 +103,14 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, 
         const FirstSpanHit<T> first_hit = first_span_hit(primitive.span(ray));
         return single_root_hit(first_hit.hit, named("t", first_hit.t));
     } else {
-        using P = decltype(number::wide::value_of(ray.origin.x));
+        using P = decltype(number::wide::plain_value(ray.origin.x));
         const Vec<T>&o = ray.origin, &d = ray.direction;
 
         // Collects the numbers of the ray, then those of the primitive.
         const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
             std::array<T, 6 + sizeof...(i)> result{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
             std::size_t k = 6;
-            each_number(primitive, [&](const T& x) { result[k++] = x; });
+            for_each_number(primitive, [&](const T& x) { result[k++] = x; });
             return result;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());

@@ -30,8 +30,8 @@ struct FallbackLimits {
 
 /// True if x is positive. For an x close to 0 the answer may be wrong, but is never undecided.
 template <class E>
-mask_t<E> word_is_positive(const E& x) {
-    if constexpr (requires { x.word_is_positive(); }) return x.word_is_positive();
+mask_t<E> is_roughly_positive(const E& x) {
+    if constexpr (requires { x.is_roughly_positive(); }) return x.is_roughly_positive();
     else if constexpr (std::same_as<mask_t<E>, Tri>) return Tri((x > E(0)).is_yes());
     else return x > E(0);
 }
@@ -39,14 +39,15 @@ mask_t<E> word_is_positive(const E& x) {
 /// True if numbers of E have an exact sign, so that a comparison proves x = 0.
 template <class E>
 inline constexpr bool has_exact_sign = !requires(const E& x) {
-    x.word_is_positive();
+    x.is_roughly_positive();
 };
 
 /// The near root is c/(−h + √q), or −(h + √q)/a if h is positive. The far root is (−h + √q)/a, or −c/(h + √q). None of
 /// these expressions subtracts. If h = q = 0, the roots are 0, because the line meets the surface only there (c = 0).
 template <class E>
 Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
-    const auto is_h_positive = word_is_positive(s.h), divides_by_a = (far && !is_h_positive) || (!far && is_h_positive);
+    const auto is_h_positive = is_roughly_positive(s.h),
+               divides_by_a = (far && !is_h_positive) || (!far && is_h_positive);
     const E magnitude = sqrt(s.q) + select(is_h_positive, s.h, -s.h), n = select(divides_by_a, magnitude, s.c);
     const Fraction<E> root{select(is_h_positive, -n, n), select(divides_by_a, s.a, magnitude)};
     if constexpr (has_exact_sign<E>) return select(magnitude <= E(0), Fraction<E>{E(0), E(1)}, root);
@@ -57,7 +58,7 @@ Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
 template <class E>
 Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& far) {
     const auto by_cap = (far && s.leaves_by_cap()) || (!far && s.enters_by_cap());
-    return select(by_cap, select(far, s.exit, s.entry), root_of(s.side, far));
+    return select(by_cap, select(far, s.planes_exit, s.planes_entry), root_of(s.side, far));
 }
 template <class E>
 Fraction<E> end_of(const JoinedSpan<E>& s, const mask_t<E>& far) {
@@ -84,9 +85,9 @@ FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
 /// a side, has no point inside: a ray that begins behind the entry of such a line begins on the surface.
 template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
-    const auto far = s.compare_entry(Start{}).less;
-    FirstSpanHit<E> first_hit = hit_at(s.is_hit() && !s.compare_exit(Start{}).less, end_of(s, far));
-    if constexpr (has_exact_sign<E>) first_hit.t = select(far && !s.is_open(), E(0), first_hit.t);
+    const auto far = s.compare_entry(RayOrigin{}).less;
+    FirstSpanHit<E> first_hit = hit_at(s.meets_closed() && !s.compare_exit(RayOrigin{}).less, end_of(s, far));
+    if constexpr (has_exact_sign<E>) first_hit.t = select(far && !s.meets_open(), E(0), first_hit.t);
     return first_hit;
 }
 
@@ -97,7 +98,7 @@ FirstSpanHit<E> first_span_hit(const FlatSpan<E>& s) {
 
 template <class E>
 FirstSpanHit<E> first_span_hit(const WallSpan<E>& s) {
-    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.compare_crossing(i, Start{}).less; };
+    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.compare_crossing(i, RayOrigin{}).less; };
     const auto is_first_ahead = is_ahead(0);
     return hit_at(is_first_ahead || is_ahead(1), root_of(s.primitive.side, !is_first_ahead));
 }

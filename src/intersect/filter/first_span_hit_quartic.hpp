@@ -67,7 +67,7 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     using P = typename E::P;
     using U = number::wide::Proving<P>;
     using lostbits::abs;
-    const auto value_of = [](const E& x) { return U(number::wide::value_of(x.word()), x.radius()); };
+    const auto value_of = [](const E& x) { return U(number::wide::plain_value(x.word()), x.radius()); };
     const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
 
     // Counts the roots ahead. A line far from the surface has none.
@@ -82,7 +82,7 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     // Approximates the first root, and bounds its distance by a Newton step.
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
     const T x = approximate_first_root<T>(words, s.b.word(), s.bound.word(), 5);
-    const P x_value = number::wide::value_of(x);
+    const P x_value = number::wide::plain_value(x);
     const U step = f.value(U(x_value)) / f.slope(U(x_value));
     const P distance =
         P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff<P>() * abs(x_value);

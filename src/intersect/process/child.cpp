@@ -141,11 +141,11 @@ std::vector<int> child_processes() {
     return process_ids;
 }
 
-Child::Child(const std::string& command, ChildTerms terms) : terms_(std::move(terms)) {
+Child::Child(const std::string& command, ChildOptions options) : options_(std::move(options)) {
     start({"/bin/sh", "-c", command}, StandardError::inherited);
 }
 
-Child::Child(const ProgramArguments& program, ChildTerms terms) : terms_(std::move(terms)) {
+Child::Child(const ProgramArguments& program, ChildOptions options) : options_(std::move(options)) {
     start(program, StandardError::output);
 }
 
@@ -156,8 +156,8 @@ void Child::start(ProgramArguments program, StandardError errors) {
     posix_spawn_file_actions_adddup2(&files, to_child[read_end], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[write_end], STDOUT_FILENO);
     if (errors == StandardError::output) posix_spawn_file_actions_adddup2(&files, from_child[write_end], STDERR_FILENO);
-    if (terms_.shared_descriptor >= 0)
-        posix_spawn_file_actions_adddup2(&files, terms_.shared_descriptor, SharedMemory::inherited);
+    if (options_.shared_descriptor >= 0)
+        posix_spawn_file_actions_adddup2(&files, options_.shared_descriptor, SharedMemory::inherited);
 
     const int error = spawn_in_own_group(program, files, process_);
     posix_spawn_file_actions_destroy(&files);
@@ -182,7 +182,7 @@ Child::~Child() {
     end_process_group(process_);
 }
 
-std::string Child::ending_text() {
+std::string Child::end_and_describe() {
     if (process_ <= 0 || !ends_within(process_, std::chrono::milliseconds(200))) return "";
     const int status = end_process_group(process_);
     process_ = -1;
@@ -195,19 +195,19 @@ std::string Child::ending_text() {
 }
 
 void Child::fail(const std::string& problem) {
-    const std::string ending = output_ended_ ? ending_text() : "";
-    throw EnvironmentError(terms_.who + ": " + (subject_.empty() ? "" : subject_ + " ") + problem + ending);
+    const std::string ending = output_ended_ ? end_and_describe() : "";
+    throw EnvironmentError(options_.who + ": " + (subject_.empty() ? "" : subject_ + " ") + problem + ending);
 }
 
 void Child::fail_after_time_limit() {
     fail("has not answered within the time limit; " +
-         (terms_.timeout_advice.empty() ? "" : terms_.timeout_advice + "; ") +
+         (options_.timeout_advice.empty() ? "" : options_.timeout_advice + "; ") +
          "raise --time-limit SECONDS if it needs longer");
 }
 
 void Child::wait_for(short events_of_input, Clock::time_point deadline, bool& can_write, bool& can_read) {
     for (;;) {
-        terms_.stop.check();
+        options_.stop.check();
         std::array<pollfd, 2> polled_ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
         const auto milliseconds_left =
             std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
@@ -245,7 +245,7 @@ std::size_t Child::read_some(std::span<std::byte> buffer) {
 
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
     const auto deadline =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.seconds));
     if (!request.empty()) write_some(request);  // most requests fit into the pipe at once and need no poll
 
     // Asks again at once for a while: a fast answer arrives sooner than a sleeping process wakes up.
@@ -266,7 +266,7 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
 
 Child::EndResult Child::read_to_end() {
     const auto deadline =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.seconds));
     EndResult result{};
     close(std::exchange(input_, -1));
 
@@ -280,7 +280,7 @@ Child::EndResult Child::read_to_end() {
 
     // The process may have closed its output and still run.
     while (!ends_within(process_, std::chrono::milliseconds(20))) {
-        terms_.stop.check();
+        options_.stop.check();
         if (Clock::now() > deadline) fail_after_time_limit();
     }
 

@@ -20,7 +20,7 @@ inline constexpr int polls_before_sleep = 30;
 /// Returns the ids of the processes whose parent is this process, including adopted ones.
 [[nodiscard]] std::vector<int> child_processes();
 
-struct ChildTerms {
+struct ChildOptions {
     std::string who;             ///< begin of messages
     std::string timeout_advice;  ///< advice to the program's author for the case that no answer comes; may be empty
     double seconds = 30;         ///< limit for one answer
@@ -37,9 +37,9 @@ class Child {
 public:
     /// Starts `command` by the shell, in a process group of its own; its standard error is ours. Throws
     /// EnvironmentError if the command cannot be started.
-    Child(const std::string& command, ChildTerms terms);
+    Child(const std::string& command, ChildOptions options);
     /// Starts a program without a shell; its standard error becomes a part of its output.
-    Child(const ProgramArguments& program, ChildTerms terms);
+    Child(const ProgramArguments& program, ChildOptions options);
     /// Closes the input of the process, which tells it to end. If the process does not end within a second, a signal
     /// ends it. Processes that are left in its group are ended, too.
     ~Child();
@@ -64,7 +64,7 @@ public:
 
     /// Sets the subject that messages about the following requests name, such as a form.
     void set_subject(const std::string& subject) { subject_ = subject; }
-    /// Throws EnvironmentError, which begins with `who` of the terms and says how the process ended if it has ended.
+    /// Throws EnvironmentError, which begins with `who` of the options and says how the process ended if it has ended.
     [[noreturn]] void fail(const std::string& problem);
 
 private:
@@ -77,10 +77,10 @@ private:
     std::size_t read_some(std::span<std::byte> buffer);
     void wait_for(short events_of_input, Clock::time_point deadline, bool& can_write, bool& can_read);
     [[noreturn]] void fail_after_time_limit();
-    [[nodiscard]] std::string ending_text();
+    [[nodiscard]] std::string end_and_describe();
 
     std::string subject_;
-    ChildTerms terms_;
+    ChildOptions options_;
     int process_ = -1, input_ = -1, output_ = -1;
     bool output_ended_ = false;
 };

@@ -28,7 +28,7 @@ struct Accumulated {
             const auto advanced = [&](const T& x, const T& direction) { return select(active, x + d * direction, x); };
             p = Vec<T>(advanced(p.x, ray.direction.x), advanced(p.y, ray.direction.y), advanced(p.z, ray.direction.z));
             t = select(active, t + d, t);
-            watch.stepped(active, t, p);
+            watch.on_step(active, t, p);
             active = active && !(t > c.max_dist);
         }
         return single_hit(hit, t);

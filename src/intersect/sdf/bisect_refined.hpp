@@ -30,14 +30,14 @@ struct BisectRefined {
         for (int i = 0; i < doublings && any_of(m.hit && !is_inside); ++i) {
             const auto is_outside = m.hit && !is_inside;
             high = select(is_outside, m.t + distance, high);
-            is_inside = is_inside || (is_outside && field(along(ray, high)) < zero);
+            is_inside = is_inside || (is_outside && field(point_on_ray(ray, high)) < zero);
             distance = distance + distance;
         }
 
         // Halves the interval between the last point outside and that point.
         for (int i = 0; i < c.bisect_steps && any_of(is_inside); ++i) {
             const T middle = (low + high) / two;
-            const auto is_beyond = field(along(ray, middle)) < zero;
+            const auto is_beyond = field(point_on_ray(ray, middle)) < zero;
             high = select(is_beyond, middle, high);
             low = select(is_beyond, low, middle);
         }

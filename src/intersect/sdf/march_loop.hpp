@@ -15,11 +15,11 @@ struct NoMarchWatch {
     template <class M, class T>
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
     template <class M, class T>
-    void stepped(const M& /*active*/, const T& /*t*/) const {}
+    void on_step(const M& /*active*/, const T& /*t*/) const {}
     template <class M, class T>
-    void stepped(const M& /*active*/, const T& /*t*/, const M& /*changed*/) const {}
+    void on_step(const M& /*active*/, const T& /*t*/, const M& /*changed*/) const {}
     template <class M, class T>
-    void stepped(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/) const {}
+    void on_step(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/) const {}
 };
 
 /// The last two samples of a march; d is the field value at a sample.
@@ -36,7 +36,7 @@ struct MarchSamples {
 };
 
 template <Number T>
-Vec<T> along(const Ray<T>& ray, const T& t) {
+Vec<T> point_on_ray(const Ray<T>& ray, const T& t) {
     return Vec<T>(ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y,
                   ray.origin.z + t * ray.direction.z);
 }
@@ -50,7 +50,7 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
     auto active = zero <= zero;
     MarchSamples<T> m{!active, zero, zero, zero, zero};
     for (int i = 0; i < c.max_steps && any_of(active); ++i) {
-        const Vec<T> p = along(ray, m.t);
+        const Vec<T> p = point_on_ray(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
 
@@ -61,7 +61,7 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
 
         m.t_before = select(active, m.t, m.t_before);
         m.t = select(active, m.t + d, m.t);
-        watch.stepped(active, m.t);
+        watch.on_step(active, m.t);
         active = active && !(m.t > c.max_dist);
     }
     return m;

@@ -24,7 +24,7 @@ struct OverRelaxed {
         T t = zero, omega = c.over_relaxation;
         T t_last = zero, d_last = zero, step = zero;
         for (int i = 0; i < c.max_steps && any_of(active); ++i) {
-            const Vec<T> p = along(ray, t);
+            const Vec<T> p = point_on_ray(ray, t);
             const T d = field(p);
             watch(active, t, p, d);
 
@@ -40,7 +40,7 @@ struct OverRelaxed {
             d_last = select(active && !is_undone, d, d_last);
             t = select(active, next, t);
 
-            watch.stepped(active, t, is_undone);
+            watch.on_step(active, t, is_undone);
             active = active && !(t > c.max_dist);
         }
         return single_hit(hit, t);

@@ -23,7 +23,7 @@ struct SecantRefined {
             const auto is_falling = d_before > d;
             const T slope = select(is_falling, d_before - d, T(1));
             const T next = select(is_falling, t + d * ((t - t_before) / slope), t);
-            const T d_next = field(along(ray, next));
+            const T d_next = field(point_on_ray(ray, next));
             const auto is_better = abs(d_next) < abs(d);
             t_before = select(is_better, t, t_before);
             d_before = select(is_better, d, d_before);

@@ -166,7 +166,7 @@ template <class S, Isa isa>
 void run_of_set(void* context, const table::RayBatch<S>& rays, const Target<S>& target,
                 const table::HitBatch<S>& hits) {
     const auto& set = *static_cast<const table::Intersector*>(context);
-    const PackedRow row = packed_kernels(set.of(target.primitives.front().shape), isa);
+    const PackedRow row = packed_kernels(set.form_for(target.primitives.front().shape), isa);
     if constexpr (std::same_as<S, float>) row.f32(rays, target, hits);
     else row.f64(rays, target, hits);
 }

@@ -16,10 +16,10 @@
 namespace lostbits::intersect::table {
 
 template <class Form>
-void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
-                   const HitBatch<double>& hits) {
+void intersect_rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
+                             const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    constexpr EvaluateTarget<RoundedAny, Tally<RoundedAny>> evaluate = intersect_target<Form>;
+    constexpr EvaluateTarget<RoundedAny, MarchRecorder<RoundedAny>> evaluate = intersect_target<Form>;
     const LiftedTarget<RoundedAny> lifted(target);
     intersect_batch(evaluate, marches<Form>, rays, lifted.get(), hits);
 }
@@ -35,7 +35,7 @@ E endless_tmax() {
 }
 
 template <class Form, class E>
-Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
+Hit<E> enclose_hit(const Ray<E>& ray, const Target<E>& target) {
     sdf::NoMarchWatch unwatched;
     return intersect_target<Form>(ray, target, endless_tmax<E>(), unwatched);
 }
@@ -59,12 +59,12 @@ MarchLog log_march(const Ray<double>& ray, const Target<double>& target) {
     const LiftedInputs<T> inputs(ray, target, 0.0);
     StepLog<T> log;
     const Hit<T> hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, log);
-    const Stop stop = log.stop(hit, *inputs.target.get().march);
+    const StopReason stop = log.stop(hit, *inputs.target.get().march);
     return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
 }
 
 template <class Form>
-MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<double>& target) {
+MarchLog log_form_march(const Format& format, const Ray<double>& ray, const Target<double>& target) {
     const CurrentFormat::Scope scope(format.parameters);
     return log_march<Form, RoundedAny>(ray, target);
 }
@@ -88,8 +88,8 @@ template <class Form>
 inline constexpr EvaluateRecorded evaluate_recorded = intersect_target<Form>;
 
 /// Evaluates a form over `Recorded`. The thread's recorder receives the inputs in the order of `input_names`.
-inline Hit<Recorded> recorded_hit(EvaluateRecorded evaluate, const Ray<double>& ray, const Target<double>& target,
-                                  double tmax) {
+inline Hit<Recorded> record_hit(EvaluateRecorded evaluate, const Ray<double>& ray, const Target<double>& target,
+                                double tmax) {
     const LiftedInputs<Recorded> inputs(ray, target, tmax);
     SampleMarks marks;
     return evaluate(inputs.ray, inputs.target.get(), inputs.tmax, marks, 0);
@@ -105,7 +105,7 @@ void record_on_tape(const Evaluate& evaluate, const FloatFormat& format, Tape& t
 
 inline void evaluate_on_tape(EvaluateRecorded evaluate, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
                              const Target<double>& target, double tmax) {
-    record_on_tape([&] { return recorded_hit(evaluate, ray, target, tmax); }, format, tape);
+    record_on_tape([&] { return record_hit(evaluate, ray, target, tmax); }, format, tape);
 }
 
 inline void record_evaluation(EvaluateRecorded evaluate, const Format& format, const Ray<double>& ray,
@@ -115,7 +115,8 @@ inline void record_evaluation(EvaluateRecorded evaluate, const Format& format, c
 }
 
 template <class Form>
-void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
+void record_form_evaluation(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+                            Tape& tape) {
     record_evaluation(evaluate_recorded<Form>, format, ray, target, tmax, tape);
 }
 
@@ -138,14 +139,14 @@ inline void record_all_operations(EvaluateRecorded evaluate, const Target<double
 }
 
 template <class Form>
-void record_all_of(const Target<double>& target, Tape& tape) {
+void record_whole_form(const Target<double>& target, Tape& tape) {
     record_all_operations(evaluate_recorded<Form>, target, tape);
 }
 
 /// The answer of `evaluate()`, which runs over `Recorded`, with the bounds that its recorder computes. Returns nothing
 /// for formats other than binary32 and binary64.
 template <class Evaluate>
-std::optional<BoundedAnswer> bounded_answer(const Evaluate& evaluate, const Format& format) {
+std::optional<BoundedAnswer> evaluate_with_bounds(const Evaluate& evaluate, const Format& format) {
     if (format.is_emulated()) return std::nullopt;
     number::recorders::BoundsRecorder recorder(format.parameters);
     const Hit<Recorded> hit = evaluate();
@@ -154,9 +155,9 @@ std::optional<BoundedAnswer> bounded_answer(const Evaluate& evaluate, const Form
 }
 
 template <class Form>
-std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
-                                        double tmax) {
-    return bounded_answer([&] { return recorded_hit(evaluate_recorded<Form>, ray, target, tmax); }, format);
+std::optional<BoundedAnswer> evaluate_form_with_bounds(const Format& format, const Ray<double>& ray,
+                                                       const Target<double>& target, double tmax) {
+    return evaluate_with_bounds([&] { return record_hit(evaluate_recorded<Form>, ray, target, tmax); }, format);
 }
 
 /// True if the form filters: it takes a watch, which is called with each wider arithmetic.
@@ -210,7 +211,7 @@ OperationCounts count_operations(const Evaluate& evaluate, const Ray<float>& ray
 }
 
 template <class Form>
-OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
+OperationCounts count_form_operations(const Ray<float>& ray, const Target<float>& target, float tmax) {
     constexpr EvaluateTarget<Counted<float>, sdf::NoMarchWatch> evaluate = intersect_target<Form>;
     const auto unwatched = [evaluate](const auto&... in) {
         sdf::NoMarchWatch watch;

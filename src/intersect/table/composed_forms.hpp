@@ -32,25 +32,25 @@ public:
     /// Returns the form with these parts. If it is new, calls `fill(ComposedForm&)` after `parts` is set.
     template <class Fill>
     const Intersector& find_or_add(const Parts& parts, const Fill& fill) {
-    const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(forms_, parts, &ComposedForm::parts);
-    if (found != forms_.end()) return found->intersector;
-    ComposedForm& composed = forms_.emplace_back();
-    composed.parts = parts;
-    fill(composed);
-    return composed.intersector;
-}
-/// The parts of a form; null pointers if this object did not create the form.
-Parts parts_of(const Intersector& form) {
-    const std::lock_guard lock(mutex_);
-    const auto found =
-        std::ranges::find_if(forms_, [&form](const ComposedForm& composed) { return &composed.intersector == &form; });
-    return found == forms_.end() ? Parts{} : found->parts;
-}
+        const std::lock_guard lock(mutex_);
+        const auto found = std::ranges::find(forms_, parts, &ComposedForm::parts);
+        if (found != forms_.end()) return found->intersector;
+        ComposedForm& composed = forms_.emplace_back();
+        composed.parts = parts;
+        fill(composed);
+        return composed.intersector;
+    }
+    /// The parts of a form; null pointers if this object did not create the form.
+    Parts find_parts(const Intersector& form) {
+        const std::lock_guard lock(mutex_);
+        const auto found = std::ranges::find_if(
+            forms_, [&form](const ComposedForm& composed) { return &composed.intersector == &form; });
+        return found == forms_.end() ? Parts{} : found->parts;
+    }
 
 private:
-std::mutex mutex_;
-std::deque<ComposedForm> forms_;
+    std::mutex mutex_;
+    std::deque<ComposedForm> forms_;
 };
 
 }  // namespace lostbits::intersect::table

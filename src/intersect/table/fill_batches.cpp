@@ -8,8 +8,8 @@ void fill_batches(std::span<Intersector> forms) {
         Intersector& form = forms[i++];
         form.info = &Form::info;
         form.shape = shape_of<Form>;
-        form.native32 = native_batch<Form, float>;
-        if constexpr (Form::info.formats == Formats::all) form.native64 = native_batch<Form, double>;
+        form.native32 = intersect_native_batch<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) form.native64 = intersect_native_batch<Form, double>;
     });
 }
 

@@ -23,7 +23,7 @@ void record_all_with(void* context, const Target<double>& target, Tape& tape) {
 
 std::optional<BoundedAnswer> bounded_with(void* context, const Format& format, const Ray<double>& ray,
                                           const Target<double>& target, double tmax) {
-    return bounded_answer([&] { return recorded_hit(evaluator_of(context), ray, target, tmax); }, format);
+    return evaluate_with_bounds([&] { return record_hit(evaluator_of(context), ray, target, tmax); }, format);
 }
 
 }  // namespace
@@ -43,15 +43,15 @@ void fill_by_ray(std::span<Intersector> forms) {
             written_forms.emplace_back(form).fill_arithmetics(form);
             if (Form::info.formats != Formats::all) form.rounded = nullptr;
         } else {
-            if constexpr (Form::info.formats == Formats::all) form.rounded = rounded_batch<Form>;
-            form.ball = enclosed<Form, Ball>;
-            form.interval = enclosed<Form, Interval>;
+            if constexpr (Form::info.formats == Formats::all) form.rounded = intersect_rounded_batch<Form>;
+            form.ball = enclose_hit<Form, Ball>;
+            form.interval = enclose_hit<Form, Interval>;
         }
 
         // Counts in the form itself: `a || b` on one ray does not evaluate b if a is true.
-        form.count = count_of<Form>;
+        form.count = count_form_operations<Form>;
         if constexpr (filters<Form>) form.filter_arithmetic = filter_arithmetic_of<Form>;
-        if constexpr (marches<Form>) form.log = log_of<Form>;
+        if constexpr (marches<Form>) form.log = log_form_march<Form>;
     });
 }
 

@@ -21,7 +21,8 @@ constexpr bool counts_interior(const Info& info, Shape shape) {
 template <class S>
 Range<S> compared_range(const Info& info, Shape shape, Range<S> range) {
     if (info.roots == Roots::none || info.ranged) return {};
-    if (takes_tmax(shape) && !range.open.tmax && range.holds_any()) range.tmax = std::numeric_limits<S>::infinity();
+    if (takes_tmax(shape) && !range.open_ends.tmax && range.holds_any())
+        range.tmax = std::numeric_limits<S>::infinity();
     return range;
 }
 
@@ -40,20 +41,20 @@ template <class T, class S>
 Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
                       const Hit<T>& answer) {
     if (!range.holds_any()) {
-        const bool are_both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
+        const bool are_both_closed = !range.open_ends.tmin && !range.open_ends.tmax && !std::isinf(range.tmin);
         const auto in_order = are_both_closed ? tmin <= tmax : tmin < tmax;
         return {answer.hit && tmin >= T(0) && in_order, answer.t, answer.near, answer.far};
     }
 
     const bool has_both_roots = info.roots == Roots::both, inside_counts = counts_interior(info, shape);
-    const auto precedes_range = [&](const T& t) { return range.open.tmin ? t <= tmin : t < tmin; };
+    const auto precedes_range = [&](const T& t) { return range.open_ends.tmin ? t <= tmin : t < tmin; };
     const auto is_t_before_range = precedes_range(answer.t);
     auto is_in_range = !is_t_before_range;
     T t = answer.t;
 
     // Takes the far root, or the beginning of the range from inside, if the first root lies before it.
     if (has_both_roots) {
-        const bool is_tmin_closed = !range.open.tmin && info.touching == Touching::hit;
+        const bool is_tmin_closed = !range.open_ends.tmin && info.touching == Touching::hit;
         is_in_range = is_in_range || (!inside_counts   ? !precedes_range(answer.far)
                                       : is_tmin_closed ? answer.far >= tmin
                                                        : answer.far > tmin);
@@ -63,7 +64,7 @@ Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, cons
     auto is_hit = answer.hit && is_in_range;
     // The range of a ray without an end includes a root that overflows to infinity.
     if (range.tmax == std::numeric_limits<S>::infinity()) return {is_hit, t, answer.near, answer.far};
-    is_hit = is_hit && !(range.open.tmax ? t >= tmax : t > tmax);
+    is_hit = is_hit && !(range.open_ends.tmax ? t >= tmax : t > tmax);
 
     // An entry at the end of the ray only touches the primitive.
     const bool has_open_inside = info.touching == Touching::miss && has_inside(shape);

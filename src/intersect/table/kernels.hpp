@@ -47,22 +47,22 @@ void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<T> ray{vec(rays.ox[i], rays.oy[i], rays.oz[i]), vec(rays.dx[i], rays.dy[i], rays.dz[i])};
         const T tmax(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
-        Tally<T> tally;
-        const Hit<T> hit = evaluate(ray, target, tmax, tally, i * stride);
+        MarchRecorder<T> recorder;
+        const Hit<T> hit = evaluate(ray, target, tmax, recorder, i * stride);
 
         hits.hit[i] = hit.hit;
         hits.t[i] = to_stored(hit.t);
         hits.near[i] = to_stored(hit.near);
         hits.far[i] = to_stored(hit.far);
-        if (marches && !hits.march.empty()) hits.march[i] = tally.record(hit, *target.march, to_stored);
+        if (marches && !hits.march.empty()) hits.march[i] = recorder.record(hit, *target.march, to_stored);
     }
 }
 
 template <class Form, class T>
-void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
-    const auto evaluate = [](const Ray<T>& ray, const Target<T>& single_target, const T& tmax, Tally<T>& tally,
-                             std::size_t primitive_index) {
-        return intersect_target<Form>(ray, single_target, tmax, tally, primitive_index);
+void intersect_native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
+    const auto evaluate = [](const Ray<T>& ray, const Target<T>& single_target, const T& tmax,
+                             MarchRecorder<T>& recorder, std::size_t primitive_index) {
+        return intersect_target<Form>(ray, single_target, tmax, recorder, primitive_index);
     };
     intersect_batch(evaluate, std::bool_constant<marches<Form>>(), rays, target, hits);
 }

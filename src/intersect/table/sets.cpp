@@ -40,7 +40,7 @@ void forward_if_all_have(FormSet& set, Function<R(A...)> Intersector::*) {
         return;
     set.intersector.*
         member = {[](void* context, A... a) -> R {
-                      return (static_cast<Intersector*>(context)->of(shape_of_arguments(a...)).*member)(a...);
+                      return (static_cast<Intersector*>(context)->form_for(shape_of_arguments(a...)).*member)(a...);
                   },
                   &set.intersector};
 }
@@ -49,7 +49,7 @@ void forward_if_all_have(FormSet& set, Function<R(A...)> Intersector::*) {
 /// arithmetic.
 FilterArithmetic filter_arithmetic_of_part(void* context, const Format& format, const Ray<double>& ray,
                                            const Target<double>& target, double tmax) {
-    const Intersector& form = static_cast<Intersector*>(context)->of(shape_of_target(target));
+    const Intersector& form = static_cast<Intersector*>(context)->form_for(shape_of_target(target));
     return form.filter_arithmetic ? form.filter_arithmetic(format, ray, target, tmax) : FilterArithmetic::own;
 }
 
@@ -169,7 +169,7 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
            " yields t, so the first of their primitives cannot be found; name forms that all yield t";
 }
 
-const Intersector& set_of(std::vector<const Intersector*> parts) {
+const Intersector& find_or_add_set(std::vector<const Intersector*> parts) {
     std::ranges::sort(parts, {}, &Intersector::shape);
     if (const std::string reason = refusal_of_set(parts); !reason.empty()) throw InputError(reason);
     static std::mutex mutex;

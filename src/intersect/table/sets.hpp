@@ -18,6 +18,6 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts);
 /// one form takes unit directions, all forms receive unit directions, and every t is a distance. The truth of each
 /// primitive follows the contract of its own form. Each form is created once and kept, as registered forms are. Throws
 /// InputError if `refusal_of_set` returns a reason.
-const Intersector& set_of(std::vector<const Intersector*> parts);
+const Intersector& find_or_add_set(std::vector<const Intersector*> parts);
 
 }  // namespace lostbits::intersect::table

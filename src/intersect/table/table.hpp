@@ -30,11 +30,11 @@ struct RayBatch {
     /// beginning of a range: the caller keeps only the hits that lie in the range (`limit_batch_to_range`).
     std::span<const S> tmax = {};
     std::span<const S> tmin = {};
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
     [[nodiscard]] std::size_t size() const { return ox.size(); }
-    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
+    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open_ends.tmin; }
     [[nodiscard]] Range<S> range(std::size_t i) const {
-        Range<S> result{.open = open};
+        Range<S> result{.open_ends = open_ends};
         if (!tmin.empty()) result.tmin = tmin[i];
         if (!tmax.empty()) result.tmax = tmax[i];
         return result;
@@ -83,7 +83,7 @@ using Kernel = Function<void(const RayBatch<S>&, const Target<S>&, const HitBatc
 struct MarchLog {
     std::vector<MarchStep> steps;
     Hit<double> hit{false, 0, 0, 0};
-    Stop stop = Stop::max_steps;
+    StopReason stop = StopReason::max_steps;
 };
 
 /// One form in every arithmetic, or a set with one form for each of several shapes (`sets.hpp`). A function is empty if
@@ -132,9 +132,9 @@ struct Intersector {
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
     [[nodiscard]] bool is_set() const { return !parts.empty(); }
     /// The form for one of the form's shapes: for a set, its form for that shape.
-    [[nodiscard]] const Intersector& of(Shape primitive) const {
+    [[nodiscard]] const Intersector& form_for(Shape primitive_shape) const {
         for (const Intersector* const part : parts)
-            if (part->shape == primitive) return *part;
+            if (part->shape == primitive_shape) return *part;
         return *this;
     }
     /// The shapes of the form's primitives; `sdf` for a form that marches.

@@ -259,8 +259,8 @@ Hit<E> enclose(void* context, const Ray<E>& ray, const Target<E>& target) {
                             endless_tmax<E>());
 }
 
-Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
-                           double end) {
+Hit<Recorded> record_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
+                         double end) {
     const LiftedInputs<Recorded> lifted(ray, target, end);
     return evaluate_formula(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax);
 }
@@ -268,8 +268,8 @@ Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
             Tape& tape) {
     tape.clear();
-    record_on_tape([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); },
-                   format.parameters, tape);
+    record_on_tape([&] { return record_hit(form_of(context).formula_in(format), ray, target, end); }, format.parameters,
+                   tape);
 }
 
 void record_all(void* context, const Target<double>& target, Tape& tape) {
@@ -286,7 +286,8 @@ OperationCounts count(void* context, const Ray<float>& ray, const Target<float>&
 
 std::optional<BoundedAnswer> answer_bounded(void* context, const Format& format, const Ray<double>& ray,
                                             const Target<double>& target, double end) {
-    return bounded_answer([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); }, format);
+    return evaluate_with_bounds([&] { return record_hit(form_of(context).formula_in(format), ray, target, end); },
+                                format);
 }
 
 /// True if operand k of an operation is a decision.

@@ -16,14 +16,14 @@ using table::HitBatch;
 using table::RayBatch;
 
 template <class Method, class T>
-Maps<T> maps_of(const Placement<T>& placed) {
+Maps<T> make_maps(const Placement<T>& placed) {
     const Affine<T> stored = placed.map(), inverse = Method::inverse(stored);
     return placed.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
 }
 
 template <class Method, class T>
 constexpr StepFunctions<T> steps() {
-    return {maps_of<Method, T>, Method::template origin<T>, Method::template direction<T>, Method::template finish<T>,
+    return {make_maps<Method, T>, Method::template origin<T>, Method::template direction<T>, Method::template finish<T>,
             Method::template back<T>};
 }
 
@@ -116,7 +116,7 @@ std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run
 }
 
 template <class Method, class T, class S>
-void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& columns) {
+void transform_batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& columns) {
     for (auto& column : columns.ray) column.resize(rays.size());
     columns.length.resize(rays.size());
     const std::size_t packed_count = run_in_packs<Method>(maps, rays, [&columns](const auto& functions, auto& steps) {
@@ -141,8 +141,8 @@ void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns
 }
 
 template <class Method, class T, class S>
-void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& columns,
-                const HitBatch<S>& hits) {
+void transform_batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& columns,
+                          const HitBatch<S>& hits) {
     const std::size_t packed_count = run_in_packs<Method>(maps, rays, [&](const auto& functions, auto& steps) {
         // These columns are only read here. Their pointers are not const because `to_object` writes through the same
         // struct.
@@ -196,20 +196,20 @@ void record(const Format& format, Tape& tape, const WorldNodes& world, const Rec
 
 template <class Method>
 constexpr TransformMethod method_row() {
-    return {
-        .info = &Method::info,
-        .f32 = steps<Method, float>(),
-        .f64 = steps<Method, double>(),
-        .rounded = steps<Method, RoundedAny>(),
-        .ball = steps<Method, Ball>(),
-        .interval = steps<Method, Interval>(),
-        .real = steps<Method, Real>(),
-        .batch32 = {maps_of<Method, float>, batch_to_object<Method, float, float>, batch_back<Method, float, float>},
-        .batch64 = {maps_of<Method, double>, batch_to_object<Method, double, double>,
-                    batch_back<Method, double, double>},
-        .batch_rounded = {maps_of<Method, RoundedAny>, batch_to_object<Method, RoundedAny, double>,
-                          batch_back<Method, RoundedAny, double>},
-        .record = record<Method>};
+    return {.info = &Method::info,
+            .f32 = steps<Method, float>(),
+            .f64 = steps<Method, double>(),
+            .rounded = steps<Method, RoundedAny>(),
+            .ball = steps<Method, Ball>(),
+            .interval = steps<Method, Interval>(),
+            .real = steps<Method, Real>(),
+            .batch32 = {make_maps<Method, float>, transform_batch_to_object<Method, float, float>,
+                        transform_batch_back<Method, float, float>},
+            .batch64 = {make_maps<Method, double>, transform_batch_to_object<Method, double, double>,
+                        transform_batch_back<Method, double, double>},
+            .batch_rounded = {make_maps<Method, RoundedAny>, transform_batch_to_object<Method, RoundedAny, double>,
+                              transform_batch_back<Method, RoundedAny, double>},
+            .record = record<Method>};
 }
 
 }  // namespace

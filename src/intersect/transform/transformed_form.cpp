@@ -32,7 +32,7 @@ TransformedFormParts parts_of_context(void* context) {
 }
 
 template <class S>
-Primitive<S> object_primitive_of(const Primitive<S>& primitive, const S& scale) {
+Primitive<S> make_object_primitive(const Primitive<S>& primitive, const S& scale) {
     Primitive<S> object = primitive;
     object.placed.reset();
     return scale == S(1) ? object : scaled(object, scale);
@@ -50,7 +50,7 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
         end = primitives == 1 ? rays.size() : i + 1;
         const auto slice = [&](auto span) { return span.empty() ? span : span.subspan(i, end - i); };
         const RayBatch<S> world_rays{slice(rays.ox), slice(rays.oy),   slice(rays.oz),   slice(rays.dx), slice(rays.dy),
-                                     slice(rays.dz), slice(rays.tmax), slice(rays.tmin), rays.open};
+                                     slice(rays.dz), slice(rays.tmax), slice(rays.tmin), rays.open_ends};
         const HitBatch<S> batch_hits{slice(hits.t), slice(hits.near), slice(hits.far), slice(hits.hit)};
 
         // A primitive without a transform is in the world already.
@@ -73,11 +73,11 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
             ends.resize(world_rays.size());
             for (std::size_t k = 0; k < ends.size(); ++k) ends[k] = world_rays.tmax[k] * columns.length[k];
             object_rays.tmax = ends;
-            object_rays.open.tmax = world_rays.open.tmax;
+            object_rays.open_ends.tmax = world_rays.open_ends.tmax;
         }
 
         // Runs the form there, and converts its answers back to the world.
-        kernel(object_rays, Target<S>(object_primitive_of(primitive, columns.scale)), batch_hits);
+        kernel(object_rays, Target<S>(make_object_primitive(primitive, columns.scale)), batch_hits);
         steps.back(maps, world_rays, columns, batch_hits);
     }
 }
@@ -100,7 +100,7 @@ void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<d
 
 /// Runs a form over enclosures. If the determinant is not known to differ from 0, the answer is unknown.
 template <auto steps_member, auto kernel_member, class E>
-Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
+Hit<E> enclose_hit(void* context, const Ray<E>& ray, const Target<E>& target) {
     const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<E>& primitive = target.primitives.front();
     if (!primitive.placed) return (form_parts.form->*kernel_member)(ray, target);
@@ -247,9 +247,9 @@ void fill_form(TransformedForms::ComposedForm& composed) {
     if (tested_form->native64) composed.intersector.native64 = {evaluate_64, &composed};
     if (tested_form->rounded) composed.intersector.rounded = {evaluate_rounded, &composed};
     if (tested_form->ball)
-        composed.intersector.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
+        composed.intersector.ball = {enclose_hit<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
     if (tested_form->interval)
-        composed.intersector.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>,
+        composed.intersector.interval = {enclose_hit<&TransformMethod::interval, &Intersector::interval, Interval>,
                                          &composed};
     if (tested_form->record) composed.intersector.record = {record, &composed};
     if (tested_form->record_all) composed.intersector.record_all = {record_all, &composed};
@@ -268,8 +268,8 @@ const Intersector& transformed_form(const TransformMethod& method, const Interse
     return transformed_forms().find_or_add({&method, &form}, fill_form);
 }
 
-TransformedFormParts transformed_parts_of(const Intersector& form) {
-    return to_parts(transformed_forms().parts_of(form));
+TransformedFormParts find_transformed_parts(const Intersector& form) {
+    return to_parts(transformed_forms().find_parts(form));
 }
 
 }  // namespace lostbits::intersect::transform

@@ -17,6 +17,6 @@ struct TransformedFormParts {
     const table::Intersector* form;
 };
 /// The parts of a form; null pointers if `through` did not create it.
-TransformedFormParts transformed_parts_of(const table::Intersector& form);
+TransformedFormParts find_transformed_parts(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::transform

@@ -146,8 +146,8 @@ private:
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
         const Range<double> range = rays_.range(ray_index);
-        kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_,
-                hit_);
+        kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open_ends}, spheres,
+                t_, hit_);
         const bool has_best = answers_.hit[ray_index] != 0 && !std::isnan(answers_.t[ray_index]);
         if (has_best && !has_nearer_hit<S>(t_, hit_, static_cast<S>(answers_.t[ray_index]))) return;
         for_each_hit(hit_, [&](std::size_t c) {
@@ -198,7 +198,7 @@ OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
         if (!range.is_whole()) {
             rays.tmax = span_of_one(range.tmax);
             rays.tmin = span_of_one(range.tmin);
-            rays.open = range.open;
+            rays.open_ends = range.open_ends;
         }
 
         for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -263,7 +263,7 @@ void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
 /// Returns the index of the primitive whose surface is nearest to the point at t, in double precision. A distance field
 /// does not say which primitive was hit.
 std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const Primitive<double>> primitives) {
-    const Vec<double> p = intersect::sdf::along(ray, t);
+    const Vec<double> p = intersect::sdf::point_on_ray(ray, t);
     const auto distance = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
     return static_cast<std::int32_t>(std::ranges::min_element(primitives, {}, distance) - primitives.begin());
 }
@@ -292,7 +292,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
     const bool marches = !is_primitive(form.shape),
-               takes_batches = !intersect::external::foreign_forms_of(form).empty();
+               takes_batches = !intersect::external::find_foreign_forms(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
 
     // Kernels of packs keep no records of the marches in their lanes.
@@ -311,7 +311,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const auto run = [&]<class S>(const auto& whole_ray) {
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
-            const Intersector& shape_form = marches ? form : form.of(target.primitives.front().shape);
+            const Intersector& shape_form = marches ? form : form.form_for(target.primitives.front().shape);
             intersect::table::limit_batch_to_range(*shape_form.info, shape_form.shape, batch, hits);
         };
         if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_batches, answers);

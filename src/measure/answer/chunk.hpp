@@ -24,12 +24,12 @@ namespace lostbits::measure::answer {
 /// Returns rays `i` to `end` − 1 of the rays in eight columns: origin, direction, tmax and tmin. The last two columns
 /// may be empty.
 template <class S, class Columns>
-intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open) {
+intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open_ends) {
     const auto part = [&](std::size_t k) {
         const std::span<const S> column(columns[k]);
         return column.empty() ? column : column.subspan(i, end - i);
     };
-    return {part(0), part(1), part(2), part(3), part(4), part(5), part(6), part(7), open};
+    return {part(0), part(1), part(2), part(3), part(4), part(5), part(6), part(7), open_ends};
 }
 
 /// Buffers for the answers of a kernel.
@@ -105,7 +105,7 @@ public:
     [[nodiscard]] intersect::table::RayBatch<S> batch() const { return batch(0, count_); }
     [[nodiscard]] intersect::table::HitBatch<S> hits() { return hits(0, count_); }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
-        return batch_of<S>(batch_, i, end, rays_.open);
+        return batch_of<S>(batch_, i, end, rays_.open_ends);
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) { return buffers_.hits(i, end); }
 
@@ -169,7 +169,7 @@ template <class S>
 class PairColumns {
 public:
     PairColumns(const scene::rays::RayBlock& rays, const truth::FormatInputs& in, std::size_t begin, std::size_t end)
-        : in_(in), open_(rays.open) {
+        : in_(in), open_ends_(rays.open_ends) {
         const culling::CandidateLists& candidates = *in.candidates;
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = candidates.first_pair(i); k < candidates.first_pair(i + 1); ++k)
@@ -226,11 +226,11 @@ private:
         return lift_primitive<S>(in_.primitives[pairs_[k].primitive]);
     }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t k, std::size_t end) const {
-        return batch_of<S>(columns_, k, end, open_);
+        return batch_of<S>(columns_, k, end, open_ends_);
     }
 
     const truth::FormatInputs& in_;
-    OpenEnds open_;
+    OpenEnds open_ends_;
     std::vector<Pair> pairs_;
     std::array<std::vector<S>, 8> columns_;
     std::optional<AnswerBuffers<S>> buffers_;

@@ -67,7 +67,7 @@ std::optional<Certified> to_certified(const Real& t) {
     if (t == 0) return Certified{};
     int exponent = 0;
     const Real scaled = frexp(t, &exponent);
-    const double hi = word_of(scaled), lo = low_word_of(scaled);
+    const double hi = nearest_double(scaled), lo = nearest_low_double(scaled);
     Certified result = truth::make_certified(hi, lo, std::fabs(hi) * 0x1p-70);
     result.exponent += exponent;
     return result;
@@ -80,7 +80,7 @@ public:
     StepwiseAnswers(const Intersector& form, const Format& format, const Ray<double>& ray,
                     const Primitive<double>& primitive, const Range<double>& range)
         : row_(form),
-          parts_(intersect::transform::transformed_parts_of(form)),
+          parts_(intersect::transform::find_transformed_parts(form)),
           format_(format),
           primitive_(primitive),
           range_(range) {
@@ -143,8 +143,8 @@ private:
         Primitive<Real> object = transformed(object_primitive_, [](double x) { return Real(x); });
         if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
         const truth::Truth object_truth =
-            truth::find_truth(object_ray.ray, object, {}, row_.info->convention().of(object.shape),
-                              scaled_range(word_of(object_ray.length)));
+            truth::find_truth(object_ray.ray, object, {}, row_.info->convention().for_shape(object.shape),
+                              scaled_range(nearest_double(object_ray.length)));
         if (!object_truth.is_hit()) return std::nullopt;
         return to_certified(parts_.method->real.back(maps_, exact_world_, object_ray, to_real(object_truth.t)));
     }
@@ -196,7 +196,7 @@ std::optional<std::size_t> Steps::worst() const {
 Steps measure_steps(const Intersector& form, const Format& format, const Ray<double>& ray,
                     const Primitive<double>& primitive, const Range<double>& range) {
     const truth::Truth ray_truth =
-        truth::find_truth(ray, primitive, {}, form.info->convention().of(primitive.shape), range);
+        truth::find_truth(ray, primitive, {}, form.info->convention().for_shape(primitive.shape), range);
     const bool has_unit_directions = form.info->direction == intersect::Direction::unit;
     return with_number(format, [&]<class T>() {
         Steps steps = StepwiseAnswers<T>(form, format, ray, primitive, range)
@@ -249,17 +249,17 @@ Levels find_lost_level(const Intersector& form, const Format& format, const Ray<
     // Takes the form apart from the outside in: a box around it, a transform, or the form itself.
     const Intersector* current = &form;
     for (;;) {
-        if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
+        if (const auto boxed_parts = intersect::bounding_box::find_boxed_parts(*current); boxed_parts.form != nullptr) {
             const BoundingBox<double> box = boxed_parts.method->compute_box(format, problem.primitive);
             levels.boxes.push_back({problem.ray, box});
             if (!evaluate_one(*boxed_parts.box, format, problem.ray, box, problem.range.tmax))
                 lose_to(problem.primitive.placed ? Level::world_box : Level::box);
             current = boxed_parts.form;
-        } else if (const auto transformed_parts = intersect::transform::transformed_parts_of(*current);
+        } else if (const auto transformed_parts = intersect::transform::find_transformed_parts(*current);
                    transformed_parts.form != nullptr) {
             if (problem.primitive.placed) {
                 problem = to_object_space(*transformed_parts.method, format, problem);
-                const auto form_convention = current->info->convention().of(primitive.shape);
+                const auto form_convention = current->info->convention().for_shape(primitive.shape);
                 if (!truth::find_truth(problem.ray, problem.primitive, {}, form_convention, problem.range).is_hit())
                     lose_to(Level::space);
             }

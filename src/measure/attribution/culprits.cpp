@@ -199,7 +199,7 @@ RayAttribution Attributor::attribute_ray(const Ray<double>& ray, const Target<do
     std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
         names = names_without_range();
-        append_range_checks(tape_, names, form_.of(target.primitives.front().shape), format_, range);
+        append_range_checks(tape_, names, form_.form_for(target.primitives.front().shape), format_, range);
     }
 
     attribution_ = attribute(tape_);

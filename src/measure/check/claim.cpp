@@ -164,7 +164,7 @@ const intersect::table::Intersector& find_form(const Claim& claim, const std::st
     for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(find_form(claim, name)));
     if (const std::string refusal = intersect::table::refusal_of_set(parts); !refusal.empty())
         scene::toml::fail(claim.where, "form \"" + form + "\": " + refusal);
-    return intersect::table::set_of(parts);
+    return intersect::table::find_or_add_set(parts);
 }
 
 }  // namespace

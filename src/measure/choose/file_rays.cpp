@@ -21,11 +21,12 @@ public:
         }
     }
 
-    scene::rays::RayGroup take(const FileTerms& terms) {
+    scene::rays::RayGroup take(const FileOptions& options) {
         sample_.rays.set_as_list();
         sample_.paired = !sample_.primitives.empty();
         if (!sample_.paired)
-            sample_.primitives = scene::rays::primitive_list_of({{}, terms.primitives, {}, false, terms.mesh}).all();
+            sample_.primitives =
+                scene::rays::primitive_list_of({{}, options.primitives, {}, false, options.mesh}).all();
         return std::move(sample_);
     }
 
@@ -50,19 +51,20 @@ private:
 
 }  // namespace
 
-FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
-    judge::JudgeRequest judge_request{.primitives = terms.primitives,
-                                      .mesh = terms.mesh,
+FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request) {
+    judge::JudgeRequest judge_request{.primitives = options.primitives,
+                                      .mesh = options.mesh,
                                       .tested_forms = request.tested_forms,
                                       .metrics = request.requirement.metrics(),
                                       .limit = request.limit};
-    judge_request.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
+    judge_request.progress = [&options](std::uint64_t, std::uint64_t bytes) { options.progress(bytes); };
 
     // The answers of the file, if it has some, are judged as a form of their own.
-    intersect::Info contract = terms.contract;
+    intersect::Info contract = options.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.representatives().front().shape;
-    const judge::FileForm answers(terms.id, shape, contract);
+    const Shape shape =
+        dump.layout().primitive() ? *dump.layout().primitive() : options.representatives().front().shape;
+    const judge::FileForm answers(options.id, shape, contract);
     if (dump.layout().has_answers()) {
         judge_request.file_answers_form = &answers.form();
         judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
@@ -78,14 +80,14 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
         });
 
     FileRays rays{
-        .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
+        .id = options.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
     for (std::size_t r = 0; r < judge_request.tested_forms.size(); ++r) {
         const FormQuality quality = to_quality(result.summaries[r], judge_request.tested_forms[r], request.requirement);
         if (judge_request.is_file_form(judge_request.tested_forms[r]))
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
         else rays.quality.push_back(quality);
     }
-    rays.sample = sampler.take(terms);
+    rays.sample = sampler.take(options);
     return rays;
 }
 

@@ -33,7 +33,7 @@ struct FileRays {
 };
 
 /// Properties of the files that their columns do not contain; the command line gives them.
-struct FileTerms {
+struct FileOptions {
     std::string id;  ///< name of the results
     /// Primitives of all rays. If there are none and no mesh, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
@@ -48,6 +48,6 @@ struct FileTerms {
 
 /// Reads the dump to its end, for the forms, requirement and limit of the request. Throws InputError as
 /// `judge::run_judge` does.
-FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request);
+FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request);
 
 }  // namespace lostbits::measure::choose

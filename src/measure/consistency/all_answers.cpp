@@ -73,7 +73,7 @@ std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const Ray
                                            const Primitive<double>& primitive) {
     std::vector<std::uint8_t> meets;
     const bool form_checks_tmax = takes_tmax(primitive.shape);
-    const bool has_both_roots = kernels.form.of(primitive.shape).info->roots == intersect::Roots::both;
+    const bool has_both_roots = kernels.form.form_for(primitive.shape).info->roots == intersect::Roots::both;
     const AllAnswers a = evaluate_all(kernels, rays, std::span(&primitive, 1));
     for (std::size_t i = 0; i < a.size(); ++i) {
         const auto is_ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };

@@ -90,7 +90,7 @@ const Intersector& form_with_matrices(const Intersector& form) {
     std::vector<const Intersector*> parts;
     for (const Intersector* const part : form.parts)
         parts.push_back(&intersect::transform::transformed_form(usual_method, *part));
-    return intersect::table::set_of(parts);
+    return intersect::table::find_or_add_set(parts);
 }
 
 /// Returns each primitive under a matrix without it, and each other primitive under a matrix. A primitive that cannot

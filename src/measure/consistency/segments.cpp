@@ -137,7 +137,7 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
         std::ranges::copy_if(
             primitives, std::back_inserter(shape_primitives),
             [&shape_row](const Primitive<double>& primitive) { return primitive.shape == shape_row.shape; });
-        const auto meets = truly_meets_shape(ray, end, shape_primitives, convention.of(shape_row.shape));
+        const auto meets = truly_meets_shape(ray, end, shape_primitives, convention.for_shape(shape_row.shape));
         if (meets == Truth::Decision::hit) return meets;
         unresolved = unresolved || meets == Truth::Decision::unresolved;
     }

@@ -61,7 +61,7 @@ std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene
         const Primitive<double> any_primitive = random_primitive(trial.shape, is_upright, random);
         const Primitive<double> primitive = i % 4 < 2 ? any_primitive : shrink_to_apex(any_primitive);
 
-        const rays::AimedPlace target = distribution.aimed_at(place_random, primitive, aim);
+        const rays::AimedPlace target = distribution.draw_target(place_random, primitive, aim);
         const double offset = i % 2 == 0 ? 0 : half_extent_of(primitive) * std::ldexp(1, -10 - i % 16);
         const Question q = draw_question_at_point(target, offset, primitive, trial.contract.bits, random);
 

@@ -366,7 +366,7 @@ Observation observe_state(const intersect::external::ForeignForm& form) {
     const std::string load_text = state_after_load.empty() ? ""
                                                            : "loading its library leaves the processor with " +
                                                                  state_after_load + ", and it runs in that state";
-    const std::string change_text = intersect::external::noted_change_of(intersect::external::name_in_messages(form));
+    const std::string change_text = intersect::external::find_noted_change(intersect::external::name_in_messages(form));
     if (!change_text.empty())
         return {"state", Observation::Verdict::broken, change_text + (load_text.empty() ? "" : "; " + load_text)};
     if (!load_text.empty())

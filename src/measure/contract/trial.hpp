@@ -124,7 +124,7 @@ struct HitOrMiss {
 /// Truth of a question by a contract. Directions have unit length if the contract says so.
 inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Question& question) {
     const truth::Truth ray_truth = truth::find_truth(question.ray, primitive_of(question, contract.shape), {},
-                                                     intersect::external::info_of(contract).convention(),
+                                                     intersect::external::make_info(contract).convention(),
                                                      {.tmin = question.start, .tmax = question.end});
     if (!ray_truth.is_hit()) return {};
     const truth::Certified& t = contract.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;

@@ -149,8 +149,9 @@ std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups)
         return g.primitives.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
                g.primitives[0].shape == groups[0].primitives[0].shape &&
                g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
-               g.rays.tmax.empty() == groups[0].rays.tmax.empty() && g.rays.open.tmin == groups[0].rays.open.tmin &&
-               g.rays.open.tmax == groups[0].rays.open.tmax;
+               g.rays.tmax.empty() == groups[0].rays.tmax.empty() &&
+               g.rays.open_ends.tmin == groups[0].rays.open_ends.tmin &&
+               g.rays.open_ends.tmax == groups[0].rays.open_ends.tmax;
     };
     if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, can_be_joined))
         return std::nullopt;

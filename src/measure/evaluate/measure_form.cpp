@@ -290,7 +290,7 @@ private:
         Sample sample = plain_sample_of(i, ray);
         sample.true_t = in_unit_of(ray_truth, *row_.form->info);
         sample.primitive = &primitive;
-        sample.weights = row_.form->of(primitive.shape).info->weights;
+        sample.weights = row_.form->form_for(primitive.shape).info->weights;
         return sample;
     }
 

@@ -64,7 +64,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     // The levels of the boxes around the primitive that the ray truly meets.
     if ((needs & metric::needs_levels) && true_primitive >= 0) {
         const Primitive<double> hit_primitive = inputs.primitives[static_cast<std::size_t>(true_primitive)];
-        const intersect::table::Intersector& part_form = form.of(hit_primitive.shape);
+        const intersect::table::Intersector& part_form = form.form_for(hit_primitive.shape);
         if (intersect::bounding_box::has_box(part_form))
             levels_ = answer::find_lost_level(part_form, tested_form.format, ray, hit_primitive, rays.range(i));
     }
@@ -72,7 +72,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     // The margin at the end of the ray, and the steps, for the tested primitive.
     if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
     const Primitive<double> tested_primitive = inputs.primitives[primitive];
-    const intersect::table::Intersector& part_form = form.of(tested_primitive.shape);
+    const intersect::table::Intersector& part_form = form.form_for(tested_primitive.shape);
     if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part_form))
         end_margin_ = answer::end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
     if (!(needs & metric::needs_steps)) return;

@@ -211,7 +211,7 @@ private:
         const truth::Truth& ray_truth = piece.band->truth(i, file_form().convention());
         if (ray_truth.is_hit()) return ray_truth.primitive;
 
-        const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
+        const Vec<double> p = intersect::sdf::point_on_ray(chunk.rays[i], chunk.t[i]);
         const auto distance = [this, &p](std::size_t s) {
             return std::fabs(intersect::table::distance(primitives_[s], p));
         };

@@ -222,9 +222,9 @@ private:
     /// divided by that factor here.
     void compute_object_point(StrategyInput<T>& strategy_input) const {
         const auto& steps = intersect::transform::step_functions<T>(
-            *intersect::transform::transformed_parts_of(
+            *intersect::transform::find_transformed_parts(
                  intersect::bounding_box::without_world_boxes(
-                     work_.tested_form_.form->of(strategy_input.primitive.shape)))
+                     work_.tested_form_.form->form_for(strategy_input.primitive.shape)))
                  .method);
 
         // The ray, the point and the normal in object space.
@@ -342,7 +342,7 @@ private:
     /// as a new hit, not as a self-hit.
     void find_faults_by_form(std::vector<NewRay>& new_rays, Side side) const {
         const intersect::Info &info = *work_.tested_form_.form->info,
-                              &part_info = *work_.tested_form_.form->of(departed_primitive().shape).info;
+                              &part_info = *work_.tested_form_.form->form_for(departed_primitive().shape).info;
 
         // The rays in the format, of unit length for a form that needs it.
         scene::rays::RayBlock rays;

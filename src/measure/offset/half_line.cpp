@@ -47,7 +47,7 @@ template <class E, ComparableSpan<E> S>
 std::optional<Meeting> try_meeting(const S& s) {
     const Fraction<E> start{E(0), E(1)};
     const auto enters = s.compare_entry(start), leaves = s.compare_exit(start);
-    const Tri open = s.is_open(), closed = s.is_hit();
+    const Tri open = s.meets_open(), closed = s.meets_closed();
     const Tri inside = open && enters.less && !leaves.at_most;
     const Tri outside = !closed || !enters.at_most || leaves.less;
     const Tri meets = open && !leaves.at_most;
@@ -153,7 +153,7 @@ std::optional<bool> segment_meets(const QuarticSpan<E>& s) {
 template <class E, ComparableSpan<E> S>
 std::optional<bool> segment_meets(const S& s) {
     const Fraction<E> start{E(0), E(1)}, end{E(1), E(1)};
-    const Tri hit = s.is_open() && !s.compare_exit(start).at_most && s.compare_entry(end).less;
+    const Tri hit = s.meets_open() && !s.compare_exit(start).at_most && s.compare_entry(end).less;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 

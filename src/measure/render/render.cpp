@@ -146,8 +146,8 @@ private:
     template <class T>
     [[nodiscard]] Vec<T> normal_under_matrix(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
         const auto& steps = intersect::transform::step_functions<T>(
-            *intersect::transform::transformed_parts_of(
-                 intersect::bounding_box::without_world_boxes(row_.form->of(primitive.shape)))
+            *intersect::transform::find_transformed_parts(
+                 intersect::bounding_box::without_world_boxes(row_.form->form_for(primitive.shape)))
                  .method);
         const auto maps = steps.maps(*primitive.placed);
         const auto object_ray = steps.to_object(maps, lift_ray<T>(ray));

@@ -218,7 +218,7 @@ FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, 
 
 std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedForm& tested_form) {
     std::vector<evaluate::TestedForm> tested_forms;
-    const auto parts = intersect::transform::transformed_parts_of(*tested_form.form);
+    const auto parts = intersect::transform::find_transformed_parts(*tested_form.form);
     for (const auto& form : intersect::table::catalogue()) {
         if (form.shape != tested_form.form->shape || !form.exists_in(tested_form.format)) continue;
         tested_forms.push_back(

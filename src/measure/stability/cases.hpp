@@ -44,7 +44,7 @@ public:
         const unsigned yes_signs = or_equal ? below | zero : below;
         unsigned possible = below | zero | above;
         for (const KnownSign& known : known_)
-            if (const int k = known.x.is_multiple_of(x); k != 0)
+            if (const int k = known.x.compare_up_to_sign(x); k != 0)
                 possible &= k > 0 ? known.signs : mirror_signs(known.signs);
         if ((possible & ~yes_signs) == 0) return Tri::yes;
         if ((possible & yes_signs) == 0) return Tri::no;

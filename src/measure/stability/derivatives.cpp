@@ -95,7 +95,7 @@ bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, c
     const auto is_near = [&](double other) { return std::fabs(t - other) <= std::fabs(other - true_t) / 4; };
     // Just beyond the true t, by more than the rounding of a truth to double can move it.
     const double after_true_t = true_t * (1 + 0x1p-50);
-    if (any_crossing(ray, primitive, {.tmin = after_true_t, .open = {.tmin = true}}, is_near)) return true;
+    if (any_crossing(ray, primitive, {.tmin = after_true_t, .open_ends = {.tmin = true}}, is_near)) return true;
     const Ray<double> backward_ray{ray.origin, -ray.direction};
     return any_crossing(backward_ray, primitive, {}, [&](double other) { return other != true_t && is_near(-other); });
 }

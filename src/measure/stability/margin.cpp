@@ -114,15 +114,16 @@ bool stays_positive(const QuadraticAt<Near>& start, const Near& a, const Near& s
 /// True if no line of all problems meets the part of a quadric between the planes. If the line runs along the axis, or
 /// past a rim, the enclosures leave several signs open that no single problem has together.
 bool misses(const CappedSpan<Near>& s) {
-    if (!s.crossed.is_yes() || !(s.at_entry.value.lowest() > 0 && s.at_exit.value.lowest() > 0)) return false;
-    const Near step = s.exit.n - s.entry.n;
-    const QuadraticAt<Near> back{s.at_exit.value, -s.at_exit.half_slope};
-    return stays_positive(s.at_entry, s.side.a, step) || stays_positive(back, s.side.a, step);
+    if (!s.crossed.is_yes() || !(s.at_planes_entry.value.lowest() > 0 && s.at_planes_exit.value.lowest() > 0))
+        return false;
+    const Near step = s.planes_exit.n - s.planes_entry.n;
+    const QuadraticAt<Near> back{s.at_planes_exit.value, -s.at_planes_exit.half_slope};
+    return stays_positive(s.at_planes_entry, s.side.a, step) || stays_positive(back, s.side.a, step);
 }
 /// Lines that run inside a tube from plane to plane miss it, too.
 bool misses(const WallSpan<Near>& s) {
-    const auto& [entry, exit] = std::pair(s.primitive.at_entry.value, s.primitive.at_exit.value);
-    return s.primitive.crossed.is_yes() && entry.highest() < 0 && exit.highest() < 0 ? true : misses(s.primitive);
+    const auto& [at_entry, at_exit] = std::pair(s.primitive.at_planes_entry.value, s.primitive.at_planes_exit.value);
+    return s.primitive.crossed.is_yes() && at_entry.highest() < 0 && at_exit.highest() < 0 ? true : misses(s.primitive);
 }
 /// A line misses a ball if the discriminant is below zero.
 bool misses(const QuadraticSpan<Near>& s) { return s.q.highest() < 0; }

@@ -180,7 +180,7 @@ public:
                    intersect::Convention convention, Range<double> range)
         : neighbours_(ray, primitive, perturbed) {
         if (convention.endless) range.tmax = HUGE_VAL;
-        convention_ = convention_in(range, convention.of(primitive.shape));
+        convention_ = convention_in(range, convention.for_shape(primitive.shape));
         range_in_world_ = range;
         range.tmin = to_problem_units(range.tmin);
         range.tmax = to_problem_units(range.tmax);

@@ -48,7 +48,7 @@ struct RawProblems {
     bool two_words;                                       ///< true if there are second words; always false for floats
     RawColumn<S> tmin, tmax;
     bool has_ranges;  ///< if false, tmin is 0 and tmax infinite for every ray
-    OpenEnds open;
+    OpenEnds open_ends;
     MatrixKind matrix;
     RawFindings out;
     std::size_t size;

@@ -74,8 +74,8 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const Spa
     const E zero(0);
     const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
     const auto outside = begin.value > zero, inside = begin.value < zero;
-    const auto near_in_range = entry_in_time(end.near_root(), range),
-               far_in_range = is_before_range_end(end.far_root(), range);
+    const auto near_in_range = entry_in_time(end.compare_near_root(), range),
+               far_in_range = is_before_range_end(end.compare_far_root(), range);
     const auto hits_far = inside.yes() && far_in_range.yes();
     const auto hits_near = outside.yes() && (begin.half_slope < zero).yes() && near_in_range.yes();
     const auto hit = (s.q > zero).yes() && (hits_near || hits_far);
@@ -186,7 +186,7 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const SpanRang
     using E = Running<W>;
     using Quick = ByFirstWord<W>;
     const auto [slabs, is_precise] = quick_slabs(s);
-    const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
+    const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open_ends};
     const SlabHit<Quick> in = slab_hit(slabs, quick_range);
     const Fraction<Quick> entry = largest_entry(slabs, quick_range);
     const auto at_begin = compare_entries_with_begin(slabs, quick_range).at_most.yes();
@@ -244,7 +244,7 @@ template <class W>
 SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_span_hit_of_wall<E>(s, Start(), {always, always});
+    return first_span_hit_of_wall<E>(s, RayOrigin(), {always, always});
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
@@ -269,8 +269,8 @@ BoundaryHit<Running<W>> boundary_hit(const CappedSpan<Running<W>>& s, const mask
     const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
     const auto by_side = (!far && near_cap.no()) || (far && far_cap.no());
     const Fraction<E> root = fraction_of_root(s.side, far, (s.side.h > E(0)).yes());
-    return {by_cap || by_side,
-            select(by_cap, select(far, s.exit.n, s.entry.n), root.n) / select(by_cap, s.entry.m, root.m)};
+    return {by_cap || by_side, select(by_cap, select(far, s.planes_exit.n, s.planes_entry.n), root.n) /
+                                   select(by_cap, s.planes_entry.m, root.m)};
 }
 template <class W>
 BoundaryHit<Running<W>> boundary_hit(const JoinedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
@@ -288,10 +288,10 @@ SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& 
                                const mask_t<E>& exit_in_range) {
     using P = typename E::P;
     const auto enters = s.compare_entry(begin), leaves = s.compare_exit(begin);
-    const auto open = s.is_open().yes() && leaves.at_most.no(), no_lane = P(0) < P(0);
+    const auto open = s.meets_open().yes() && leaves.at_most.no(), no_lane = P(0) < P(0);
     const auto hits_near = open && enters.at_most.no() && entry_in_range.yes();
     const auto hits_far = open && enters.less.yes() && exit_in_range.yes();
-    const auto missed = s.is_hit().no() || leaves.less.yes() || (enters.at_most.no() && entry_in_range.no()) ||
+    const auto missed = s.meets_closed().no() || leaves.less.yes() || (enters.at_most.no() && entry_in_range.no()) ||
                         (enters.less.yes() && exit_in_range.no());
     if (is_unset(hits_near || hits_far)) return {no_lane, missed, no_lane, E(1)};
     const BoundaryHit<E> boundary = boundary_hit(s, hits_far);
@@ -301,7 +301,7 @@ template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(const Span<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_span_hit_from<E>(s, Start(), always, always);
+    return first_span_hit_from<E>(s, RayOrigin(), always, always);
 }
 
 /// Answer of `truth::enclose` for a ray with a range.

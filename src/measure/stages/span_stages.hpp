@@ -90,13 +90,13 @@ mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
 /// Returns the range from tmin to tmax. If it does not contain more than one t, `proper` becomes false, and nothing is
 /// proved.
 template <class E, class P = typename E::P>
-SpanRange<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
+SpanRange<E> range_of(const P& tmin, const P& tmax, OpenEnds open_ends, mask_t<P>& proper) {
     const auto is_endless = tmax >= P(HUGE_VAL);
     proper = proper && tmin >= P(0) && tmin < P(HUGE_VAL) && tmin < tmax;
     const auto exact_number = [](const P& x) { return E(std::remove_cvref_t<decltype(std::declval<E>().words())>(x)); };
     return {exact_number(tmin),
             {exact_number(select(is_endless, P(1), tmax)), exact_number(select(is_endless, P(0), P(1)))},
-            open};
+            open_ends};
 }
 
 /// Results that are requested for all problems. `has_ranges` is true if the rays have ranges; `t` and `distance` are

@@ -9,7 +9,7 @@ namespace lostbits::measure::stages {
 /// Findings that the inputs `word(k)` prove. An input of one word is exact; an input of two words is within
 /// `input_error` of their sum.
 template <template <class> class ShapeOver, class W, class Word>
-auto settle_inputs(const StageTerms& terms, const Word& word) {
+auto settle_inputs(const StageKey& key, const Word& word) {
     using E = Running<W>;
     using P = typename E::P;
     using Shape = ShapeOver<E>;
@@ -17,7 +17,7 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
         using lostbits::abs;
         const P x = word(input);
         if constexpr (!std::is_same_v<W, P>)
-            if (terms.two_words) return E(W(x, word(low)), P(input_error) * abs(x));
+            if (key.two_words) return E(W(x, word(low)), P(input_error) * abs(x));
         return E(W(x));
     };
 
@@ -32,18 +32,18 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
     for (std::size_t k = 0; k < numbers_of<Shape>; ++k) problem.primitive[k] = primitive_number(k);
 
     // Takes it to the object space of a matrix.
-    if (terms.matrix.placed) {
+    if (key.matrix.placed) {
         const auto map = Affine<E>::of([&](std::size_t k) { return primitive_number(most_numbers + k); });
-        const auto object_map = ObjectSpaceMap<Shape, E>::of(problem.primitive, map, terms.matrix);
+        const auto object_map = ObjectSpaceMap<Shape, E>::of(problem.primitive, map, key.matrix);
         problem = {object_map.ray(problem.ray), object_map.primitive, problem.d2, object_map.proper};
     } else {
         problem.proper = is_proper<Shape>(problem.primitive);
     }
 
     const auto range = [&](mask_t<P>& proper) {
-        return range_of<E>(word(input_of_tmin), word(input_of_tmax), terms.open, proper);
+        return range_of<E>(word(input_of_tmin), word(input_of_tmax), key.open_ends, proper);
     };
-    return settle_shape(problem, {terms.has_ranges, terms.t, terms.distance}, range);
+    return settle_shape(problem, {key.has_ranges, key.wants_t, key.wants_distance}, range);
 }
 
 }  // namespace lostbits::measure::stages

@@ -11,10 +11,10 @@ using number::wide::ColumnRecorder;
 using number::wide::ColumnWords;
 
 template <template <class> class ShapeOver, ColumnWords W>
-number::wide::ColumnProgram record(const StageTerms& terms) {
-    ColumnRecorder recorder(terms.words, stage_inputs);
+number::wide::ColumnProgram record(const StageKey& key) {
+    ColumnRecorder recorder(key.words, stage_inputs);
     const auto word = [](std::size_t input) { return ColumnWord::at(static_cast<ColumnIndex>(input)); };
-    const Finding<ColumnWord> found = settle_inputs<ShapeOver, W>(terms, word);
+    const Finding<ColumnWord> found = settle_inputs<ShapeOver, W>(key, word);
     std::vector<ColumnIndex> outputs{found.settled.index(), found.hit.index()};
     for (const auto* const x : {&found.t, &found.distance})
         for (const ColumnWord& part : {x->middle.hi, x->middle.lo, x->bound}) outputs.push_back(part.index());
@@ -23,12 +23,11 @@ number::wide::ColumnProgram record(const StageTerms& terms) {
 
 }  // namespace
 
-number::wide::ColumnProgram record_stage(const StageTerms& terms) {
+number::wide::ColumnProgram record_stage(const StageKey& key) {
     number::wide::ColumnProgram program;
     Primitives::each([&]<template <class> class ShapeOver>() {
-        if (shape_as<ShapeOver> != terms.shape) return;
-        program =
-            terms.words == 1 ? record<ShapeOver, ColumnWord>(terms) : record<ShapeOver, TwoWords<ColumnWord>>(terms);
+        if (shape_as<ShapeOver> != key.shape) return;
+        program = key.words == 1 ? record<ShapeOver, ColumnWord>(key) : record<ShapeOver, TwoWords<ColumnWord>>(key);
     });
     return program;
 }

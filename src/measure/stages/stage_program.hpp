@@ -1,5 +1,5 @@
 // Records the stage of a shape as a column program, which computes the span of the shape and the first t at which a ray
-// meets it. A program is recorded once for all batches with the same terms.
+// meets it. A program is recorded once for all batches with the same `StageKey`.
 #pragma once
 
 #include <compare>
@@ -20,18 +20,18 @@ inline constexpr std::size_t input_of_ray = 0, input_of_primitive = 6,
 inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, output_distance = 5;
 
 /// Properties that all problems of a batch have in common, as far as their program depends on them.
-struct StageTerms {
+struct StageKey {
     Shape shape;
     int words;       ///< number of words of each computed number: 1 or 2
     bool two_words;  ///< true if each input has two words
     MatrixKind matrix;
     bool has_ranges;
-    OpenEnds open;
-    bool t, distance;  ///< true for the lengths that are requested
+    OpenEnds open_ends;
+    bool wants_t, wants_distance;
 
-    friend auto operator<=>(const StageTerms&, const StageTerms&) = default;
+    friend auto operator<=>(const StageKey&, const StageKey&) = default;
 };
 
-number::wide::ColumnProgram record_stage(const StageTerms& terms);
+number::wide::ColumnProgram record_stage(const StageKey& key);
 
 }  // namespace lostbits::measure::stages

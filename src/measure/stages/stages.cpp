@@ -39,23 +39,23 @@ const RawStages& kernels_at(Isa isa) {
 /// Cache of programs that are ready to run. The first use of a program records it.
 class RunCache {
 public:
-    static const ColumnRun& of(const StageTerms& terms, const RawStages& kernels, std::uint64_t shared_inputs) {
+    static const ColumnRun& of(const StageKey& key, const RawStages& kernels, std::uint64_t shared_inputs) {
         static RunCache cache;
-        const Key key(terms, &kernels, shared_inputs);
+        const RunKey run_key(key, &kernels, shared_inputs);
         {
             const std::shared_lock lock(cache.mutex_);
-            const auto known = cache.runs_.find(key);
+            const auto known = cache.runs_.find(run_key);
             if (known != cache.runs_.end()) return *known->second;
         }
-        auto run = std::make_unique<ColumnRun>(record_stage(terms), kernels.columns, shared_inputs);
+        auto run = std::make_unique<ColumnRun>(record_stage(key), kernels.columns, shared_inputs);
         const std::unique_lock lock(cache.mutex_);
-        return *cache.runs_.try_emplace(key, std::move(run)).first->second;
+        return *cache.runs_.try_emplace(run_key, std::move(run)).first->second;
     }
 
 private:
-    using Key = std::tuple<StageTerms, const RawStages*, std::uint64_t>;
+    using RunKey = std::tuple<StageKey, const RawStages*, std::uint64_t>;
     std::shared_mutex mutex_;
-    std::map<Key, std::unique_ptr<ColumnRun>> runs_;
+    std::map<RunKey, std::unique_ptr<ColumnRun>> runs_;
 };
 
 /// Sets bit k if input k is the same number for every problem, or is missing.
@@ -81,15 +81,15 @@ void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
     if constexpr (std::is_same_v<S, double>) {
         if (arithmetic == Arithmetic::exact_sums) return kernels->ties[static_cast<std::size_t>(shape)](problems);
     }
-    const StageTerms terms{.shape = shape,
-                           .words = arithmetic == Arithmetic::one_word ? 1 : 2,
-                           .two_words = problems.two_words,
-                           .matrix = problems.matrix.placed ? problems.matrix : MatrixKind{},
-                           .has_ranges = problems.has_ranges,
-                           .open = problems.has_ranges ? problems.open : OpenEnds{},
-                           .t = problems.out.t.hi != nullptr,
-                           .distance = problems.out.distance.hi != nullptr};
-    RunCache::of(terms, *kernels, shared_inputs_of(problems))(problems);
+    const StageKey key{.shape = shape,
+                       .words = arithmetic == Arithmetic::one_word ? 1 : 2,
+                       .two_words = problems.two_words,
+                       .matrix = problems.matrix.placed ? problems.matrix : MatrixKind{},
+                       .has_ranges = problems.has_ranges,
+                       .open_ends = problems.has_ranges ? problems.open_ends : OpenEnds{},
+                       .wants_t = problems.out.t.hi != nullptr,
+                       .wants_distance = problems.out.distance.hi != nullptr};
+    RunCache::of(key, *kernels, shared_inputs_of(problems))(problems);
 }
 template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
 template void ShapeStage<double>::operator()(const RawProblems<double>&) const;

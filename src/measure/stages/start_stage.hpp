@@ -14,11 +14,11 @@
 
 namespace lostbits::measure::stages {
 
-/// Selects shapes with a polynomial of degree four along a ray (`along`) and the usual convention.
+/// Selects shapes with a polynomial of degree four along a ray (`polynomial_along`) and the usual convention.
 template <class S>
 inline constexpr bool is_quartic_along = false;
 template <template <class> class ShapeOver, class E>
-requires requires(const ShapeOver<E>& shape, const Ray<E>& ray) { shape.along(ray); }
+requires requires(const ShapeOver<E>& shape, const Ray<E>& ray) { shape.polynomial_along(ray); }
 inline constexpr bool is_quartic_along<ShapeOver<E>> = true;
 
 /// Two words of a dyadic number of any length, and their bound. If the number is outside the range of `is_close`, the
@@ -51,8 +51,8 @@ template <template <class> class ShapeOver, class P, std::size_t count>
     // The value does not depend on the direction, and products with zero cost no time.
     const auto exact_direction = [&](std::size_t k) { return with_slope ? exact_number(k) : D(0.0); };
     const auto g = primitive_from<ShapeOver, D>([&](std::size_t k) { return exact_number(6 + k); })
-                       .along({{exact_number(0), exact_number(1), exact_number(2)},
-                               {exact_direction(3), exact_direction(4), exact_direction(5)}});
+                       .polynomial_along({{exact_number(0), exact_number(1), exact_number(2)},
+                                          {exact_direction(3), exact_direction(4), exact_direction(5)}});
     out[0] = words_of(g.c[0]);
     if (with_slope) out[1] = words_of(g.c[1]);
 }
@@ -247,7 +247,7 @@ template <template <class> class ShapeOver, class P, std::size_t count>
     const auto proper = is_proper<ShapeOver<E>>(numbers) && (span.d2 > zero).yes() &&
                         sum_of_sizes(ray[0], ray[1], ray[2]) < P(HUGE_VAL);
 
-    Polynomial<E> g = shape.along(line);
+    Polynomial<E> g = shape.polynomial_along(line);
     const auto is_rough = [](const E& x, double most) { return !(x.radius() <= P(most) * abs(x.first())); };
     make_exact<ShapeOver>(problems, is_rough(g.c[0], 0x1p-78), is_rough(g.c[1], 0x1p-60), g);
     const auto at_origin = (g.c[0] <= zero).yes() && (g.c[0] >= zero).yes();

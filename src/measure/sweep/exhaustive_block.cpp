@@ -160,7 +160,7 @@ private:
 class TestedBox {
 public:
     explicit TestedBox(const evaluate::TestedForm& tested_form)
-        : row_(tested_form), boxed_parts_(intersect::bounding_box::boxed_parts_of(*tested_form.form)) {}
+        : row_(tested_form), boxed_parts_(intersect::bounding_box::find_boxed_parts(*tested_form.form)) {}
 
     [[nodiscard]] bool has_box() const {
         return row_.form->shape == bounding_box_shape || boxed_parts_.form != nullptr;
@@ -190,7 +190,7 @@ private:
 
 /// Rows that are compared with the same truth.
 struct FormsWithTruth {
-    truth::ColumnTerms terms;
+    truth::TruthOptions options;
     std::vector<std::size_t> rows = {};
 };
 
@@ -199,13 +199,13 @@ std::vector<FormsWithTruth> group_rows_by_truth(const ExhaustiveRequest& request
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const evaluate::TestedForm& tested_form = request.tested_forms[r];
         const bool takes_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
-        const truth::ColumnTerms terms{tested_form.convention(),
-                                       takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
-                                       truth::Tightness::ulps_of_binary32, request.limit};
+        const truth::TruthOptions options{tested_form.convention(),
+                                          takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
+                                          truth::Tightness::ulps_of_binary32, request.limit};
         auto group = std::ranges::find_if(groups, [&](const FormsWithTruth& g) {
-            return g.terms.convention == terms.convention && g.terms.length == terms.length;
+            return g.options.convention == options.convention && g.options.length == options.length;
         });
-        if (group == groups.end()) group = groups.insert(groups.end(), {terms});
+        if (group == groups.end()) group = groups.insert(groups.end(), {options});
         group->rows.push_back(r);
     }
     return groups;
@@ -224,7 +224,7 @@ public:
           boxes_(request.tested_forms.begin(), request.tested_forms.end()),
           tallies_(request.tested_forms.size()),
           refinements_left_(request.tested_forms.size(), max_refined_floats) {
-        for (const FormsWithTruth& group : groups_) ulps_.emplace_back(columns_, group.terms);
+        for (const FormsWithTruth& group : groups_) ulps_.emplace_back(columns_, group.options);
     }
 
     /// Adds the floats of the next chunk to the tallies. The truth is found once for all rows that share it.
@@ -235,7 +235,7 @@ public:
 
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             request_.limit.stop.check();
-            find_truth_columns(columns_.problems(), groups_[g].terms, truths_);
+            find_truth_columns(columns_.problems(), groups_[g].options, truths_);
             stages += truths_.stages;
             for (const std::size_t form_index : groups_[g].rows) add_answers(form_index, ulps_[g], chunk);
         }

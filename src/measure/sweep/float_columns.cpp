@@ -61,9 +61,10 @@ truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values
     return columns;
 }
 
-truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& terms) const {
+truth::Truth AxisColumns::find_truth(std::size_t i, const truth::TruthOptions& options) const {
     const scene::rays::RayGroup group = file_.group_at(ray_, values_[i]);
-    return truth::find_truth(group.rays[0], group.primitives[0], terms.limit, terms.convention, group.rays.range(0));
+    return truth::find_truth(group.rays[0], group.primitives[0], options.limit, options.convention,
+                             group.rays.range(0));
 }
 
 /// Computes the directions for forms of unit directions, in the same way as maps do.
@@ -243,7 +244,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     // Columns cannot hold a length beyond 2^±900.
     for (const auto& [i, complete_truth] : truth.single_truths) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
-        const auto& length = terms_.length == truth::Length::parameter ? complete_truth.t : complete_truth.distance;
+        const auto& length = options_.length == truth::Length::parameter ? complete_truth.t : complete_truth.distance;
         set_exact_error(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
     }
 
@@ -256,9 +257,9 @@ void UlpColumns::set_exact_error(std::size_t i, double ulps) { low_[i] = high_[i
 void UlpColumns::refine(std::span<const std::size_t> indices) {
     std::vector<float> values(indices.size());
     std::ranges::transform(indices, values.begin(), [&](std::size_t i) { return columns_.values()[i]; });
-    truth::ColumnTerms terms = terms_;
-    terms.tightness = truth::Tightness::certified;
-    find_truth_columns(columns_.problems(values), terms, refined_truths_);
+    truth::TruthOptions options = options_;
+    options.tightness = truth::Tightness::certified;
+    find_truth_columns(columns_.problems(values), options, refined_truths_);
     for (std::size_t k = 0; k < indices.size(); ++k) {
         const std::size_t i = indices[k];
         if (std::isnan(refined_truths_.hi[k]) || std::isinf(t_[i])) continue;
@@ -270,8 +271,8 @@ void UlpColumns::refine(std::span<const std::size_t> indices) {
 }
 
 double UlpColumns::find_exact_error(std::size_t i) {
-    const truth::Truth truth = columns_.find_truth(i, terms_);
-    const auto& length = terms_.length == truth::Length::parameter ? truth.t : truth.distance;
+    const truth::Truth truth = columns_.find_truth(i, options_);
+    const auto& length = options_.length == truth::Length::parameter ? truth.t : truth.distance;
     const double ulps = truth::ulp_error(static_cast<double>(t_[i]), length, binary32);
     set_exact_error(i, ulps);
     return ulps;

@@ -26,7 +26,7 @@ public:
     /// Problems at these floats, which may be other floats than those that were set.
     [[nodiscard]] truth::ProblemColumns<float> problems(std::span<const float> values) const;
     /// Complete truth of float i.
-    [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
+    [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::TruthOptions& options) const;
 
     /// Writes the answers of a form at each float; each `hit` is 0 or 1.
     void answer(const evaluate::TestedForm& tested_form, std::span<float> t, std::span<std::uint8_t> hit);
@@ -64,7 +64,7 @@ class UlpColumns {
 public:
     using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_primitive>;
 
-    UlpColumns(const AxisColumns& columns, const truth::ColumnTerms& terms) : columns_(columns), terms_(terms) {}
+    UlpColumns(const AxisColumns& columns, const truth::TruthOptions& options) : columns_(columns), options_(options) {}
     /// Compares the answers of a form with the truth of the same floats.
     void compare(std::span<const float> t, std::span<const std::uint8_t> hit, const truth::TruthColumns& truth);
 
@@ -90,7 +90,7 @@ private:
     void set_exact_error(std::size_t i, double ulps);
 
     const AxisColumns& columns_;
-    truth::ColumnTerms terms_;
+    truth::TruthOptions options_;
     std::span<const float> t_;
     std::vector<std::uint8_t> outcome_;
     std::vector<double> low_, high_;

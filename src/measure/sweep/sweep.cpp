@@ -14,7 +14,7 @@ namespace lostbits::measure::sweep {
 using answer::Outcome;
 using evaluate::FormSummary;
 using evaluate::TestedForm;
-using intersect::Stop;
+using intersect::StopReason;
 using metric::Metric;
 
 namespace {
@@ -74,7 +74,7 @@ void add_wrong_decisions(std::vector<Event>& events) {
 
 /// Adds each reason for which a march stops other than a hit, from one ray on.
 void add_stops(std::vector<Event>& events, std::size_t stop_index) {
-    for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
+    for (const StopReason stop_reason : {StopReason::max_dist, StopReason::max_steps, StopReason::stagnated}) {
         const auto stop_category = static_cast<std::size_t>(stop_reason);
         events.push_back({std::string(intersect::stop_names[stop_category]), "count", 1,
                           [stop_index, stop_category](const FormSummary& summary) {

@@ -228,7 +228,7 @@ private:
             p.numbers[i] = rounding::to_format(p.numbers[i], 0, format);
         const Primitive<double> primitive = p.primitive(file_.shape);
         if (broken_limit(primitive)) return;
-        const scene::rays::AimedPlace feature = aimed_at_(random_, primitive, *file_.aim);
+        const scene::rays::AimedPlace feature = draw_target_(random_, primitive, *file_.aim);
         const Vec<double> random_direction = scene::rays::draw_direction(random_),
                           d = feature.along.value_or(random_direction);
         const double half_extent = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
@@ -302,8 +302,9 @@ private:
     const WorstRequest& request_;
     const scene::sweep::SearchFile& file_;
     const evaluate::TestedForm& row_;
-    decltype(scene::sweep::DistributionRow::aimed_at) aimed_at_ =
-        std::ranges::find(scene::sweep::distributions(), file_.shape, &scene::sweep::DistributionRow::shape)->aimed_at;
+    decltype(scene::sweep::DistributionRow::draw_target) draw_target_ =
+        std::ranges::find(scene::sweep::distributions(), file_.shape, &scene::sweep::DistributionRow::shape)
+            ->draw_target;
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;

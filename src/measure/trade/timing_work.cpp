@@ -53,7 +53,7 @@ std::span<const RaySet> ray_sets(Shape shape) {
 }
 
 RayPool ray_pool(Shape shape) {
-    const scene::rays::HitsAndMisses rays = distribution_of(shape).timed();
+    const scene::rays::HitsAndMisses rays = distribution_of(shape).draw_timed_rays();
     return {rays.hits.primitives.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
 }
 

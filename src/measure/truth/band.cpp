@@ -120,7 +120,9 @@ namespace {
 
 template <class S>
 Ray<double> to_double_ray(const Ray<S>& ray) {
-    const auto vector_in_double = [](const Vec<S>& v) { return Vec<double>(word_of(v.x), word_of(v.y), word_of(v.z)); };
+    const auto vector_in_double = [](const Vec<S>& v) {
+        return Vec<double>(nearest_double(v.x), nearest_double(v.y), nearest_double(v.z));
+    };
     return {vector_in_double(ray.origin), vector_in_double(ray.direction)};
 }
 
@@ -202,7 +204,7 @@ bool Band::may_differ(std::size_t i, Convention convention) const {
 
 bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     if (convention.by_shape)
-        return std::ranges::any_of(all_shapes, [&](Shape shape) { return may_differ(i, convention.of(shape)); });
+        return std::ranges::any_of(all_shapes, [&](Shape shape) { return may_differ(i, convention.for_shape(shape)); });
 
     const bool has_ranges = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && has_ranges) return true;
@@ -363,7 +365,7 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
     const Length length = length_of(direction);
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = primitives[static_cast<std::size_t>(truth.primitive)];
-        return round_truth(truth, ray, primitive, format, length, convention.of(primitive.shape), range(i));
+        return round_truth(truth, ray, primitive, format, length, convention.for_shape(primitive.shape), range(i));
     });
 }
 

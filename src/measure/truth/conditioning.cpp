@@ -214,7 +214,7 @@ double Band::measure_condition(std::size_t i, Truth::Decision decision, int prim
     if (decision != Truth::Decision::hit) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = primitives[static_cast<std::size_t>(primitive_index)];
-        return lostbits::measure::truth::condition(ray, primitive, convention.of(primitive.shape), range(i));
+        return lostbits::measure::truth::condition(ray, primitive, convention.for_shape(primitive.shape), range(i));
     });
 }
 
@@ -241,7 +241,7 @@ double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention con
         const Certified& answer = length == Length::distance ? ray_truth.distance : ray_truth.t;
         const double tmin = range(i).tmin;
         const bool begins_inside =
-            tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.of(primitive.shape).inside) &&
+            tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.for_shape(primitive.shape).inside) &&
             std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent)) == tmin;
         return lostbits::measure::truth::reach(ray, primitive, answer, length, format, perturbed,
                                                begins_inside ? AnswerFaces::entered_faces : AnswerFaces::every_face);

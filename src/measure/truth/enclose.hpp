@@ -126,9 +126,9 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullp
     Enclosed<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
     if (!found.hit.is_yes()) return found;
     const QuadraticAt<E> end = quadratic_at(s, range->end);
-    const Order<Tri> entry = end.near_root();
+    const Order<Tri> entry = end.compare_near_root();
     if (found.crossing != Crossing::begin)
-        found.hit = is_before_range_end(found.crossing == Crossing::near ? entry : end.far_root(), *range);
+        found.hit = is_before_range_end(found.crossing == Crossing::near ? entry : end.compare_far_root(), *range);
     if (found.hit.is_yes() && entry.less.is_unknown()) found.hit = Tri::unknown;
     found.touching = found.hit.is_yes() && (found.touching || entry.less.is_no());
     return found;
@@ -270,7 +270,7 @@ Enclosed<E> enclose_crossing(const CappedSpan<E>& s, Crossing crossing, bool tou
     const Tri by_cap = is_entry ? s.enters_by_cap() : s.leaves_by_cap();
     if (by_cap.is_unknown()) return {Tri::unknown};
     if (by_cap.is_no()) return enclose_root(s.side, crossing, touching, on_surface);
-    const Fraction<E>& cap = is_entry ? s.entry : s.exit;
+    const Fraction<E>& cap = is_entry ? s.planes_entry : s.planes_exit;
     const E t = cap.n / cap.m;
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, crossing};
 }
@@ -319,10 +319,10 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
         to_end.less = to_end.less || range->end.m <= E(0);  // along a side of a cone no root comes before 1/0
     }
     const Tri closed =
-        s.is_hit() && !s.compare_exit(begin).less && (range ? is_before_range_end(to_end, *range) : Tri::yes);
+        s.meets_closed() && !s.compare_exit(begin).less && (range ? is_before_range_end(to_end, *range) : Tri::yes);
     if (closed.is_no()) return {Tri::no};
     if (closed.is_unknown()) return {Tri::unknown};
-    const Tri begins_inside = s.compare_entry(begin).at_most, crosses = s.is_open() && to_end.less;
+    const Tri begins_inside = s.compare_entry(begin).at_most, crosses = s.meets_open() && to_end.less;
     if (begins_inside.is_unknown() || crosses.is_unknown()) return {Tri::unknown};
     const bool touching = crosses.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
@@ -358,15 +358,15 @@ template <class E, class F = E>
 std::optional<SpanRange<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;
     const bool is_bounded = !std::isinf(range.tmax);
-    const OpenEnds open{range.open.tmin, range.open.tmax && is_bounded};
-    return SpanRange<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open};
+    const OpenEnds open_ends{range.open_ends.tmin, range.open_ends.tmax && is_bounded};
+    return SpanRange<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open_ends};
 }
 
 /// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides
 /// whether a hit at its start counts, in place of the convention for t = 0.
 inline intersect::Convention convention_in(const Range<double>& range, intersect::Convention convention) {
     using intersect::AtOrigin;
-    if (range.open.tmin) convention.at_origin = AtOrigin::miss;
+    if (range.open_ends.tmin) convention.at_origin = AtOrigin::miss;
     else if (range.tmin > 0) convention.at_origin = AtOrigin::hit;
     return convention;
 }

@@ -40,8 +40,9 @@ public:
                 // First words in the first six buffers, second words in the others
                 buffers_[k].resize(numbers.size());
                 buffers_[k + 6].resize(numbers.size());
-                std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return word_of(x); });
-                std::ranges::transform(numbers, buffers_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
+                std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return nearest_double(x); });
+                std::ranges::transform(numbers, buffers_[k + 6].begin(),
+                                       [](const S& x) { return nearest_low_double(x); });
                 words[k] = buffers_[k];
                 low[k] = buffers_[k + 6];
             }
@@ -63,8 +64,8 @@ private:
 
 /// True if the range of some ray is not everything ahead of its origin.
 template <class S>
-bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open) {
-    return open.tmin || std::ranges::any_of(tmin, [](S t) { return t != 0; }) ||
+bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open_ends) {
+    return open_ends.tmin || std::ranges::any_of(tmin, [](S t) { return t != 0; }) ||
            std::ranges::any_of(tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
 }
 
@@ -120,7 +121,7 @@ struct GatheredProblems {
                                   std::size_t lanes) {
         const std::size_t padded_size = (indices.size() + lanes - 1) / lanes * lanes;
         auto raw = stages::raw_problems<S>(padded_size, findings.raw());
-        raw.open = p.open;
+        raw.open_ends = p.open_ends;
         raw.matrix = p.matrix;
         S* target = numbers[0];
         for_each_column(p, raw, [&](std::span<const From> source, stages::RawColumn<S>& column, From default_number) {
@@ -171,7 +172,7 @@ template <class S>
 class ProblemsInPlace {
 public:
     explicit ProblemsInPlace(const ProblemColumns<S>& p)
-        : problems_(p), has_ranges_(have_ranges(p.tmin, p.tmax, p.open)) {
+        : problems_(p), has_ranges_(have_ranges(p.tmin, p.tmax, p.open_ends)) {
         stages::RawProblems<S> raw{};
         S* target = repeated_[0];
         for_each_column(p, raw, [&](std::span<const S> source, stages::RawColumn<S>&, S default_number) {
@@ -217,7 +218,7 @@ private:
     /// Returns `size` problems from `begin` on, in whole registers.
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
-        raw.open = problems_.open;
+        raw.open_ends = problems_.open_ends;
         raw.matrix = problems_.matrix;
         raw.has_ranges = has_ranges_;
         const S* repeated = repeated_[0];

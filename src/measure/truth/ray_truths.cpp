@@ -42,7 +42,7 @@ public:
           out_(out),
           results_(results),
           isa_(intersect::simd::current_isa()),
-          has_ranges_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open)) {}
+          has_ranges_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open_ends)) {}
 
     /// Finds the truths. With an index, each ray is tested against its candidates; without one, each primitive is
     /// tested against whole columns of rays.
@@ -66,7 +66,7 @@ private:
                 .primitive = {},
                 .tmin = rays_.tmin,
                 .tmax = rays_.tmax,
-                .open = problems_.rays.open,
+                .open_ends = problems_.rays.open_ends,
                 .matrix = {},
                 .ray_low = rays_.low};
     }
@@ -75,8 +75,8 @@ private:
     void test_primitive(std::size_t primitive_index) {
         limit_.stop.check();
         const Primitive<S> primitive = problems_.primitives[primitive_index];
-        const Primitive<double> words = transformed(primitive, [](const S& x) { return word_of(x); });
-        const Primitive<double> low = transformed(primitive, [](const S& x) { return low_word_of(x); });
+        const Primitive<double> words = transformed(primitive, [](const S& x) { return nearest_double(x); });
+        const Primitive<double> low = transformed(primitive, [](const S& x) { return nearest_low_double(x); });
         ProblemColumns<double> columns = columns_for(primitive.shape);
         const auto set_columns = [](const Primitive<double>& from, auto& to) {
             for (std::size_t k = 0; k < from.shape_numbers().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
@@ -109,8 +109,8 @@ private:
         for (std::size_t i = 0; i < count_; ++i) {
             const Primitive<S> primitive = problems_.primitives[begin_ + i];
             for (std::size_t k = 0; k < numbers; ++k)
-                buffers[k][i] = word_of(primitive.numbers[k]),
-                buffers[numbers + k][i] = low_word_of(primitive.numbers[k]);
+                buffers[k][i] = nearest_double(primitive.numbers[k]),
+                buffers[numbers + k][i] = nearest_low_double(primitive.numbers[k]);
         }
         ProblemColumns<double> columns = columns_for(shape);
         for (std::size_t k = 0; k < numbers; ++k) columns.primitive[k] = buffers[k];
@@ -244,13 +244,14 @@ private:
             target.set_numbers(first, numbers.numbers);
             if (numbers.placed) target.set_numbers(first + most_numbers, numbers.placed->matrix);
         };
-        set_primitive_columns(first_primitive_column, transformed(primitive, [](const S& x) { return word_of(x); }));
+        set_primitive_columns(first_primitive_column,
+                              transformed(primitive, [](const S& x) { return nearest_double(x); }));
         target.numbers[tmin_column][target.size] = rays_.tmin.empty() ? 0 : rays_.tmin[i];
         target.numbers[tmax_column][target.size] = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[i];
         if constexpr (two_words) {
             set_ray_columns(first_low_column, rays_.low);
             set_primitive_columns(first_low_column + 6,
-                                  transformed(primitive, [](const S& x) { return low_word_of(x); }));
+                                  transformed(primitive, [](const S& x) { return nearest_low_double(x); }));
         }
 
         pair_indices(primitive.shape)[target.size++] = pairs_.size();
@@ -290,7 +291,7 @@ private:
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& problems = gathered_problems(shape);
         auto raw = problems.added_problems(stages.lanes, two_words);
-        raw.open = problems_.rays.open;
+        raw.open_ends = problems_.rays.open_ends;
         raw.has_ranges = has_ranges_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.double_double(raw);

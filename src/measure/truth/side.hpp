@@ -102,7 +102,7 @@ template <class E>
 std::optional<int> side_at(const CappedSpan<E>& s, Crossing crossing, const E& m, Length length) {
     const bool is_entry = crossing == Crossing::near;
     if ((is_entry ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
-        return side_of_fraction(is_entry ? s.entry : s.exit, s.d2, m, length);
+        return side_of_fraction(is_entry ? s.planes_entry : s.planes_exit, s.d2, m, length);
     return side_of_root(s.side, crossing, m, length);
 }
 template <class E>
@@ -253,7 +253,7 @@ private:
         if (root == result_.roots.count) return finish(Tri::no);
         const auto to_end = order_to_end(root);
         if (!to_end) return {Tri::unknown};
-        if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return finish(Tri::no);
+        if (*to_end > 0 || (*to_end == 0 && range_->open_ends.tmax)) return finish(Tri::no);
         const bool touching = !result_.roots[root].changes_sign || (*to_end == 0 && crossing == Crossing::near);
         if (touching && convention_.touching == intersect::Touching::miss) return finish(Tri::no);
         result_.root = root;
@@ -274,7 +274,8 @@ RootHit<F> root_hit(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
     const QuarticSpan<F> part = enclosing_part(s);
     const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
     std::optional<SpanRange<F>> plain_range;
-    if (range) plain_range = SpanRange<F>{value(range->begin), {value(range->end.n), value(range->end.m)}, range->open};
+    if (range)
+        plain_range = SpanRange<F>{value(range->begin), {value(range->end.n), value(range->end.m)}, range->open_ends};
     return QuarticWalk<F>(part, plain_range ? &*plain_range : nullptr, convention).find();
 }
 

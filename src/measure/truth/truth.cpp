@@ -91,12 +91,12 @@ bool is_valid_primitive(const Primitive<S>& primitive) {
 }
 
 /// Limit, convention and range by which the truth about one primitive is found.
-struct ProofTerms {
+struct ProofOptions {
     ProofLimit limit;
     Convention convention;
     Range<double> range;
 
-    ProofTerms(ProofLimit truth_limit, Convention full_convention, Range<double> full_range)
+    ProofOptions(ProofLimit truth_limit, Convention full_convention, Range<double> full_range)
         : limit(truth_limit), range(full_range) {
         if (full_convention.endless) range.tmax = HUGE_VAL;
         convention = convention_in(range, full_convention);
@@ -104,16 +104,16 @@ struct ProofTerms {
 };
 
 template <class E>
-Enclosed<E> enclose_under(const Ray<E>& ray, const Primitive<E>& primitive, const ProofTerms& terms) {
-    const auto range = range_over<E>(terms.range);
-    return enclose<E>(ray, primitive, range ? &*range : nullptr, terms.convention);
+Enclosed<E> enclose_under(const Ray<E>& ray, const Primitive<E>& primitive, const ProofOptions& options) {
+    const auto range = range_over<E>(options.range);
+    return enclose<E>(ray, primitive, range ? &*range : nullptr, options.convention);
 }
 
 /// Finds the truth about one primitive in MPFI, at precisions that double up to the limit.
 template <class S>
-Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const ProofTerms& terms) {
+Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const ProofOptions& options) {
     Truth truth;
-    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= terms.limit.max_bits; bits *= 2) {
+    for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= options.limit.max_bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.proof_bits = bits;
         const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
@@ -123,14 +123,14 @@ Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const 
         const auto decide_binade = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
-            const auto range = range_over<Interval>(terms.range);
+            const auto range = range_over<Interval>(options.range);
             const auto side = side_of(wide_ray, wide_primitive, power_of_two_interval(*power), length,
-                                      range ? &*range : nullptr, terms.convention);
+                                      range ? &*range : nullptr, options.convention);
             if (side) x = narrow_to_side(x, *side);
             return side.has_value();
         };
 
-        if (settle(enclose_under(wide_ray, wide_primitive, terms), terms.convention, truth, decide_binade))
+        if (settle(enclose_under(wide_ray, wide_primitive, options), options.convention, truth, decide_binade))
             return truth;
     }
     truth.decision = Truth::Decision::unresolved;
@@ -146,14 +146,14 @@ Truth find_first_hit(const Ray<S>& ray, std::span<const Primitive<S>> primitives
     const Ray<Ball> ball_ray = lift_ray<Ball>(ray);
     for (std::size_t index = 0; index < primitives.size(); ++index) {
         const Primitive<S>& primitive = primitives[index];
-        const ProofTerms terms(limit, convention.of(primitive.shape), range);
-        if (!terms.range.holds_any() || !is_valid_primitive(primitive)) continue;
+        const ProofOptions options(limit, convention.for_shape(primitive.shape), range);
+        if (!options.range.holds_any() || !is_valid_primitive(primitive)) continue;
         Truth truth;
         truth.proof_bits = 106;
         const auto is_binade_known = [](const Certified& x, Length) { return !straddled_power(x); };
-        if (!settle(enclose_under(ball_ray, lift_primitive<Ball>(primitive), terms), terms.convention, truth,
+        if (!settle(enclose_under(ball_ray, lift_primitive<Ball>(primitive), options), options.convention, truth,
                     is_binade_known))
-            truth = find_in_intervals(ray, primitive, terms);
+            truth = find_in_intervals(ray, primitive, options);
         merge_truth(truth, static_cast<int>(index), best);
     }
     return best;
@@ -161,7 +161,7 @@ Truth find_first_hit(const Ray<S>& ray, std::span<const Primitive<S>> primitives
 
 template <class S>
 double round_by_side(const Truth& truth, const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
-                     Length length, const ProofTerms& terms) {
+                     Length length, const ProofOptions& options) {
     const auto [lower, upper] = round_ends(length == Length::parameter ? truth.t : truth.distance, format);
     if (lower == upper) return lower;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= ProofLimit{}.max_bits; bits *= 2) {
@@ -171,9 +171,9 @@ double round_by_side(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
         const Interval boundary = std::isinf(upper)
                                       ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                       : (Interval(lower) + Interval(upper)) / Interval(2);
-        const auto range = range_over<Interval>(terms.range);
+        const auto range = range_over<Interval>(options.range);
         const auto side = side_of(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive), boundary, length,
-                                  range ? &*range : nullptr, terms.convention);
+                                  range ? &*range : nullptr, options.convention);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;

@@ -18,7 +18,7 @@ namespace {
 
 /// Truth of problem i, found without columns.
 template <class S>
-Truth find_single_truth(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
+Truth find_single_truth(const ProblemColumns<S>& p, const TruthOptions& options, std::size_t i) {
     const auto number_in = [i](std::span<const S> column) {
         return static_cast<double>(column[column.size() == 1 ? 0 : i]);
     };
@@ -33,8 +33,8 @@ Truth find_single_truth(const ProblemColumns<S>& p, const ColumnTerms& terms, st
     }
     return find_truth(
         {{number_in(r[0]), number_in(r[1]), number_in(r[2])}, {number_in(r[3]), number_in(r[4]), number_in(r[5])}},
-        primitive, terms.limit, terms.convention,
-        {p.tmin.empty() ? 0 : number_in(p.tmin), p.tmax.empty() ? HUGE_VAL : number_in(p.tmax), p.open});
+        primitive, options.limit, options.convention,
+        {p.tmin.empty() ? 0 : number_in(p.tmin), p.tmax.empty() ? HUGE_VAL : number_in(p.tmax), p.open_ends});
 }
 
 /// Appends begin + i to `open` for each problem i that is not settled. Most problems are settled, so eight flags are
@@ -55,9 +55,9 @@ void append_open(const std::uint8_t* settled, std::size_t begin, std::size_t cou
 template <class S>
 class ColumnSearch {
 public:
-    ColumnSearch(const ProblemColumns<S>& problems, const ColumnTerms& terms, TruthColumns& out)
+    ColumnSearch(const ProblemColumns<S>& problems, const TruthOptions& options, TruthColumns& out)
         : problems_(problems),
-          terms_(terms),
+          options_(options),
           out_(out),
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
           in_place_(problems) {
@@ -71,11 +71,11 @@ public:
             open_indices_.clear();
 
             // The stages decide by the usual convention only. Each stage settles what the ones before it left open.
-            if (terms_.convention.is_special()) {
+            if (options_.convention.is_special()) {
                 open_indices_.resize(count);
                 std::iota(open_indices_.begin(), open_indices_.end(), begin);
             } else if constexpr (std::is_same_v<S, float>) {
-                if (terms_.tightness == Tightness::ulps_of_binary32) {
+                if (options_.tightness == Tightness::ulps_of_binary32) {
                     settle_in_place(stages_.binary64, begin, count);
                     out_.stages.binary64 += count - open_indices_.size();
                 } else {
@@ -121,7 +121,7 @@ private:
         const auto is_settled = [&](std::size_t i) {
             const auto& found = gathered.findings;
             return found.settled[i] != 0 &&
-                   !(stage == ties_ && matters(terms_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
+                   !(stage == ties_ && matters(options_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
         };
         for (std::size_t i = 0; i < indices.size(); ++i) {
             out_.decision[indices[i]] = static_cast<Truth::Decision>(gathered.findings.hit[i]);
@@ -135,14 +135,14 @@ private:
         out_.stages.double_double += indices.size() - open_indices_.size();
     }
     [[nodiscard]] stages::RawLength& requested_length(stages::RawFindings& found) const {
-        return terms_.length == Length::distance ? found.distance : found.t;
+        return options_.length == Length::distance ? found.distance : found.t;
     }
     void settle_single(std::size_t i) {
-        const Truth truth = find_single_truth(problems_, terms_, i);
+        const Truth truth = find_single_truth(problems_, options_, i);
         out_.decision[i] = truth.decision;
         out_.hi[i] = out_.lo[i] = out_.bound[i] = 0;
         if (truth.is_hit()) {
-            const Certified& t = terms_.length == Length::parameter ? truth.t : truth.distance;
+            const Certified& t = options_.length == Length::parameter ? truth.t : truth.distance;
             const bool in_range = t.is_zero() || (t.exponent >= -900 && t.exponent < 900);
             const auto scale_part = [&](double x) {
                 return in_range ? std::ldexp(x, static_cast<int>(t.exponent)) : missing;
@@ -156,7 +156,7 @@ private:
     }
 
     const ProblemColumns<S>& problems_;
-    const ColumnTerms& terms_;
+    const TruthOptions& options_;
     TruthColumns& out_;
     stages::Stages stages_;
     ProblemsInPlace<S> in_place_;
@@ -165,12 +165,12 @@ private:
 };
 
 template <class S>
-void find_columns(const ProblemColumns<S>& problems, const ColumnTerms& terms, TruthColumns& out) {
+void find_columns(const ProblemColumns<S>& problems, const TruthOptions& options, TruthColumns& out) {
     out.decision.resize(problems.size);
     for (auto* column : {&out.hi, &out.lo, &out.bound}) column->resize(problems.size);
     out.single_truths.clear();
     out.stages = {};
-    ColumnSearch<S>(problems, terms, out).find();
+    ColumnSearch<S>(problems, options, out).find();
 }
 
 bool are_equal(const Certified& a, const Certified& b) {
@@ -179,11 +179,11 @@ bool are_equal(const Certified& a, const Certified& b) {
 
 }  // namespace
 
-void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out) {
-    find_columns(problems, terms, out);
+void find_truth_columns(const ProblemColumns<float>& problems, const TruthOptions& options, TruthColumns& out) {
+    find_columns(problems, options, out);
 }
-void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out) {
-    find_columns(problems, terms, out);
+void find_truth_columns(const ProblemColumns<double>& problems, const TruthOptions& options, TruthColumns& out) {
+    find_columns(problems, options, out);
 }
 
 void RayTruths::resize(std::size_t rays) {

@@ -28,7 +28,7 @@ struct ProblemColumns {
     /// is placed.
     std::array<std::span<const S>, most_stored> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
     stages::MatrixKind matrix = {};
     /// Second words: the exact numbers minus those above, to 2^-104 of these. All are empty if the numbers above are
     /// exact.
@@ -61,7 +61,7 @@ enum class Tightness {
 };
 
 /// Convention, kind of length, accuracy and limit by which truths are found.
-struct ColumnTerms {
+struct TruthOptions {
     intersect::Convention convention = {};
     Length length = Length::parameter;
     Tightness tightness = Tightness::certified;
@@ -98,8 +98,8 @@ struct TruthColumns {
 };
 
 /// Finds the truth of each ray and writes it to `out`, whose memory is reused. `stages` is counted from 0.
-void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
-void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
+void find_truth_columns(const ProblemColumns<float>& problems, const TruthOptions& options, TruthColumns& out);
+void find_truth_columns(const ProblemColumns<double>& problems, const TruthOptions& options, TruthColumns& out);
 
 /// Truth of every ray among the primitives that it can meet, by the closed primitive's convention, as a structure of
 /// arrays.

@@ -161,7 +161,7 @@ public:
         return deviations;
     }
     /// Returns 1 if this is the same function of the inputs as x, −1 if it is the same as −x, and 0 otherwise.
-    [[nodiscard]] int is_multiple_of(const AffineForm& x) const {
+    [[nodiscard]] int compare_up_to_sign(const AffineForm& x) const {
         if (rest_ != x.rest_ || term_count_ != x.term_count_ || !std::isfinite(rest_)) return 0;
         const auto equals_multiple = [&](double k) {
             if (centre_.first() != k * x.centre_.first() || centre_.second() != k * x.centre_.second()) return false;

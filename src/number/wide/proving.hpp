@@ -45,7 +45,7 @@ P outward_factor() {
 template <class T>
 class Proving {
 public:
-    using P = decltype(value_of(std::declval<const T&>()));
+    using P = decltype(plain_value(std::declval<const T&>()));
     using Lanes = mask_t<P>;
     using Mask = TriMask<Lanes>;
 
@@ -58,8 +58,8 @@ public:
     /// Upper bound on the distance from the word to any enclosed x.
     [[nodiscard]] P radius() const { return e_ * outward_factor<P>(); }
     /// True if the word is positive; x itself may have the other sign.
-    [[nodiscard]] Mask word_is_positive() const {
-        const Lanes is_positive = value_of(w_) > P(0);
+    [[nodiscard]] Mask is_roughly_positive() const {
+        const Lanes is_positive = plain_value(w_) > P(0);
         return {is_positive, !is_positive};
     }
 
@@ -86,7 +86,7 @@ public:
     Proving& operator*=(const Proving& b) { return *this = *this * b; }
 
     friend Mask operator<(const Proving& a, const Proving& b) {
-        const P d = value_of(a.w_) - value_of(b.w_), e = (a.e_ + b.e_) * outward_factor<P>();
+        const P d = plain_value(a.w_) - plain_value(b.w_), e = (a.e_ + b.e_) * outward_factor<P>();
         return {d<-e, d> e};
     }
     friend Mask operator<=(const Proving& a, const Proving& b) { return a < b; }
@@ -96,8 +96,8 @@ public:
     friend Proving sqrt(const Proving& a) {
         using lostbits::sqrt, lostbits::select;
         const Proving root = with_rounding_error(sqrt(a.w_), P(0));
-        const P propagated_error = (a.e_ + least_normal<P>()) / value_of(root.w_);
-        return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
+        const P propagated_error = (a.e_ + least_normal<P>()) / plain_value(root.w_);
+        return {root.w_, select(plain_value(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
     friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
     /// Returns the number itself: the pair encloses real numbers, which have no neighbours.
@@ -121,11 +121,11 @@ public:
 private:
     [[nodiscard]] P magnitude() const {
         using lostbits::abs;
-        return abs(value_of(w_));
+        return abs(plain_value(w_));
     }
     static Proving with_rounding_error(const T& w, const P& propagated_error) {
         using lostbits::abs;
-        return {w, propagated_error + roundoff<P>() * abs(value_of(w))};
+        return {w, propagated_error + roundoff<P>() * abs(plain_value(w))};
     }
 
     T w_;

@@ -171,11 +171,11 @@ public:
     Running& operator*=(const Running& b) { return *this = *this * b; }
 
     friend TriMask<Lanes> operator<(const Running& a, const Running& b) {
-        const Ends d = ends(a, b);
+        const DifferenceRange d = enclose_difference(a, b);
         return {d.high < P(0), d.low >= P(0)};
     }
     friend TriMask<Lanes> operator<=(const Running& a, const Running& b) {
-        const Ends d = ends(a, b);
+        const DifferenceRange d = enclose_difference(a, b);
         return {d.high <= P(0), d.low > P(0)};
     }
     friend TriMask<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
@@ -233,12 +233,12 @@ private:
     static P plus(const P& x, const P& y) { return is_known_zero(x) ? y : is_known_zero(y) ? x : x + y; }
     static P times(const P& x, const P& e) { return is_known_zero(e) ? P(0) : x * e; }
 
-    /// Ends of a − b. The midpoint h + l has an error of at most u of h, of l and of their sum; it is exact if h = l =
-    /// 0.
-    struct Ends {
+    /// Lowest and highest a − b. The midpoint h + l has an error of at most u of h, of l and of their sum; it is exact
+    /// if h = l = 0.
+    struct DifferenceRange {
         P low, high;
     };
-    static Ends ends(const Running& a, const Running& b) {
+    static DifferenceRange enclose_difference(const Running& a, const Running& b) {
         using lostbits::abs;
         const P h = a.first() - b.first(), l = a.second() - b.second(), d = plus(h, l);
         const P e = plus(plus(a.e_, b.e_) * P(1 + 0x1p-40), P(0x1p-51) * plus(abs(h), abs(l)));

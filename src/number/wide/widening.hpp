@@ -51,13 +51,13 @@ T narrow(const W& x) {
 /// Returns the plain value of a number that records operations. A filter decides with plain values, so that its own
 /// comparisons are not recorded.
 template <class T>
-auto value_of(const T& x) {
+auto plain_value(const T& x) {
     if constexpr (traces_operations<T>) return x.value();
     else return x;
 }
 template <class T>
-auto value_of(const Vec<T>& x) {
-    return Vec<decltype(value_of(x.x))>(value_of(x.x), value_of(x.y), value_of(x.z));
+auto plain_value(const Vec<T>& x) {
+    return Vec<decltype(plain_value(x.x))>(plain_value(x.x), plain_value(x.y), plain_value(x.z));
 }
 
 /// Converts a decision about numbers without a record to one of T: proved, and a constant on a tape.
@@ -76,7 +76,7 @@ inline constexpr std::string_view name_of(CallAnswer answer) {
 /// Records a step that was computed without T's own operations; `value` is its result.
 template <class T, std::size_t n>
 T record_call(const Call& callee, const std::array<T, n>& arguments,
-              const decltype(value_of(std::declval<T>()))& value) {
+              const decltype(plain_value(std::declval<T>()))& value) {
     return named(name_of(callee.answer), call_result(callee, std::span<const T>(arguments), value));
 }
 

@@ -36,7 +36,8 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     const Range<double> range = group->rays.range(0);
     if (range.tmin != 0) text += " --tmin=" + file::hex(range.tmin);
     if (!std::isinf(range.tmax)) text += " --tmax=" + file::hex(range.tmax);
-    if (range.open.tmin || range.open.tmax) text += fmt::format(" --open-ends {}", lostbits::name_of(range.open));
+    if (range.open_ends.tmin || range.open_ends.tmax)
+        text += fmt::format(" --open-ends {}", lostbits::name_of(range.open_ends));
 
     // The constants of a march, in the order of their names.
     if (!group->march) return text;

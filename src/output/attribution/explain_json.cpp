@@ -75,7 +75,7 @@ Json form_result_json(const measure::attribution::FormResult& result) {
 void add_inputs(Json& json, const Explanation& explanation) {
     for (std::size_t i = 0; i < explanation.input_values.size(); ++i)
         json["inputs"][explanation.input_names[i]] = exact_number(explanation.input_values[i]);
-    json["open_ends"] = std::string(name_of(explanation.range.open));
+    json["open_ends"] = std::string(name_of(explanation.range.open_ends));
     json["inputs_rounded"] = explanation.rounded_inputs;
 
     const auto& direction = explanation.given_direction;

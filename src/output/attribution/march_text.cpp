@@ -29,17 +29,17 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
 }
 
 /// Action at a sample: `hit`, `step by d`, `no step: t + d = t`, `miss: t > max_dist`, `miss: all n samples are used`
-/// (after `no step: t + d = t; ` if the march stands still: `Stop::stagnated`).
+/// (after `no step: t + d = t; ` if the march stands still: `StopReason::stagnated`).
 std::string action_of(const MarchLog& log, std::size_t step, const intersect::MarchConstants<double>& constants) {
     if (step + 1 < log.steps.size())
         return log.steps[step].is_stagnant ? "no step: t + d = t"
                                            : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
     switch (log.stop) {
-        case intersect::Stop::hit: return "hit";
-        case intersect::Stop::max_dist: return fmt::format("miss: t > {}", file::decimal(constants.max_dist));
-        case intersect::Stop::stagnated:
+        case intersect::StopReason::hit: return "hit";
+        case intersect::StopReason::max_dist: return fmt::format("miss: t > {}", file::decimal(constants.max_dist));
+        case intersect::StopReason::stagnated:
             return fmt::format("no step: t + d = t; miss: all {} samples are used", constants.max_steps);
-        case intersect::Stop::max_steps: break;
+        case intersect::StopReason::max_steps: break;
     }
     return fmt::format("miss: all {} samples are used", constants.max_steps);
 }

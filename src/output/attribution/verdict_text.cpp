@@ -16,7 +16,7 @@
 
 namespace lostbits::output::attribution {
 
-using intersect::Stop;
+using intersect::StopReason;
 
 namespace {
 
@@ -73,8 +73,8 @@ std::string range_sentence(const Explanation& explanation) {
             clauses.push_back(
                 fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, is_open)));
     };
-    add(explanation.t_before_tmin, "before", "tmin", explanation.range.tmin, explanation.range.open.tmin);
-    add(explanation.t_beyond_tmax, "beyond", "tmax", explanation.range.tmax, explanation.range.open.tmax);
+    add(explanation.t_before_tmin, "before", "tmin", explanation.range.tmin, explanation.range.open_ends.tmin);
+    add(explanation.t_beyond_tmax, "beyond", "tmax", explanation.range.tmax, explanation.range.open_ends.tmax);
     if (clauses.empty()) return "";
     return fmt::format(" The exact hit {}{}.", clauses.front(),
                        clauses.size() > 1 ? ", and that " + clauses.back() : "");
@@ -100,7 +100,7 @@ std::string wrong_primitive_sentence(const Explanation& explanation) {
         label_of(explanation.primitive_index, explanation.shape), label_of(missed.index, missed_shape), reported,
         explanation.primitive_index,
         explain_command(explain_ray_arguments(&missed.ray_and_primitive),
-                        {&explanation.form->of(missed_shape), explanation.format, explanation.touching}));
+                        {&explanation.form->form_for(missed_shape), explanation.format, explanation.touching}));
 }
 
 /// Part of the error that is due to rounding, in ulps; NaN unless form and truth agree on a hit and the tape explains
@@ -146,16 +146,16 @@ std::string march_sentence(const Explanation& explanation, const MarchEnd& march
     // A march that ended before it reached the surface.
     if (explanation.result.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
-        case Stop::max_steps:
+        case StopReason::max_steps:
             return fmt::format("The march used all its {} samples and was then {} away from a surface.",
                                constants.max_steps, size_phrase(d));
-        case Stop::stagnated:
+        case StopReason::stagnated:
             return fmt::format(
                 "The march stood still: a step of {} does not change t in {}, so no further sample would help.",
                 size_phrase(d), explanation.format.name);
-        case Stop::max_dist:
+        case StopReason::max_dist:
             return fmt::format("The march went past max_dist = {}.", file::decimal(constants.max_dist));
-        case Stop::hit: break;
+        case StopReason::hit: break;
     }
     return "";
 }

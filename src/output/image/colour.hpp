@@ -37,7 +37,7 @@ inline constexpr std::array<Rgb8, 11> outcome_colours{{
     {127, 154, 195},  // out_of_order: steel blue
 }};
 
-/// One fixed colour per reason for a march to stop, in the order of `Stop` (intersect/march.hpp).
+/// One fixed colour per reason for a march to stop, in the order of `StopReason` (intersect/march.hpp).
 inline constexpr std::array<Rgb8, 4> stop_colours{{
     outcome_colours[0],  // hit
     outcome_colours[1],  // max_dist: neutral, recedes

@@ -99,7 +99,7 @@ std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
     group.rays.tmin = {answer.range.tmin};
     group.rays.tmax = {answer.range.tmax};
-    group.rays.open = answer.range.open;
+    group.rays.open_ends = answer.range.open_ends;
     return attribution::explain_ray_arguments(&group);
 }
 

@@ -27,7 +27,7 @@ LOSTBITS_FIELDS(Ray<double>, origin, direction)
 LOSTBITS_FIELDS(Placement<double>, matrix, is_inverse, orientation)
 LOSTBITS_FIELDS(Primitive<double>, shape, numbers, placed)
 LOSTBITS_FIELDS(OpenEnds, tmin, tmax)
-LOSTBITS_FIELDS(scene::rays::RayBlock, width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open)
+LOSTBITS_FIELDS(scene::rays::RayBlock, width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open_ends)
 LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps,
                 secant_steps, bisect_steps)
 

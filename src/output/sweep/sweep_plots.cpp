@@ -271,10 +271,11 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
 
     // Fraction of marches that ran out of steps or stopped moving.
     const auto unfinished = [stop_index](const FormSummary& s) {
-        const auto count_of = [&](intersect::Stop reason) {
+        const auto count_of = [&](intersect::StopReason reason) {
             return s.categories[stop_index][static_cast<std::size_t>(reason)];
         };
-        return static_cast<double>(count_of(intersect::Stop::max_steps) + count_of(intersect::Stop::stagnated)) /
+        return static_cast<double>(count_of(intersect::StopReason::max_steps) +
+                                   count_of(intersect::StopReason::stagnated)) /
                static_cast<double>(s.rays);
     };
     save("unfinished", line_chart(sweep, format,

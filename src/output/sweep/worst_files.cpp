@@ -62,7 +62,7 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& grou
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
     const Range<double> range = group.rays.range(0);
-    const std::string_view open = name_of(range.open);
+    const std::string_view open = name_of(range.open_ends);
     return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n",
                        file::toml_string(name), open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open),
                        primitives, hex_array(origin), hex_array(direction),

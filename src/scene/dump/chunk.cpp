@@ -23,7 +23,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std
     for (auto* column : rays.numbers()) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
-    rays.open = settings.open;
+    rays.open_ends = settings.open_ends;
     if (shape_) chunk.primitives.reserve(records);
     if (has_answers_) {
         chunk.t.reserve(records);
@@ -256,7 +256,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
 
 Range<double> ChunkWriter::range() const {
     return {is_present(slot::tmin) ? numbers_[slot::tmin] : 0, is_present(slot::tmax) ? numbers_[slot::tmax] : HUGE_VAL,
-            settings_.open};
+            settings_.open_ends};
 }
 
 Primitive<double> ChunkWriter::primitive() const {

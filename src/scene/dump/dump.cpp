@@ -28,7 +28,7 @@ void Dump::finish_header(const DumpOptions& options, const Layout& layout, const
     settings_.format = options.format.value_or(file_format);
     settings_.keep = options.keep;
     settings_.primitive = options.primitive;
-    settings_.open = options.open;
+    settings_.open_ends = options.open_ends;
 
     // Primitives come from the file or from the command line, not from both.
     const std::string& file = name_;

@@ -28,7 +28,7 @@ struct DumpOptions {
     std::optional<Format> format = std::nullopt;  ///< format of the answers; absent: the file's own format
     std::optional<MissRule> miss = std::nullopt;
     std::optional<Shape> primitive = std::nullopt;  ///< shape of the primitives that are given once for all rays
-    OpenEnds open = {};                             ///< for the ranges of all rays
+    OpenEnds open_ends = {};                        ///< for the ranges of all rays
     intersect::process::StopToken stop = {};        ///< checked before each piece is read
     bool keep = false;                              ///< true: the user's own columns are stored
 };

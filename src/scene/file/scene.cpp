@@ -81,7 +81,7 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     };
     range.tmin = number("tmin", range.tmin);
     range.tmax = number("tmax", range.tmax);
-    table.read("open_ends", range.open, open_ends_names);
+    table.read("open_ends", range.open_ends, open_ends_names);
     table.reject_unknown_keys();
     if (range.tmin < 0) table.fail_at("tmin", "is below 0, but a ray only looks ahead; write 0 or more");
     if (!range.holds_any())

@@ -81,7 +81,7 @@ Ray<double> ray_from_surface(Random& random, const F& distribution, const Primit
 ///     static Primitive<double> draw_primitive(Random&, const Vec<double>& middle, double size)
 /// It may also have targets:
 ///     static constexpr std::pair<std::string_view, int> aims[]    values of the key `aim` by name; else aim is 0
-///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
+///     static AimedPlace draw_target(Random&, const Primitive<double>&, int aim)
 /// Rays come from any direction that the target leaves open, from `distance` sizes away. If they begin on another
 /// primitive, the middle of that primitive is `distance` sizes away in any direction, and the rays begin anywhere on
 /// its surface.
@@ -125,7 +125,7 @@ struct AimedDistribution {
             for (int i = 0; i < f.rays; ++i) {
                 const Vec<double> random_direction = draw_direction(random),
                                   shift = (f.aside * f.size) * draw_direction(random);
-                const AimedPlace target = F::aimed_at(random, primitive, f.aim);
+                const AimedPlace target = F::draw_target(random, primitive, f.aim);
                 const Vec<double> point = target.point + shift;
                 if (f.begin == Begin::on_other) {
                     group.rays.push(ray_from_surface(random, f, group.primitives[1], point, random_direction));
@@ -139,7 +139,7 @@ struct AimedDistribution {
     }
 
     /// Returns a point at random fractions of the sides of the bounding cube.
-    static AimedPlace aimed_at(Random& random, const Primitive<double>& primitive, int /*aim*/) {
+    static AimedPlace draw_target(Random& random, const Primitive<double>& primitive, int /*aim*/) {
         const double x = random.unit(), y = random.unit(), z = random.unit();
         return visit(primitive, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
     }
@@ -150,7 +150,7 @@ struct AimedDistribution {
         return ray_sets;
     }
     /// Rays for timing. The misses point away from the primitive.
-    static HitsAndMisses timed() {
+    static HitsAndMisses draw_timed_rays() {
         const F distribution = of_one_view(F{});
         HitsAndMisses rays{distribution.draw().front(), distribution.draw().front()};
         for (auto* column : {&rays.misses.rays.dx, &rays.misses.rays.dy, &rays.misses.rays.dz})

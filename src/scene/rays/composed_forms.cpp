@@ -44,11 +44,11 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
 }
 
 const RayGenerator* generator_of(const Intersector& form) {
-    return std::get<const RayGenerator*>(composed_forms().parts_of(form));
+    return std::get<const RayGenerator*>(composed_forms().find_parts(form));
 }
 
 const Intersector& strip_generator(const Intersector& form) {
-    const auto* const inner = std::get<const Intersector*>(composed_forms().parts_of(form));
+    const auto* const inner = std::get<const Intersector*>(composed_forms().find_parts(form));
     return inner ? *inner : form;
 }
 

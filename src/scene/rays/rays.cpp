@@ -44,7 +44,7 @@ template <class T, class Round>
 void round_ranges(const BasicRayBlock<T>& block, RayBlock& result, const Round& round) {
     for (const double t : block.tmin) result.tmin.push_back(round(t));
     for (const double t : block.tmax) result.tmax.push_back(round(t));
-    result.open = block.open;
+    result.open_ends = block.open_ends;
 }
 
 /// v/|v|. Adding zero turns −0, which cross products of axes give, into 0.

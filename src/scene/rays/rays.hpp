@@ -24,7 +24,7 @@ struct BasicRayBlock {
     int y1 = 0;
     std::vector<T> ox, oy, oz, dx, dy, dz;
     std::vector<double> tmin = {}, tmax = {};  ///< start and end of the range of each ray; empty: 0 and no end
-    OpenEnds open = {};                        ///< for the ranges of all rays
+    OpenEnds open_ends = {};                   ///< for the ranges of all rays
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
     void push(const Ray<T>& ray) {
@@ -36,16 +36,16 @@ struct BasicRayBlock {
         dz.push_back(ray.direction.z);
     }
     /// Adds the range of ray i of another block, for the ray that is pushed just before or after this call. All rays
-    /// share `open`.
+    /// share `open_ends`.
     template <class S>
     void push_range(const BasicRayBlock<S>& block, std::size_t i) {
         if (!block.tmin.empty()) tmin.push_back(block.tmin[i]);
         if (!block.tmax.empty()) tmax.push_back(block.tmax[i]);
-        open = block.open;
+        open_ends = block.open_ends;
     }
-    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
+    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open_ends.tmin; }
     [[nodiscard]] Range<double> range(std::size_t i) const {
-        Range<double> ray_range{.open = open};
+        Range<double> ray_range{.open_ends = open_ends};
         if (!tmin.empty()) ray_range.tmin = tmin[i];
         if (!tmax.empty()) ray_range.tmax = tmax[i];
         return ray_range;
@@ -90,7 +90,7 @@ template <class T>
 void put_range(const file::Scene& scene, BasicRayBlock<T>& block) {
     if (scene.range.tmin > 0) block.tmin.assign(block.size(), scene.range.tmin);
     if (scene.range.tmax < HUGE_VAL) block.tmax.assign(block.size(), scene.range.tmax);
-    block.open = scene.range.open;
+    block.open_ends = scene.range.open_ends;
 }
 
 /// Shared inputs: rays from the camera in double, each component rounded once to binary32.

@@ -66,7 +66,7 @@ private:
         toml::Exponent length_exponent;     ///< every length is multiplied by two to this power
         toml::Exponent direction_exponent;  ///< the same for every direction
         std::optional<double> zero_sign;    ///< +0 or −0: replaces every zero of a direction
-        OpenEnds open = {};                 ///< for the ranges of all rays
+        OpenEnds open_ends = {};            ///< for the ranges of all rays
         bool symmetric = false;  ///< true: ray and primitive are repeated under each of the 48 symmetries of the axes
         std::vector<PrimitiveSpec> primitives;
         std::vector<RaySpec> rays;

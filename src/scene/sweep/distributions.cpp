@@ -19,9 +19,12 @@ Drawer make_drawer(toml::TableReader table) {
 
 template <class F>
 constexpr DistributionRow row_of(Shape shape) {
-    DistributionRow distribution_row{
-        .shape = shape, .table = F::table, .read = make_drawer<F>, .sets = F::sets, .timed = F::timed};
-    if constexpr (requires { F::aims; }) distribution_row.aims = F::aims, distribution_row.aimed_at = F::aimed_at;
+    DistributionRow distribution_row{.shape = shape,
+                                     .table = F::table,
+                                     .read = make_drawer<F>,
+                                     .sets = F::sets,
+                                     .draw_timed_rays = F::draw_timed_rays};
+    if constexpr (requires { F::aims; }) distribution_row.aims = F::aims, distribution_row.draw_target = F::draw_target;
     return distribution_row;
 }
 

@@ -48,8 +48,8 @@ struct Capsule {
         const T k = 2 * radius;
         return start + u.x * axis() + Vec<T>((u.x - T(1) / 2) * k, (u.y - T(1) / 2) * k, (u.z - T(1) / 2) * k);
     }
-    /// Returns the capsule scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
-    /// there is no single nearest point.
+    /// Returns the capsule scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing
+    /// if there is no single nearest point.
     [[nodiscard]] std::optional<Capsule> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         const Vec<T> w = viewpoint - nearest_on_axis(viewpoint);
         if (length(w) == 0) return std::nullopt;
@@ -86,10 +86,11 @@ struct Capsule {
                    select(is_upward, Fraction<T>{v2 - v_dot_f, magnitude}, Fraction<T>{v_dot_f, magnitude}));
         const QuadraticSpan<T> first_ball = select(is_upward || (is_parallel && !is_above), at_start, at_end);
         const QuadraticSpan<T> last_ball = select(is_upward || (is_parallel && !is_below), at_end, at_start);
-        const auto is_along_axis = a <= zero, enters_before_first = quadratic_at(side, first_plane_t).near_root().less;
-        const auto enters_before_last = quadratic_at(side, last_plane_t).near_root().at_most;
-        const auto leaves_before_first = quadratic_at(side, first_plane_t).far_root().less;
-        const auto leaves_before_last = quadratic_at(side, last_plane_t).far_root().at_most;
+        const auto is_along_axis = a <= zero,
+                   enters_before_first = quadratic_at(side, first_plane_t).compare_near_root().less;
+        const auto enters_before_last = quadratic_at(side, last_plane_t).compare_near_root().at_most;
+        const auto leaves_before_first = quadratic_at(side, first_plane_t).compare_far_root().less;
+        const auto leaves_before_last = quadratic_at(side, last_plane_t).compare_far_root().at_most;
         return {.enter = select(is_along_axis || enters_before_first, first_ball,
                                 select(enters_before_last, side, last_ball)),
                 .leave = select(is_along_axis || !leaves_before_last, last_ball,

@@ -51,7 +51,7 @@ struct Cone {
         const T r = base_radius + u.x * (top_radius - base_radius);
         return base + u.x * axis() + ((2 * u.y - 1) * r) * axes.first + ((2 * u.z - 1) * r) * axes.second;
     }
-    /// Returns the cone scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// Returns the cone scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing if
     /// there is no single nearest point.
     [[nodiscard]] std::optional<Cone> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         if (length(perpendicular_to_axis(viewpoint)) == 0) return std::nullopt;
@@ -76,9 +76,9 @@ struct Cone {
         const T v2 = square(v), v_dot_f = dot(v, f), v_dot_d = dot(v, d), s = top_radius - base_radius, vw = dot(v, w);
         const T rho = base_radius * v2 + s * v_dot_f, sigma = s * v_dot_d;
         const Vec<T> k = v2 * (base_radius * n - s * w) + (s * vw) * v;
-        return capped<T>({v2 * dot(m, n) - rho * sigma, v2 * square(m) - square(rho), v2 * square(n) - square(sigma),
-                          v2 * (square(k) - square(v2 * vw)), square(d)},
-                         v_dot_f, v_dot_d, v2);
+        return make_capped_span<T>({v2 * dot(m, n) - rho * sigma, v2 * square(m) - square(rho),
+                                    v2 * square(n) - square(sigma), v2 * (square(k) - square(v2 * vw)), square(d)},
+                                   v_dot_f, v_dot_d, v2);
     }
     /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
     /// `unit()`, positive outside.

@@ -47,8 +47,8 @@ struct Cylinder {
         const PerpendicularAxes<T> axes(axis());
         return base + u.x * axis() + ((2 * u.y - 1) * radius) * axes.first + ((2 * u.z - 1) * radius) * axes.second;
     }
-    /// Returns the cylinder scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
-    /// there is no single nearest point.
+    /// Returns the cylinder scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing
+    /// if there is no single nearest point.
     [[nodiscard]] std::optional<Cylinder> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         if (length(perpendicular_to_axis(viewpoint)) == 0) return std::nullopt;
         const Vec<T> nearest_point = project_onto_surface(viewpoint);
@@ -64,8 +64,8 @@ struct Cylinder {
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d);
         const T v2 = square(v), r2 = square(radius), a = square(n);
-        return capped<T>({dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)}, dot(v, f),
-                         dot(v, d), v2);
+        return make_capped_span<T>({dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)},
+                                   dot(v, f), dot(v, d), v2);
     }
     /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
     /// `unit()`, positive outside.

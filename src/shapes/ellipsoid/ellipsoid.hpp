@@ -44,8 +44,8 @@ struct Ellipsoid {
         const auto along = [](const T& c, const T& share, const T& r) { return c + (2 * share - 1) * r; };
         return {along(centre.x, u.x, radii.x), along(centre.y, u.y, radii.y), along(centre.z, u.z, radii.z)};
     }
-    /// Returns the ellipsoid scaled by k so that its surface point between the centre and `fixed` does not move.
-    /// Returns nothing if `fixed` is the centre.
+    /// Returns the ellipsoid scaled by `factor`. Its surface point between the centre and `viewpoint` does not move.
+    /// Returns nothing if `viewpoint` is the centre.
     [[nodiscard]] std::optional<Ellipsoid> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         const Vec<T> towards = viewpoint - centre;
         const T distance = length(divide_by_radii(towards));

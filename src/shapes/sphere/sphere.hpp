@@ -42,8 +42,8 @@ struct Sphere {
         const auto along = [this](const T& c, const T& share) { return c + (2 * share - 1) * radius; };
         return {along(centre.x, u.x), along(centre.y, u.y), along(centre.z, u.z)};
     }
-    /// Returns the sphere scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
-    /// there is no single nearest point.
+    /// Returns the sphere scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing
+    /// if there is no single nearest point.
     [[nodiscard]] std::optional<Sphere> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         const Vec<T> towards = viewpoint - centre;
         const T distance = length(towards);

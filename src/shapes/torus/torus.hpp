@@ -58,7 +58,7 @@ struct Torus {
         if (size == 0) return centre + r * axes.first;
         return centre + (r * x / size) * axes.first + (r * y / size) * axes.second;
     }
-    /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// Returns the torus scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing if
     /// there is no single nearest point.
     [[nodiscard]] std::optional<Torus> scaled_about_nearest(const Vec<T>& viewpoint, const T& factor) const {
         const RelativeToCircle relative(*this, viewpoint);
@@ -90,7 +90,7 @@ struct Torus {
     /// Returns the polynomial of `span` in t: n² (p² + R² − r²)² − 4 R² |n × p|² with p = f + t d, since x = a t + d·f
     /// and |n × p|² = n² p² − (n·p)². It is computed by + − × alone, so number types without roots and quotients can be
     /// used.
-    [[nodiscard]] Polynomial<T> along(const Ray<T>& ray) const {
+    [[nodiscard]] Polynomial<T> polynomial_along(const Ray<T>& ray) const {
         const auto dot_product = [](const Vec<T>& u, const Vec<T>& v) { return u.x * v.x + u.y * v.y + u.z * v.z; };
         const Vec<T>&o = ray.origin, &d = ray.direction;
         const Vec<T> f(o.x - centre.x, o.y - centre.y, o.z - centre.z);

@@ -50,9 +50,9 @@ TEST_CASE("a row behind a box is named after form, box and method, and shapes wi
     CHECK(row.info->name == "sphere.unified^box.signs");
     CHECK(&boxed_form(intersect::bounding_box::default_box_method(), box, sphere) == &row);
     CHECK(boxed_form(box_method_named("nearest"), box, sphere).info->name == "sphere.unified^box.signs~nearest");
-    CHECK(intersect::bounding_box::boxed_parts_of(row).form == &sphere);
-    CHECK(intersect::bounding_box::boxed_parts_of(row).box == &box);
-    CHECK(intersect::bounding_box::boxed_parts_of(sphere).form == nullptr);
+    CHECK(intersect::bounding_box::find_boxed_parts(row).form == &sphere);
+    CHECK(intersect::bounding_box::find_boxed_parts(row).box == &box);
+    CHECK(intersect::bounding_box::find_boxed_parts(sphere).form == nullptr);
     CHECK(intersect::bounding_box::has_box(row));
     CHECK_FALSE(intersect::bounding_box::has_box(sphere));
 

@@ -46,7 +46,7 @@ struct BoxCase {
     std::array<Rational, 3> origin, direction, lo, hi;
     std::optional<Rational> tmax;  ///< none: the ray has no end
     Rational tmin = 0;
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
 };
 
 inline BoxCase exactly(const Ray<double>& ray, const Box<double>& box, double tmax) {
@@ -83,8 +83,8 @@ inline Span line_in_box(const BoxCase& x, bool closed) {
 /// The t of its range at which the ray lies in the box.
 inline Span ray_in_box(const BoxCase& x, bool closed) {
     Span span = line_in_box(x, closed);
-    span.starts_at(x.tmin, !x.open.tmin);
-    if (x.tmax) span.ends_at(*x.tmax, !x.open.tmax);
+    span.starts_at(x.tmin, !x.open_ends.tmin);
+    if (x.tmax) span.ends_at(*x.tmax, !x.open_ends.tmax);
     return span;
 }
 

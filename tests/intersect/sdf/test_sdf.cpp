@@ -9,7 +9,7 @@
 namespace lostbits::test::test_sdf {
 
 using intersect::LiftedTarget;
-using intersect::Stop;
+using intersect::StopReason;
 
 namespace {
 
@@ -130,7 +130,9 @@ TEST_CASE("sphere_trace is the loop of the seed program", "[intersect][sdf]") {
             CHECK((got.hit[i] != 0) == hit);
             CHECK(got.t[i] == t);
             CHECK(got.march[i].iterations == samples);
-            const Stop stop = hit ? Stop::hit : t > field.march.max_dist ? Stop::max_dist : got.march[i].stop;
+            const StopReason stop = hit                        ? StopReason::hit
+                                    : t > field.march.max_dist ? StopReason::max_dist
+                                                               : got.march[i].stop;
             CHECK(got.march[i].stop == stop);
         }
     }
@@ -145,7 +147,7 @@ TEST_CASE("a march stops advancing where t + d rounds to t", "[intersect][sdf]")
     const auto row = intersect::table::intersectors(Shape::sdf).front();
     const auto got = run<float>(row.native32, field, true);
     CHECK(got.hit[0] == 0);
-    CHECK(got.march[0].stop == Stop::stagnated);
+    CHECK(got.march[0].stop == StopReason::stagnated);
     CHECK(got.march[0].iterations == 200);
     CHECK(got.march[0].least > 0x1p-40);
     CHECK(got.march[0].least < 0x1p-20);
@@ -154,7 +156,7 @@ TEST_CASE("a march stops advancing where t + d rounds to t", "[intersect][sdf]")
     CHECK(log.steps[199].t == log.steps[198].t);
     CHECK(log.steps[199].d > 0);
     CHECK(log.hit.t == static_cast<double>(got.t[0]));
-    CHECK(log.stop == Stop::stagnated);
+    CHECK(log.stop == StopReason::stagnated);
 }
 
 TEST_CASE("enclosures of the marches contain their unrounded results", "[intersect][sdf][containment]") {

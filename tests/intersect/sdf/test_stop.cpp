@@ -6,7 +6,7 @@
 
 namespace lostbits::test::test_stop {
 
-using intersect::Stop;
+using intersect::StopReason;
 using intersect::table::MarchLog;
 
 namespace {
@@ -35,7 +35,7 @@ const intersect::table::Intersector& form(std::string_view name) {
 }
 
 /// The march of the lesson SDF Sphere Marching, in float, and why it ends.
-Stop plain_stop(const DrawnField& field, int max_steps) {
+StopReason plain_stop(const DrawnField& field, int max_steps) {
     const auto f = [](double x) { return static_cast<float>(x); };
     const Ray<double>& r = field.rays[0];
     const float radius = f(field.primitives[0].sphere().radius);
@@ -44,12 +44,12 @@ Stop plain_stop(const DrawnField& field, int max_steps) {
         const float x = f(r.origin.x) + t * f(r.direction.x), y = f(r.origin.y) + t * f(r.direction.y),
                     z = f(r.origin.z) + t * f(r.direction.z);
         const float d = std::sqrt(x * x + y * y + z * z) - radius;
-        if (d < f(field.march.hit_eps)) return Stop::hit;
+        if (d < f(field.march.hit_eps)) return StopReason::hit;
         before = t;
         t = t + d;
-        if (t > f(field.march.max_dist)) return Stop::max_dist;
+        if (t > f(field.march.max_dist)) return StopReason::max_dist;
     }
-    return t == before ? Stop::stagnated : Stop::max_steps;
+    return t == before ? StopReason::stagnated : StopReason::max_steps;
 }
 
 }  // namespace
@@ -58,30 +58,30 @@ TEST_CASE("a march that stops advancing at its last sample is stagnated", "[inte
     // t = 8192 − 0.9999 rounds to a multiple of 2^-11, and the remaining distance, 1e-4, is less than half of that.
     DrawnField field = towards_the_origin({-8192, 0, 0}, 0.9999, 1e-5);
     const auto stop = [&](const char* name, int cap) { return capped(form(name), field, cap, "f32").stop; };
-    CHECK(stop("sdf.sphere_trace", 1) == Stop::max_steps);
-    for (const int cap : {2, 3, 4, 50}) CHECK(stop("sdf.sphere_trace", cap) == Stop::stagnated);
+    CHECK(stop("sdf.sphere_trace", 1) == StopReason::max_steps);
+    for (const int cap : {2, 3, 4, 50}) CHECK(stop("sdf.sphere_trace", cap) == StopReason::stagnated);
     // The first step of 1.4 d is taken back.
-    for (const int cap : {1, 2}) CHECK(stop("sdf.over_relaxed", cap) == Stop::max_steps);
-    for (const int cap : {3, 4, 50}) CHECK(stop("sdf.over_relaxed", cap) == Stop::stagnated);
+    for (const int cap : {1, 2}) CHECK(stop("sdf.over_relaxed", cap) == StopReason::max_steps);
+    for (const int cap : {3, 4, 50}) CHECK(stop("sdf.over_relaxed", cap) == StopReason::stagnated);
     // Its t stands still there too, but its point is near 1 and moves on: it hits one sample later.
     const MarchLog log = capped(form("sdf.accumulated"), field, 3, "f32");
     REQUIRE(log.steps.size() == 3);
     CHECK(log.steps[2].t == log.steps[1].t);
     CHECK(log.steps[2].p.x != log.steps[1].p.x);
-    CHECK(stop("sdf.accumulated", 2) == Stop::max_steps);
-    for (const int cap : {3, 4, 50}) CHECK(stop("sdf.accumulated", cap) == Stop::hit);
+    CHECK(stop("sdf.accumulated", 2) == StopReason::max_steps);
+    for (const int cap : {3, 4, 50}) CHECK(stop("sdf.accumulated", cap) == StopReason::hit);
     // The secant moves t even if the march missed; the march itself ended. So does a step beyond max_dist.
-    CHECK(stop("sdf.secant_refined", 1) == Stop::max_steps);
-    CHECK(stop("sdf.secant_refined", 2) == Stop::stagnated);
+    CHECK(stop("sdf.secant_refined", 1) == StopReason::max_steps);
+    CHECK(stop("sdf.secant_refined", 2) == StopReason::stagnated);
     field.march.max_dist = 8000;
-    for (const int cap : {1, 2}) CHECK(stop("sdf.sphere_trace", cap) == Stop::max_dist);
+    for (const int cap : {1, 2}) CHECK(stop("sdf.sphere_trace", cap) == StopReason::max_dist);
 }
 
 TEST_CASE("a NaN on the way makes a march end at max_steps, not stagnate", "[intersect][sdf]") {
     DrawnField field = towards_the_origin({-4, 0, 0}, 1, 1e-5);
     field.rays[0].origin.y = std::nan("");
     for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sdf)) {
-        for (const int cap : {1, 2, 7}) CHECK(capped(row, field, cap, "f32").stop == Stop::max_steps);
+        for (const int cap : {1, 2, 7}) CHECK(capped(row, field, cap, "f32").stop == StopReason::max_steps);
     }
 }
 
@@ -104,18 +104,18 @@ TEST_CASE("a stagnated march stays where it is, and one at max_steps would move 
                     ++seen[static_cast<std::size_t>(log.stop)];
                     if (row.info->name == "sdf.sphere_trace" && format == std::string("f32"))
                         CHECK(log.stop == plain_stop(field, cap));
-                    CHECK((!stood || log.stop == Stop::stagnated));
-                    if (log.stop != Stop::stagnated && log.stop != Stop::max_steps) continue;
+                    CHECK((!stood || log.stop == StopReason::stagnated));
+                    if (log.stop != StopReason::stagnated && log.stop != StopReason::max_steps) continue;
                     REQUIRE(static_cast<int>(log.steps.size()) == cap);
                     const MarchLog more = capped(row, field, cap + 1, format), most = capped(row, field, 90, format);
                     const auto &last = log.steps.back(), &next = more.steps.back();
                     const bool same = last.t == next.t && last.p.x == next.p.x && last.p.y == next.p.y &&
                                       last.p.z == next.p.z && last.d == next.d;
-                    CHECK(same == (log.stop == Stop::stagnated));
-                    if (log.stop == Stop::max_steps) continue;
+                    CHECK(same == (log.stop == StopReason::stagnated));
+                    if (log.stop == StopReason::max_steps) continue;
                     at_last_sample += !stood;
                     stood = true;
-                    CHECK(most.stop == Stop::stagnated);
+                    CHECK(most.stop == StopReason::stagnated);
                     CHECK_FALSE(most.hit.hit);
                     CHECK(most.hit.t == log.hit.t);
                 }

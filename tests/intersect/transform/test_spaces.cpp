@@ -111,12 +111,12 @@ TEST_CASE("a row with a transform is named after form and method, and has the re
         const Intersector& row = transformed_form(space, form);
         CHECK(row.info->name == std::string(form.info->name) + "@" + std::string(space.info->name));
         CHECK(&transformed_form(space, form) == &row);
-        CHECK(intersect::transform::transformed_parts_of(row).method == &space);
-        CHECK(intersect::transform::transformed_parts_of(row).form == &form);
+        CHECK(intersect::transform::find_transformed_parts(row).method == &space);
+        CHECK(intersect::transform::find_transformed_parts(row).form == &form);
         CHECK(row.shapes() == Shapes(form.shape).placed());
         CHECK_THROWS_AS(transformed_form(space, row), InputError);
     }
-    CHECK(intersect::transform::transformed_parts_of(form).method == nullptr);
+    CHECK(intersect::transform::find_transformed_parts(form).method == nullptr);
 }
 
 TEST_CASE("every transform method gives the true t when nothing is rounded, rigid only for rotations") {

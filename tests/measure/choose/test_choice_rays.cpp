@@ -88,15 +88,15 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     request.scene = &scene;
     const auto expected = measure_quality(request);
     request.scene = nullptr;
-    const FileTerms terms{.id = "rays", .primitives = scene::rays::shared_primitives(scene)};
+    const FileOptions options{.id = "rays", .primitives = scene::rays::shared_primitives(scene)};
     const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
-    const FileRays one = judge_rays(*whole, terms, request);
+    const FileRays one = judge_rays(*whole, options, request);
     CHECK(one.rays == rays.size());
     CHECK_FALSE(one.answers);
     std::vector<std::unique_ptr<scene::dump::Dump>> parts;
     parts.push_back(opened(written(folder, "first", columns_of(rays, 0, 1000)), false));
     parts.push_back(opened(written(folder, "second", columns_of(rays, 1000, rays.size())), false));
-    const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), terms, request);
+    const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), options, request);
     CHECK(two.rays == rays.size());
     for (std::size_t r = 0; r < 2; ++r) {
         require_same(one.quality[r], expected[r]);

@@ -191,7 +191,7 @@ const intersect::table::Intersector* set_number(std::size_t k) {
             if (std::ranges::find(quartics_in_t, form.info->name) == quartics_in_t.end()) forms.push_back(&form);
         parts.push_back(forms[k % forms.size()]);
     }
-    return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
+    return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::find_or_add_set(parts) : nullptr;
 }
 
 /// Compares sets of forms, in float and double, with the tree and without; returns how many answers were compared.

@@ -30,7 +30,7 @@ RayGroup ray_of(const RayGroup& from, std::size_t i) {
 /// measured at the primitive of the first ray.
 std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution) {
     const auto drawn = distribution.sets().front().groups();
-    const auto timed = distribution.timed();
+    const auto timed = distribution.draw_timed_rays();
     std::vector<RayGroup> all{ray_of(drawn.at(0), 0)};
     for (std::size_t i = 0; i < 5; ++i) all.push_back(ray_of(timed.misses, i));
     for (std::size_t i = 1; i < 5; ++i) all.push_back(ray_of(drawn.at(i % drawn.size()), i / drawn.size()));

@@ -9,7 +9,7 @@
 
 namespace lostbits::test::test_march {
 
-using intersect::Stop;
+using intersect::StopReason;
 using measure::answer::OneRay;
 using measure::evaluate::MapStudy;
 
@@ -37,8 +37,8 @@ public:
             const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i],
                          input = result.metrics[3][i];
             wrong += m.iterations < 1 || m.iterations > max_steps_;
-            wrong += (m.stop == Stop::hit) != (result.answers->hit[i] != 0);
-            wrong += (m.stop == Stop::max_steps || m.stop == Stop::stagnated) && m.iterations != max_steps_;
+            wrong += (m.stop == StopReason::hit) != (result.answers->hit[i] != 0);
+            wrong += (m.stop == StopReason::max_steps || m.stop == StopReason::stagnated) && m.iterations != max_steps_;
             wrong += result.metrics[4][i] != m.iterations || result.metrics[5][i] != static_cast<double>(m.stop);
             if (result.outcomes[i] != measure::answer::Outcome::agree_hit) {
                 wrong += !std::isnan(ulps);

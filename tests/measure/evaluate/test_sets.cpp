@@ -89,7 +89,7 @@ TEST_CASE("a set returns the nearest answer of its forms in every format and reg
         const Mixed mixed(seed);
         for (const auto& [of_sphere, of_box] : pairs) {
             const Intersector &a = form_named(of_sphere), &b = form_named(of_box);
-            const Intersector& set = intersect::table::set_of({&b, &a});
+            const Intersector& set = intersect::table::find_or_add_set({&b, &a});
             const bool unit = set.info->direction == intersect::Direction::unit;
             for (const char* const name : {"f32", "f64", "p16"}) {
                 const Format format = *find_format(name);
@@ -127,7 +127,7 @@ TEST_CASE("each primitive in a set is judged by the contract of its own form", "
         const Band band(mixed.rays, mixed.all);
         for (const auto& [of_sphere, of_box] : pairs) {
             const Intersector &a = form_named(of_sphere), &b = form_named(of_box);
-            const Intersector& set = intersect::table::set_of({&a, &b});
+            const Intersector& set = intersect::table::find_or_add_set({&a, &b});
             for (const std::optional<intersect::Touching> judged : judgements) {
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < mixed.rays.size(); ++i) {
@@ -159,16 +159,16 @@ TEST_CASE("an impossible set is refused with the reason, and each set is made on
     CHECK(refusal_of_set({&sphere, &other}) ==
           "sphere.press and sphere.unified are both for spheres; name one form for each shape");
     CHECK(refusal_of_set({&sphere, &march}).find("marches") != std::string::npos);
-    const Intersector& set = intersect::table::set_of({&box, &sphere});
-    CHECK(&set == &intersect::table::set_of({&sphere, &box}));
+    const Intersector& set = intersect::table::find_or_add_set({&box, &sphere});
+    CHECK(&set == &intersect::table::find_or_add_set({&sphere, &box}));
     CHECK(set.info->name == "sphere.press+box.signs");
-    CHECK(&set.of(box.shape) == &box);
+    CHECK(&set.form_for(box.shape) == &box);
     CHECK(set.info->by_shape == std::array<const intersect::Convention*, 3>{});
-    const Intersector& strict = intersect::table::set_of({&form_named("sphere.two_step"), &box});
-    CHECK(strict.info->convention().of(sphere.shape).touching == intersect::Touching::miss);
-    CHECK(strict.info->convention().of(box.shape).touching == intersect::Touching::hit);
+    const Intersector& strict = intersect::table::find_or_add_set({&form_named("sphere.two_step"), &box});
+    CHECK(strict.info->convention().for_shape(sphere.shape).touching == intersect::Touching::miss);
+    CHECK(strict.info->convention().for_shape(box.shape).touching == intersect::Touching::hit);
     CHECK(strict.info->convention(intersect::Touching::miss).by_shape == nullptr);
-    const Intersector& narrow = intersect::table::set_of({&form_named("sphere.double_inside"), &box});
+    const Intersector& narrow = intersect::table::find_or_add_set({&form_named("sphere.double_inside"), &box});
     CHECK(narrow.exists_in(*find_format("f32")));
     CHECK_FALSE(narrow.exists_in(*find_format("f64")));
 }

@@ -44,7 +44,7 @@ struct Ideal {
             const Range<double> range = ranged ? range_about_primitive(rng, p.ray, p.primitive, binary64) : p.range;
             rays.tmin.push_back(range.tmin), rays.tmax.push_back(range.tmax);
         }
-        rays.open = ranged.value_or(OpenEnds{});
+        rays.open_ends = ranged.value_or(OpenEnds{});
     }
     StageCounts find(measure::truth::RayTruths& found) const {
         const scene::rays::PrimitiveList<Real> list(primitives);

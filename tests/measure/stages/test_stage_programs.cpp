@@ -70,10 +70,10 @@ public:
                 columns_[k].push_back(static_cast<S>(is_of_primitive(k) && one_primitive ? problems.front()[k] : p[k]));
         one_primitive_ = one_primitive;
     }
-    [[nodiscard]] RawProblems<S> raw(const StageTerms& terms) {
+    [[nodiscard]] RawProblems<S> raw(const StageKey& key) {
         RawFindings out{settled.data(), hit.data(), {}, {}};
-        if (terms.t) out.t = {t[0].data(), t[1].data(), t[2].data()};
-        if (terms.distance) out.distance = {distance[0].data(), distance[1].data(), distance[2].data()};
+        if (key.wants_t) out.t = {t[0].data(), t[1].data(), t[2].data()};
+        if (key.wants_distance) out.distance = {distance[0].data(), distance[1].data(), distance[2].data()};
         auto p = raw_problems<S>(rays, out);
         const auto column = [this](std::size_t k) {
             return RawColumn<S>{columns_[k].data(),
@@ -84,7 +84,7 @@ public:
         for (std::size_t k = 0; k < most_stored; ++k)
             p.primitive[k] = column(input_of_primitive + k), p.primitive_low[k] = column(input_of_primitive_low + k);
         p.tmin = column(input_of_tmin), p.tmax = column(input_of_tmax);
-        p.two_words = terms.two_words, p.has_ranges = terms.has_ranges, p.open = terms.open, p.matrix = terms.matrix;
+        p.two_words = key.two_words, p.has_ranges = key.has_ranges, p.open_ends = key.open_ends, p.matrix = key.matrix;
         return p;
     }
     [[nodiscard]] double at(std::size_t input, std::size_t i) const { return static_cast<double>(columns_[input][i]); }
@@ -110,13 +110,13 @@ struct Counts {
 
 /// The stage of a shape in columns of S, against its formula over words of W.
 template <template <class> class Of, class S, class W>
-Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>& stage,
+Counts compare(const StageKey& key, bool one_primitive, const ShapeStage<S>& stage,
                std::span<const std::array<double, stage_inputs>> problems) {
     ColumnsOfProblems<S> columns(problems, one_primitive);
-    stage(columns.raw(terms));
+    stage(columns.raw(key));
     Counts counts;
     for (std::size_t i = 0; i < rays; ++i) {
-        const Finding<double> alone = settle_inputs<Of, W>(terms, [&](std::size_t k) { return columns.at(k, i); });
+        const Finding<double> alone = settle_inputs<Of, W>(key, [&](std::size_t k) { return columns.at(k, i); });
         counts.settled += alone.settled ? 1 : 0;
         bool same = columns.settled[i] == static_cast<std::uint8_t>(alone.settled);
         // Nothing reads the hit of a ray that is not settled.
@@ -126,8 +126,8 @@ Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>&
                 const double wanted[3] = {x.middle.hi, x.middle.lo, x.bound};
                 for (std::size_t k = 0; k < 3; ++k) same = same && same_bits(found[k][i], alone.hit ? wanted[k] : 0.0);
             };
-            if (terms.t) length(alone.t, columns.t);
-            if (terms.distance) length(alone.distance, columns.distance);
+            if (key.wants_t) length(alone.t, columns.t);
+            if (key.wants_distance) length(alone.distance, columns.distance);
         }
         counts.different += same ? 0 : 1;
     }
@@ -135,15 +135,15 @@ Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>&
 }
 
 /// Each feature that changes a program, alone and with others.
-std::vector<StageTerms> terms_of(Shape shape, int words) {
-    const StageTerms plain{shape, words, false, {}, false, {}, true, true};
-    std::vector<StageTerms> all{plain, plain, plain, plain, plain, plain, plain};
+std::vector<StageKey> keys_of(Shape shape, int words) {
+    const StageKey plain{shape, words, false, {}, false, {}, true, true};
+    std::vector<StageKey> all{plain, plain, plain, plain, plain, plain, plain};
     all[1].has_ranges = true;
-    all[2].has_ranges = true, all[2].open = {true, true};
+    all[2].has_ranges = true, all[2].open_ends = {true, true};
     all[3].matrix = {true, false, 1};
     all[4].matrix = {true, true, 1}, all[4].has_ranges = true;
-    all[5].distance = false;
-    all[6].two_words = words == 2, all[6].t = false;
+    all[5].wants_distance = false;
+    all[6].two_words = words == 2, all[6].wants_t = false;
     return all;
 }
 
@@ -156,20 +156,20 @@ TEST_CASE("stage programs: every shape has the words and bounds of its formula a
             const auto problems = problems_at(shape);
             const Stages stages = stages_of(shape, isa);
             for (const bool one_primitive : {false, true}) {
-                for (const StageTerms& terms : terms_of(shape, 1)) {
+                for (const StageKey& key : keys_of(shape, 1)) {
                     INFO(row_of(shape).name << ", one word, one solid " << one_primitive << ", ranged "
-                                            << terms.has_ranges << ", matrix " << terms.matrix.placed
-                                            << terms.matrix.is_inverse);
-                    const Counts found = compare<Of, float, double>(terms, one_primitive, stages.binary64, problems);
+                                            << key.has_ranges << ", matrix " << key.matrix.placed
+                                            << key.matrix.is_inverse);
+                    const Counts found = compare<Of, float, double>(key, one_primitive, stages.binary64, problems);
                     CHECK(found.different == 0);
                     CHECK(found.settled > rays / 2);
                 }
-                for (const StageTerms& terms : terms_of(shape, 2)) {
+                for (const StageKey& key : keys_of(shape, 2)) {
                     INFO(row_of(shape).name << ", two words, one solid " << one_primitive << ", ranged "
-                                            << terms.has_ranges << ", matrix " << terms.matrix.placed
-                                            << terms.matrix.is_inverse << ", two words each " << terms.two_words);
+                                            << key.has_ranges << ", matrix " << key.matrix.placed
+                                            << key.matrix.is_inverse << ", two words each " << key.two_words);
                     const Counts found =
-                        compare<Of, double, TwoWords<double>>(terms, one_primitive, stages.double_double, problems);
+                        compare<Of, double, TwoWords<double>>(key, one_primitive, stages.double_double, problems);
                     CHECK(found.different == 0);
                     CHECK(found.settled > rays / 2);
                 }

@@ -38,7 +38,7 @@ public:
             numbers_[12].push_back(static_cast<S>(p.range.tmax));
             numbers_[13].push_back(static_cast<S>(p.range.tmin));
         }
-        open_ = problems.front().range.open;
+        open_ends_ = problems.front().range.open_ends;
         shape_ = problems.front().primitive.shape;
     }
     [[nodiscard]] ProblemColumns<S> get() const {
@@ -48,7 +48,7 @@ public:
                             .primitive = {},
                             .tmin = numbers_[13],
                             .tmax = numbers_[12],
-                            .open = open_};
+                            .open_ends = open_ends_};
         for (std::size_t k = 0; k < 6; ++k) {
             p.ray[k] = numbers_[k];
             p.primitive[k] = numbers_[6 + k];
@@ -60,7 +60,7 @@ private:
     std::size_t size_;
     Shape shape_;
     std::vector<S> numbers_[14];
-    OpenEnds open_;
+    OpenEnds open_ends_;
 };
 
 /// One of the numbers of a problem: first those of its ray, then those of its primitive.
@@ -148,7 +148,7 @@ TEST_CASE("truth columns: every register width gives the same bits") {
             Seeded rng(15);
             std::vector<Problem> problems = problems_of(shape, binary32, 97);
             for (Problem& p : problems)
-                if (ranged) p.range = range_about_primitive(rng, p.ray, p.primitive, binary32), p.range.open = {};
+                if (ranged) p.range = range_about_primitive(rng, p.ray, p.primitive, binary32), p.range.open_ends = {};
             for (const Length length : {Length::parameter, Length::distance}) {
                 std::optional<TruthColumns> floats, doubles;
                 at_every_width([&](intersect::simd::Isa isa) {

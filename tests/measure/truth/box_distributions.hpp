@@ -12,9 +12,9 @@ struct BoxSample {
     Box<double> box;
     double tmax = HUGE_VAL;
     double tmin = 0;
-    OpenEnds open = {};
+    OpenEnds open_ends = {};
 
-    [[nodiscard]] Range<double> range() const { return {tmin, tmax, open}; }
+    [[nodiscard]] Range<double> range() const { return {tmin, tmax, open_ends}; }
 };
 
 struct BoxDistribution {

@@ -85,7 +85,7 @@ template void ExactHit::find(const Ray<Real>&, const Sphere<Real>&, const Range<
 
 bool ExactHit::is_in(const Range<double>& range) const {
     const int begun = side(Dyadic(range.tmin)), ended = std::isinf(range.tmax) ? -1 : side(Dyadic(range.tmax));
-    return (range.open.tmin ? begun > 0 : begun >= 0) && (range.open.tmax ? ended < 0 : ended <= 0);
+    return (range.open_ends.tmin ? begun > 0 : begun >= 0) && (range.open_ends.tmax ? ended < 0 : ended <= 0);
 }
 
 // Q(x) = |f + x d|² − r² tells whether the point at x is outside; (f + x d)·d whether it is past the closest approach.

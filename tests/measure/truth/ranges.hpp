@@ -41,8 +41,8 @@ inline Range<double> range_about(Seeded& rng, std::span<const double> roots, con
     if (range.tmin > range.tmax && rng.index(8) != 0) std::swap(range.tmin, range.tmax);
     if (std::isinf(range.tmin)) range.tmin = 0;
     if (rng.index(64) == 0) range.tmin = -range.tmin;
-    range.open.tmin = rng.coin();
-    range.open.tmax = rng.coin();
+    range.open_ends.tmin = rng.coin();
+    range.open_ends.tmax = rng.coin();
     return range;
 }
 
@@ -61,8 +61,8 @@ inline Range<double> range_about_primitive(Seeded& rng, const Ray<double>& ray, 
 /// The range as C++ that compiles.
 inline std::string paste(const Range<double>& range) {
     std::ostringstream out;
-    out << std::hexfloat << "Range<double> range{" << range.tmin << ", " << range.tmax << ", {" << range.open.tmin
-        << ", " << range.open.tmax << "}};";
+    out << std::hexfloat << "Range<double> range{" << range.tmin << ", " << range.tmax << ", {" << range.open_ends.tmin
+        << ", " << range.open_ends.tmax << "}};";
     return out.str();
 }
 

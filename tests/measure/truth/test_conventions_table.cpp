@@ -223,7 +223,7 @@ TEST_CASE("conventions: the origin property matters except for boxes that return
 TEST_CASE("conventions: forms that return the next crossing find it where the range excludes the first",
           "[measure][truth]") {
     scene::file::Scene scene = test::load("consistency-on-surface", 8, 6);
-    scene.range.open.tmin = true;
+    scene.range.open_ends.tmin = true;
     const measure::truth::Band band(scene, 0, scene.height);
     std::size_t tell = 0, lose = 0;
     for (const auto& form : intersect::table::catalogue()) {

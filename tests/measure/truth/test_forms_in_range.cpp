@@ -24,7 +24,7 @@ RayGroup plain_ray(Shape shape, const Range<double>& range) {
     RayGroup group = scene::rays::group_of({{-5, 0, 0}, {1, 0, 0}});
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
-    group.rays.open = range.open;
+    group.rays.open_ends = range.open_ends;
     if (shape == Shape::sphere) group.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 3})};
     else if (shape == Shape::box) group.primitives = {Primitive<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
     else if (shape == Shape::triangle)
@@ -121,7 +121,7 @@ TEST_CASE("forms with both roots decide as the truth in every range, and forms w
                                    (range.is_before(2) || range.is_after(2));
             const bool loses =
                 far_alone && form.info->roots != Roots::both && form.info->inside != intersect::Inside::near;
-            INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
+            INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open_ends));
             const Outcome got = outcome_of(form, "f32", plain_ray(form.shape, range));
             if (form.info->inside == intersect::Inside::near && far_alone) return;  // by its property there is no hit
             CHECK(got == (loses ? Outcome::false_miss : hit ? Outcome::agree_hit : Outcome::agree_miss));

@@ -176,8 +176,8 @@ TEST_CASE("a range takes the crossings within it, and its ends follow their conv
     };
     CHECK(count({}) == 2);
     CHECK(count({.tmin = 1, .tmax = 3}) == 2);
-    CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true}}) == 1);
-    CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true, .tmax = true}}) == 0);
+    CHECK(count({.tmin = 1, .tmax = 3, .open_ends = {.tmin = true}}) == 1);
+    CHECK(count({.tmin = 1, .tmax = 3, .open_ends = {.tmin = true, .tmax = true}}) == 0);
     CHECK(count({.tmin = 2, .tmax = 2.5}) == 0);
 }
 

@@ -41,7 +41,7 @@ Exact exactly(const RaySample& s, const Range<double>& range, Touching touching)
 
 Exact exactly(const BoxSample& s, const Range<double>& range, Touching touching) {
     test::BoxCase x = test::exactly(s.ray, s.box, range.tmax);
-    x.tmin = test::Rational(range.tmin), x.open = range.open;
+    x.tmin = test::Rational(range.tmin), x.open_ends = range.open_ends;
     const test::Span span = ray_in_box(x, touching == Touching::hit);
     if (span.is_empty()) return {};
     const test::Rational t = span.start(), squared = t * t * test::dot(x.direction, x.direction);

@@ -101,7 +101,7 @@ Range<double> draw_range(Random& random, const Explanation& x) {
     Range<double> range;
     if (below(random, 3) != 0) range.tmin = root();
     if (below(random, 3) != 0) range.tmax = root();
-    range.open = open_ends_names[below(random, 4)].second;
+    range.open_ends = open_ends_names[below(random, 4)].second;
     return range;
 }
 
@@ -127,8 +127,8 @@ void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
                     const Range<double> range = draw_range(random, plain.x);
                     asked.group.rays.tmin = {range.tmin};
                     asked.group.rays.tmax = {range.tmax};
-                    asked.group.rays.open = range.open;
-                    INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
+                    asked.group.rays.open_ends = range.open_ends;
+                    INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open_ends));
                     see(asked, Shown(asked));
                 }
             }
@@ -158,8 +158,8 @@ std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     std::uint8_t hit = found.exact_hit;
     const auto one = [](double& v) { return std::span<double>(&v, 1); };
     double begin = x.range.tmin, end = x.range.tmax, zero = 0;
-    const intersect::table::RayBatch<double> batch{one(zero), one(zero), one(zero),  one(zero),   one(zero),
-                                                   one(zero), one(end),  one(begin), x.range.open};
+    const intersect::table::RayBatch<double> batch{one(zero), one(zero), one(zero),  one(zero),        one(zero),
+                                                   one(zero), one(end),  one(begin), x.range.open_ends};
     intersect::table::limit_batch_to_range<double>(*asked.form->info, asked.form->shape, batch,
                                                    {one(t), one(near), one(far), std::span(&hit, 1)});
     return hit != 0;
@@ -230,7 +230,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
         REQUIRE(s.says("\n  ray.tmin") == !whole);
         REQUIRE(s.says("\n  ray.tmax") == !whole);
         REQUIRE(s.json["inputs"].contains("ray.tmin") == !whole);
-        REQUIRE(s.json["open_ends"] == std::string(name_of(s.x.range.open)));
+        REQUIRE(s.json["open_ends"] == std::string(name_of(s.x.range.open_ends)));
         limits += !whole;
         if (s.x.attribution.loop_was_cut_short) return;
         if (const auto exact = exact_decision(asked, s.x)) {

@@ -82,7 +82,7 @@ const BadFile bad_files[] = {
      "ox,oy,oz,dx,dy,dz,tmin,tmax\n0,0,-5,0,0,1,4,4\n",
      "a.csv:2:16:",
      "no t lies between",
-     {.primitive = Shape::sphere, .open = {.tmin = true}}},
+     {.primitive = Shape::sphere, .open_ends = {.tmin = true}}},
     {"a.csv",
      "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,-5,0,0,1,1,4,-1\n",
      "a.csv:2:18: object is -1",

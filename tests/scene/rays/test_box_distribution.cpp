@@ -180,7 +180,7 @@ TEST_CASE("every shape has a ray distribution with its own table, and an easy se
     for (const auto& row : scene::sweep::distributions()) {
         INFO(row.table);
         CHECK(row.sets().front().name == "easy");
-        const auto timed = row.timed();
+        const auto timed = row.draw_timed_rays();
         REQUIRE(timed.hits.rays.size() == 4096);
         REQUIRE(timed.misses.rays.size() == 4096);
         int hit = 0, missed = 0;
@@ -208,7 +208,7 @@ TEST_CASE("targets of rays lie on the surface, and lines at silhouettes touch it
                 const auto off = [&](const Vec<double>& p) {
                     return std::fabs(visit(primitive, [&p](const auto& shape) { return shape.distance(p); }));
                 };
-                const AimedPlace target = row.aimed_at(random, primitive, aim);
+                const AimedPlace target = row.draw_target(random, primitive, aim);
                 const Vec<double> p = target.point;
                 INFO(row.table << ' ' << name << ' ' << i);
                 if (on_surface.contains(name)) CHECK(off(p) < 1e-7);

@@ -204,7 +204,7 @@ rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp
     const auto rays = file.rays(0, binary32)[0].rays;
     CHECK(rays.tmin == std::vector<double>{0.5, 0});
     CHECK(rays.tmax == std::vector<double>{3 - 0x1p-22, HUGE_VAL});
-    CHECK((rays.open.tmin && !rays.open.tmax));
+    CHECK((rays.open_ends.tmin && !rays.open_ends.tmax));
     CHECK(has(broken("title", "open_ends = \"tmin\"\ntitle"), "open_ends"));
 }
 

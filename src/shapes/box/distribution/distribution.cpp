@@ -122,7 +122,7 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
 
 }  // namespace
 
-rays::AimedPlace BoxDistribution::aimed_at(Random& random, const Primitive<double>& primitive, int target) {
+rays::AimedPlace BoxDistribution::draw_target(Random& random, const Primitive<double>& primitive, int target) {
     Vec<double> fraction(0, 0, 0);
     const int free_axis = random.below(3);
     for (int k = 0; k < 3; ++k) fraction[k] = target == edge && k == free_axis ? random.unit() : random.below(2);
@@ -165,7 +165,7 @@ std::span<const rays::RaySet> BoxDistribution::sets() {
     return all;
 }
 
-rays::HitsAndMisses BoxDistribution::timed() {
+rays::HitsAndMisses BoxDistribution::draw_timed_rays() {
     const BoxDistribution hits = rays::of_one_view(BoxDistribution{.aim = BoxDistribution::Aim::inside});
     BoxDistribution misses = hits;
     misses.aim = BoxDistribution::Aim::edge;

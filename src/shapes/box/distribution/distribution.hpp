@@ -36,7 +36,7 @@ struct BoxDistribution {
     enum OutsideAim { edge, corner };
     static constexpr std::pair<std::string_view, int> aims[] = {{"edge", edge}, {"corner", corner}};
     /// Draws a point of an edge, or a corner, as a target for rays that come from any direction.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int target);
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int target);
 
     /// Reads `[box_rays]`. Throws InputError with a position if a number is out of range.
     static BoxDistribution read(toml::TableReader table);
@@ -44,7 +44,7 @@ struct BoxDistribution {
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
     static std::span<const rays::RaySet> sets();
-    static rays::HitsAndMisses timed();
+    static rays::HitsAndMisses draw_timed_rays();
 };
 
 }  // namespace lostbits::scene::box

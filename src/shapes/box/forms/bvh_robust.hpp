@@ -20,8 +20,8 @@ struct BvhRobust {
         for (int axis = 0; axis < 3; ++axis) {
             const T inv = named("inv", T(1) / ray.direction[axis]);
             const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
-            tmin = named("tmin", max((planes.bmin - ray.origin[axis]) * inv, tmin));
-            tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * pad<T>(inv), tmax));
+            tmin = named("tmin", max((planes.first - ray.origin[axis]) * inv, tmin));
+            tmax = named("tmax", min((planes.second - ray.origin[axis]) * pad<T>(inv), tmax));
         }
         return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }

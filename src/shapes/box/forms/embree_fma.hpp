@@ -25,8 +25,8 @@ struct EmbreeFma {
             const T inv = named("inv", T(1) / select(abs(d) < tiny, tiny, d));
             const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
             const T o_inv = named("o_inv", ray.origin[axis] * inv);
-            tmin = named("tmin", max(fma(planes.bmin, inv, -o_inv), tmin));
-            tmax = named("tmax", min(fma(planes.bmax, inv, -o_inv), tmax));
+            tmin = named("tmin", max(fma(planes.first, inv, -o_inv), tmin));
+            tmax = named("tmax", min(fma(planes.second, inv, -o_inv), tmax));
         }
         return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }

@@ -1,7 +1,7 @@
 // Embree's robust traversal since version 3: it pads 1/d, and no longer the comparison. With ε = 2u, a near plane's t
-// is (bmin − o)·fl((1 − 3ε)/d), and a far plane's t is (bmax − o)·fl((1 + 3ε)/d). A component with |d| < 10⁻¹⁸ becomes
-// +10⁻¹⁸. Each t has four roundings, which are less than its padding, so tmin is never too late and tmax never too
-// early. The tmin that is compared with the end of the ray is padded too.
+// is (first − o)·fl((1 − 3ε)/d), and a far plane's t is (second − o)·fl((1 + 3ε)/d). A component with |d| < 10⁻¹⁸
+// becomes +10⁻¹⁸. Each t has four roundings, which are less than its padding, so tmin is never too late and tmax never
+// too early. The tmin that is compared with the end of the ray is padded too.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"
@@ -26,8 +26,8 @@ struct EmbreePadded {
             const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
             const T inv_near = named("inv_near", (T(1) - three_eps) * inv);
             const T inv_far = named("inv_far", (T(1) + three_eps) * inv);
-            tmin = named("tmin", max((planes.bmin - ray.origin[axis]) * inv_near, tmin));
-            tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * inv_far, tmax));
+            tmin = named("tmin", max((planes.first - ray.origin[axis]) * inv_near, tmin));
+            tmax = named("tmax", min((planes.second - ray.origin[axis]) * inv_far, tmax));
         }
         return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }

@@ -35,7 +35,7 @@ struct FilteredSlabs {
                           [&](int /*axis*/, const T& /*inv*/, const T& dmax) { overflow_sum = overflow_sum + dmax; });
             const filtered::BoundDecision<T> bound_decision = filtered::decide_by_bound<T>(tmin, tmax, overflow_sum);
             if (!any_of(!bound_decision.is_proved)) return hit_from_segment<T>(bound_decision.hit, {tmin, tmax});
-            return filtered::decide_by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit},
+            return filtered::decide_by_planes<T>(ray, filtered::order_planes<T>(ray, box), {{tmin, tmax}, limit},
                                                  bound_decision, watch);
         }
     }

@@ -48,8 +48,8 @@ struct BoundDecision : SlabDecision<T> {
 template <Number T>
 BoundDecision<T> decide_by_bound(const T& tmin, const T& tmax, const T& overflow_sum) {
     if constexpr (traces_operations<T>) {
-        using number::wide::value_of, number::wide::constant_mask;
-        const auto plain_decision = decide_by_bound(value_of(tmin), value_of(tmax), value_of(overflow_sum));
+        using number::wide::plain_value, number::wide::constant_mask;
+        const auto plain_decision = decide_by_bound(plain_value(tmin), plain_value(tmax), plain_value(overflow_sum));
         return {{constant_mask<T>(plain_decision.is_proved), tmin <= tmax}, constant_mask<T>(plain_decision.in_range)};
     } else {
         const T margin = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
@@ -61,7 +61,7 @@ BoundDecision<T> decide_by_bound(const T& tmin, const T& tmax, const T& overflow
 }
 
 template <Number T, class B>
-OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
+OrderedSlabs<T> order_planes(const Ray<T>& ray, const B& box) {
     const auto planes_at = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
     return {{planes_at(0), planes_at(1), planes_at(2)}};
 }
@@ -86,7 +86,7 @@ T largest_intermediate(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     T largest(0);
     for (int axis = 0; axis < 3; ++axis) {
         const T d = ray.direction[axis], inv = T(1) / d;
-        const T dmax = (slabs.planes[static_cast<std::size_t>(axis)].bmax - ray.origin[axis]) * inv;
+        const T dmax = (slabs.planes[static_cast<std::size_t>(axis)].second - ray.origin[axis]) * inv;
         largest = max(inv * d, max(dmax * abs(d), largest));
     }
     return largest;
@@ -97,9 +97,9 @@ T largest_intermediate(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     if constexpr (traces_operations<T>) {
-        using number::wide::value_of;
-        return number::wide::constant_mask<T>(fits<decltype(value_of(limit))>(
-            {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
+        using number::wide::plain_value;
+        return number::wide::constant_mask<T>(fits<decltype(plain_value(limit))>(
+            {plain_value(ray.origin), plain_value(ray.direction)}, plain_value(slabs), plain_value(limit)));
     }
 
     mask_t<T> all_fit = T(0) <= T(0);
@@ -114,8 +114,8 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         for (int axis = 0; axis < 3; ++axis) {
             check_size(ray.origin[axis]);
             check_size(ray.direction[axis]);
-            check_size(slabs.planes[static_cast<std::size_t>(axis)].bmin);
-            check_size(slabs.planes[static_cast<std::size_t>(axis)].bmax);
+            check_size(slabs.planes[static_cast<std::size_t>(axis)].first);
+            check_size(slabs.planes[static_cast<std::size_t>(axis)].second);
         }
         const mask_t<B> is_endless = number::wide::widen<B>(limit) >= beyond_every_t<B>();
         check_size(select(is_endless, T(0), limit));
@@ -138,9 +138,9 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
         const W sign = copysign(W(1), d);
         m[static_cast<std::size_t>(axis)] = abs(d);
         n[static_cast<std::size_t>(axis)] =
-            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmin) - o);
+            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].first) - o);
         f[static_cast<std::size_t>(axis)] =
-            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
+            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].second) - o);
     }
     const W v = unit_roundoff<W>(), end = min(widen_number(limit), beyond_every_t<W>());
 
@@ -177,8 +177,8 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
         const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
         const W d = widen<W>(ray.direction[axis]), o = widen<W>(ray.origin[axis]);
         const mask_t<W> is_moving = abs(d) > W(0);
-        tmin = select(is_moving, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
-        tmax = select(is_moving, min((widen<W>(planes.bmax) - o) / d, tmax), tmax);
+        tmin = select(is_moving, max((widen<W>(planes.first) - o) / d, tmin), tmin);
+        tmax = select(is_moving, min((widen<W>(planes.second) - o) / d, tmax), tmax);
     }
     return {narrow<T>(tmin), narrow<T>(tmax)};
 }
@@ -191,8 +191,8 @@ Hit<T> decide_in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
                              const SlabDecision<T>& known_decision, const mask_t<T>& is_accurate) {
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto& [x, y, z] = slabs.planes;
-    const std::array<T, 13> inputs{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,         x.bmin,
-                                   y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, result.limit};
+    const std::array<T, 13> inputs{o.x,     o.y,     o.z,      d.x,      d.y,      d.z,         x.first,
+                                   y.first, z.first, x.second, y.second, z.second, result.limit};
     const std::array<T, 3> answers = number::wide::apply_to_lanes<T, 13, 3>(
         select(known_decision.is_proved, T(0), T(1)), inputs,
         {select(known_decision.hit, T(1), -T(1)), result.segment.tmin, result.segment.tmax},
@@ -230,18 +230,18 @@ Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Sla
 template <Number T>
 Hit<T> decide_in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
                         const mask_t<T>& in_range) {
-    using number::wide::record_call, number::wide::value_of;
-    using P = decltype(value_of(result.limit));
-    const P zero(0), tmin = value_of(result.segment.tmin), tmax = value_of(result.segment.tmax);
+    using number::wide::record_call, number::wide::plain_value;
+    using P = decltype(plain_value(result.limit));
+    const P zero(0), tmin = plain_value(result.segment.tmin), tmax = plain_value(result.segment.tmax);
     const Hit<P> decision =
-        decide_exactly<P>({value_of(ray.origin), value_of(ray.direction)}, value_of(slabs),
-                          {{tmin, tmax}, value_of(result.limit)}, {{zero < zero, zero < zero}, in_range.value()});
+        decide_exactly<P>({plain_value(ray.origin), plain_value(ray.direction)}, plain_value(slabs),
+                          {{tmin, tmax}, plain_value(result.limit)}, {{zero < zero, zero < zero}, in_range.value()});
 
     // Collects the inputs of the call. The sign of d exchanges the planes of a slab.
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto plane = [&](int axis, const auto& is_exchanged) {
         const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
-        return select(is_exchanged(d[axis]), planes.bmax, planes.bmin);
+        return select(is_exchanged(d[axis]), planes.second, planes.first);
     };
     const auto low = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) < T(0); }); };
     const auto high = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) > T(0); }); };

@@ -32,10 +32,10 @@ struct OrderedSlabs {
 
 /// Returns the slabs in plain numbers.
 template <Number T>
-auto value_of(const OrderedSlabs<T>& slabs) {
-    using P = decltype(number::wide::value_of(slabs.planes[0].bmin));
+auto plain_value(const OrderedSlabs<T>& slabs) {
+    using P = decltype(number::wide::plain_value(slabs.planes[0].first));
     const auto planes = [](const Planes<T>& slab) {
-        return Planes<P>{number::wide::value_of(slab.bmin), number::wide::value_of(slab.bmax)};
+        return Planes<P>{number::wide::plain_value(slab.first), number::wide::plain_value(slab.second)};
     };
     return OrderedSlabs<P>{{planes(slabs.planes[0]), planes(slabs.planes[1]), planes(slabs.planes[2])}};
 }
@@ -97,8 +97,8 @@ auto plane_distances(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& l
     for (int axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<std::size_t>(axis);
         const B d = widen(ray.direction[axis]), o = widen(ray.origin[axis]), sign = copysign(B(1), d);
-        const TwoWords<B> first = sum_of<B>(without_infinity(widen(slabs.planes[k].bmin)), -o),
-                          second = sum_of<B>(without_infinity(widen(slabs.planes[k].bmax)), -o);
+        const TwoWords<B> first = sum_of<B>(without_infinity(widen(slabs.planes[k].first)), -o),
+                          second = sum_of<B>(without_infinity(widen(slabs.planes[k].second)), -o);
         distances.m[k] = abs(d);
         distances.n[k] = {sign * first.hi, sign * first.lo};
         distances.f[k] = {sign * second.hi, sign * second.lo};

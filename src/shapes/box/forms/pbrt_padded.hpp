@@ -1,4 +1,4 @@
-// `signs` with each far plane's t times 1 + 2γ(3). The three roundings of (bmax − o)·inv and the three of the near
+// `signs` with each far plane's t times 1 + 2γ(3). The three roundings of (second − o)·inv and the three of the near
 // plane's t then cannot separate a near and a far plane that meet. The end of the ray is not padded.
 #pragma once
 
@@ -20,8 +20,8 @@ struct PbrtPadded {
         for (int axis = 0; axis < 3; ++axis) {
             const T inv = named("inv", T(1) / ray.direction[axis]);
             const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
-            const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
-            const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv * padding);
+            const T dmin = named("dmin", (planes.first - ray.origin[axis]) * inv);
+            const T dmax = named("dmax", (planes.second - ray.origin[axis]) * inv * padding);
             tmin = named("tmin", max(dmin, tmin));
             tmax = named("tmax", min(dmax, tmax));
         }

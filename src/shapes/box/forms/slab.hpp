@@ -24,8 +24,8 @@ Hit<T> hit_from_segment(const mask_t<T>& is_hit, const Segment<T>& segment) {
 /// The coordinates of a slab's two planes in the order in which the line meets them.
 template <Number T>
 struct Planes {
-    T bmin;
-    T bmax;
+    T first;
+    T second;
 };
 
 /// A box whose planes are in the order in which the line meets them, from a kernel that knows the signs of the
@@ -54,8 +54,8 @@ Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
     return {box.first[axis], box.second[axis]};
 }
 
-/// Clips a ray by all slabs: tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax −
-/// o)·inv. A NaN from 0·∞ (a ray in one of the planes) leaves both as they were, because min and max return their
+/// Clips a ray by all slabs: tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (first − o)·inv, dmax = (second
+/// − o)·inv. A NaN from 0·∞ (a ray in one of the planes) leaves both as they were, because min and max return their
 /// second operand if the first is NaN. (The function takes two numbers and not a Segment, because GCC 12 writes a
 /// struct of packs to the stack in every iteration.)
 ///
@@ -65,8 +65,8 @@ void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Visi
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
         const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
-        const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
-        const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
+        const T dmin = named("dmin", (planes.first - ray.origin[axis]) * inv);
+        const T dmax = named("dmax", (planes.second - ray.origin[axis]) * inv);
         tmin = named("tmin", max(dmin, tmin));
         tmax = named("tmax", min(dmax, tmax));
         visit_axis(axis, inv, dmax);

@@ -18,7 +18,7 @@ struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
     }
     /// Draws a target: a point within half a radius of the axis, a point of the circle in which a ball and the side
     /// meet, a line in the side, or the axis.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
         const Capsule<double> c = primitive.capsule();
         if (aim != inside) {
             const Vec<double> axis_direction = random.sign() * (c.end - c.start),

@@ -20,7 +20,7 @@ struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
     }
     /// Draws a target: a point of the largest square frustum inside, a point of the circle in which a cap and the side
     /// meet, the apex (or the middle of the top of a cone without apex), a line in the side, or the axis.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim != inside) {
             const Cone<double> c = primitive.cone();
             const Vec<double> axis_direction = random.sign() * (c.top - c.base),

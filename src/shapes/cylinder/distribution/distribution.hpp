@@ -18,7 +18,7 @@ struct CylinderDistribution : rays::AimedDistribution<CylinderDistribution> {
     }
     /// Draws a target: a point of the largest square bar inside, a point of the circle in which a cap and the side
     /// meet, a line in the side, or the axis.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim != inside) {
             const Cylinder<double> c = primitive.cylinder();
             const Vec<double> axis_direction = random.sign() * (c.top - c.base),

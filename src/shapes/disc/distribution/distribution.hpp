@@ -17,9 +17,9 @@ struct DiscDistribution : rays::AimedDistribution<DiscDistribution> {
         return Disc<double>{middle, normal, size, fraction > 0 ? fraction * size : 0};
     }
     /// Draws a point of the disc, a point of a rim (the outer one, or that of the hole), or a line in its plane.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
         const rays::AimedPlace plane_point =
-            rays::AimedDistribution<DiscDistribution>::aimed_at(random, primitive, aim);
+            rays::AimedDistribution<DiscDistribution>::draw_target(random, primitive, aim);
         if (aim == inside) return plane_point;
         const Disc<double> d = primitive.disc();
         const Vec<double> across = rays::draw_across(random, d.normal);

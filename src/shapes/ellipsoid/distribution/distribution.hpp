@@ -14,7 +14,7 @@ struct EllipsoidDistribution : rays::AimedDistribution<EllipsoidDistribution> {
         return Ellipsoid<double>{middle, {size * x, size * y, size * z}};
     }
     /// Draws a point of the largest box inside.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int /*aim*/) {
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int /*aim*/) {
         const double x = random.between(0.22, 0.78), y = random.between(0.22, 0.78), z = random.between(0.22, 0.78);
         return primitive.ellipsoid().point_at({x, y, z});
     }

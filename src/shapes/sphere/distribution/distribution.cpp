@@ -230,7 +230,7 @@ std::span<const rays::RaySet> SphereDistribution::sets() {
     return all;
 }
 
-rays::HitsAndMisses SphereDistribution::timed() {
+rays::HitsAndMisses SphereDistribution::draw_timed_rays() {
     SphereDistribution hits = rays::of_one_view(SphereDistribution{.distance = 4, .impact_to = 0.9}), misses = hits;
     misses.impact_from = 1.1;
     misses.impact_to = 1.5;

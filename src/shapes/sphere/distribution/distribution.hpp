@@ -51,7 +51,7 @@ struct SphereDistribution {
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
     static std::span<const rays::RaySet> sets();
-    static rays::HitsAndMisses timed();
+    static rays::HitsAndMisses draw_timed_rays();
 };
 
 }  // namespace lostbits::scene::sphere

@@ -38,12 +38,12 @@ struct CheapValues {
 /// Proves the decision of `decide_cheaply` from bounds on its values; `decide_cheaply` derives them.
 template <Number T>
 SphereDecision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t) {
-    using number::wide::value_of;
-    using P = decltype(value_of(t));
-    const P u = unit_roundoff<P>(), infinity = P(1) / P(0), r = value_of(values.r), s = value_of(values.s),
-            root = value_of(values.root);
-    const P inv = value_of(values.inv), delta = value_of(values.delta);
-    const Vec<P> f = value_of(values.f);
+    using number::wide::plain_value;
+    using P = decltype(plain_value(t));
+    const P u = unit_roundoff<P>(), infinity = P(1) / P(0), r = plain_value(values.r), s = plain_value(values.s),
+            root = plain_value(values.root);
+    const P inv = plain_value(values.inv), delta = plain_value(values.delta);
+    const Vec<P> f = plain_value(values.f);
     const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
     const P e = w * (P(2) * r + P(32) * w);
     // In coarser formats no distance is large enough.
@@ -111,19 +111,19 @@ struct WideValues {
 /// number type.
 template <class W, Number T>
 SphereDecision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
-    using number::wide::value_of;
-    using P = decltype(value_of(t));
+    using number::wide::plain_value;
+    using P = decltype(plain_value(t));
     const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), infinity = P(1) / P(0);
-    const P a = value_of(values.a), h = value_of(values.h), c = value_of(values.c), disc = value_of(values.disc),
-            q = value_of(values.q);
-    const P r2 = square(value_of(values.r)), sum = (c + r2) + r2;
-    const P v = max(value_of(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
+    const P a = plain_value(values.a), h = plain_value(values.h), c = plain_value(values.c),
+            disc = plain_value(values.disc), q = plain_value(values.q);
+    const P r2 = square(plain_value(values.r)), sum = (c + r2) + r2;
+    const P v = max(plain_value(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
     const P e = (P(6) * v) * (P(4) * sum * a) + P(64) * least;
     const P least_value = select(number::wide::has_smaller_normals<P>(), P(64) * least, least / v);
     const mask_t<P> is_accurate = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= least_value && e < infinity &&
                                   abs(h) < infinity && !(q >= infinity) && abs(c) >= sum * (v / u);
     const mask_t<P> is_miss = c > P(0) && (h > P(0) || disc < -e);
-    const mask_t<P> is_hit = !is_miss && disc > e && e <= value_of(values.root) * (q * (P(16) * u));
+    const mask_t<P> is_hit = !is_miss && disc > e && e <= plain_value(values.root) * (q * (P(16) * u));
     const mask_t<T> is_proved = number::wide::constant_mask<T>(is_accurate && (is_hit || is_miss));
     if constexpr (traces_operations<T>)
         return {is_proved, !(values.c > T(0) && values.h > T(0)) && values.disc > T(0), t};
@@ -312,12 +312,12 @@ SphereDecision<T> decide_exactly(const Ray<T>& ray, const Sphere<T>& sphere, Sph
 /// the step is recorded as a call.
 template <Number T>
 SphereDecision<T> decide_in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
-    using number::wide::value_of, number::wide::record_call;
-    using P = decltype(value_of(sphere.radius));
+    using number::wide::plain_value, number::wide::record_call;
+    using P = decltype(plain_value(sphere.radius));
     const P zero(0);
     const SphereDecision<P> decision =
-        decide_exactly<P>({value_of(ray.origin), value_of(ray.direction)},
-                          {value_of(sphere.centre), value_of(sphere.radius)}, {zero < zero, zero < zero, zero});
+        decide_exactly<P>({plain_value(ray.origin), plain_value(ray.direction)},
+                          {plain_value(sphere.centre), plain_value(sphere.radius)}, {zero < zero, zero < zero, zero});
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
     const std::array<T, 10> inputs{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
     const T decision_call =

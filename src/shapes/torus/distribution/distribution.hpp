@@ -23,8 +23,8 @@ struct TorusDistribution : rays::AimedDistribution<TorusDistribution> {
     /// Draws a target: a point of the ring's plane; the centre, from any direction or along the axis; a line in the
     /// plane that touches the torus in a circle, tangent to this circle; or a line through the centre that touches the
     /// torus on both sides of the centre. The sine of the last line's angle to the ring's plane is minor/major.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
-        if (aim == ring) return rays::AimedDistribution<TorusDistribution>::aimed_at(random, primitive, aim);
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
+        if (aim == ring) return rays::AimedDistribution<TorusDistribution>::draw_target(random, primitive, aim);
         const Torus<double> t = primitive.torus();
         const Vec<double> axis_direction = (random.sign() / length(t.axis)) * t.axis,
                           across = rays::draw_across(random, axis_direction);

@@ -33,8 +33,8 @@ struct BrlCad {
         const Quartic<T> f{T(2) * (a2 * a1) / c4, (T(2) * (a2 * a0) + square(a1) - four * x2) / c4,
                            (T(2) * (a1 * a0) - four * x1) / c4, (square(a0) - four * x0) / c4};
         FirstHit<T> first_hit;
-        quartic_roots<T>(f,
-                         [&](const auto& is_root, const T& k) { first_hit.add_root(is_root, (k - to_closest) * R); });
+        take_quartic_roots<T>(
+            f, [&](const auto& is_root, const T& k) { first_hit.add_root(is_root, (k - to_closest) * R); });
         return first_hit.answer();
     }
 };

@@ -29,7 +29,7 @@ struct TorusFromClosest {
         const T s = named("r", square(e) - four_r2 * square(m) / n);
 
         FirstHit<T> first_hit;
-        depressed_roots<T>(p, q, s, [&](const auto& is_root, const T& first_x) {
+        take_depressed_roots<T>(p, q, s, [&](const auto& is_root, const T& first_x) {
             T x = first_x;
             for (int i = 0; i < 2; ++i) {
                 const T inner = square(x) + e, slope = T(4) * (n * inner * x) - T(2) * (four_r2 * (mk + x * k2));

@@ -22,8 +22,8 @@ struct GraphicsGems {
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const TorusRay<T> relative(ray, torus);
         FirstHit<T> first_hit;
-        quartic_roots<T>(quartic_in_t<T>(relative.p, relative.d, relative.pz, relative.dz, torus),
-                         [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t); });
+        take_quartic_roots<T>(quartic_in_t<T>(relative.p, relative.d, relative.pz, relative.dz, torus),
+                              [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t); });
         return first_hit.answer();
     }
 };

@@ -101,7 +101,7 @@ T cubic_root_between(const T& negative_end, const T& positive_end, const T& b, c
 /// q²/8, u² = z² − r and v² = 2z − p, the quadratics are x² ± v x + z ∓ u. Squares that rounding makes negative are
 /// replaced by 0. Calls `take_root(is_root, x)` four times; x is a real root if `is_root`.
 template <Number T, class TakeRoot>
-void depressed_roots(const T& p, const T& q, const T& r, const TakeRoot& take_root) {
+void take_depressed_roots(const T& p, const T& q, const T& r, const TakeRoot& take_root) {
     const T half = T(1) / T(2), zero(0);
     // For z > s the cubic is more than z² (3z − q²/s²)/4.
     const T s = max(abs(p), T(2) * sqrt(abs(r))), upper_end = max(s, square(q) / square(s));
@@ -119,14 +119,14 @@ void depressed_roots(const T& p, const T& q, const T& r, const TakeRoot& take_ro
     add_roots(-v, z + u);
 }
 
-/// Finds the roots of a quartic. x = t + a/4 removes the cubic term. Calls `take_root(is_root, t)` as `depressed_roots`
-/// does.
+/// Finds the roots of a quartic. x = t + a/4 removes the cubic term. Calls `take_root(is_root, t)` as
+/// `take_depressed_roots` does.
 template <Number T, class TakeRoot>
-void quartic_roots(const Quartic<T>& f, const TakeRoot& take_root) {
+void take_quartic_roots(const Quartic<T>& f, const TakeRoot& take_root) {
     const T a2 = square(f.a), quarter = f.a / T(4);
     const T p = named("p", T(-3) * a2 / T(8) + f.b), q = named("q", a2 * f.a / T(8) - f.a * f.b / T(2) + f.c);
     const T r = named("r", T(-3) * square(a2) / T(256) + a2 * f.b / T(16) - f.a * f.c / T(4) + f.d);
-    depressed_roots<T>(p, q, r, [&](const auto& is_root, const T& x) { take_root(is_root, x - quarter); });
+    take_depressed_roots<T>(p, q, r, [&](const auto& is_root, const T& x) { take_root(is_root, x - quarter); });
 }
 
 }  // namespace lostbits::intersect::torus

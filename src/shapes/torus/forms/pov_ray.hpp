@@ -24,8 +24,8 @@ struct PovRay {
         const T shift = named("closer", select(distance > bound, distance - bound, T(0)));
         const Vec<T> p = relative.p + shift * relative.d;
         FirstHit<T> first_hit;
-        quartic_roots<T>(quartic_in_t<T>(p, relative.d, relative.pz + shift * relative.dz, relative.dz, torus),
-                         [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t + shift); });
+        take_quartic_roots<T>(quartic_in_t<T>(p, relative.d, relative.pz + shift * relative.dz, relative.dz, torus),
+                              [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t + shift); });
         return first_hit.answer();
     }
 };

@@ -20,7 +20,7 @@ struct TriangleDistribution : rays::AimedDistribution<TriangleDistribution> {
             return Triangle<double>{middle + size * a, middle + size * b, middle + size * c};
         }
     }
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
         const Triangle<double> t = primitive.triangle();
         const double u = random.unit(), v = random.unit();
         const Vec<double> corners[] = {t.a, t.b, t.c};

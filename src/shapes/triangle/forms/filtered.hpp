@@ -27,7 +27,7 @@ struct FilteredTriangle {
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle, Watch& watch) {
         if constexpr (is_exact<T>) {
-            const filtered::Determinants<T> determinants = filtered::determinants_of(ray, triangle);
+            const filtered::Determinants<T> determinants = filtered::compute_determinants(ray, triangle);
             return single_hit<T>(filtered::is_hit_by_signs<T>(determinants),
                                  named("t", determinants.k / determinants.m));
         } else {

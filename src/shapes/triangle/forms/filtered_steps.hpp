@@ -38,7 +38,7 @@ struct Determinants {
 };
 
 template <Number N>
-Determinants<N> determinants_of(const Ray<N>& ray, const Triangle<N>& triangle) {
+Determinants<N> compute_determinants(const Ray<N>& ray, const Triangle<N>& triangle) {
     const Vec<N>& d = ray.direction;
     const Vec<N> a = triangle.a - ray.origin, b = triangle.b - ray.origin, c = triangle.c - ray.origin;
     const Vec<N> p = triangle.b - triangle.a, q = triangle.c - triangle.a, n = cross(p, q);
@@ -116,11 +116,11 @@ DecisionProof<P> prove_decision(const Determinants<P>& det, const P& v, const P&
 
 /// Returns the first word of a number: the number itself, or the high word of two.
 template <class N>
-N word_of(const N& x) {
+N first_word(const N& x) {
     return x;
 }
 template <class B>
-B word_of(const number::wide::TwoWords<B>& x) {
+B first_word(const number::wide::TwoWords<B>& x) {
     return x.hi;
 }
 
@@ -147,15 +147,15 @@ auto map_determinants(const Determinants<N>& det, const F& f) {
 template <class W, Number T, class F>
 Determinants<W> determinants_of_mapped(const Ray<T>& ray, const Triangle<T>& triangle, const F& f) {
     const auto map_vec = [&](const Vec<T>& x) { return Vec<W>(f(x.x), f(x.y), f(x.z)); };
-    return determinants_of<W>({map_vec(ray.origin), map_vec(ray.direction)},
-                              {map_vec(triangle.a), map_vec(triangle.b), map_vec(triangle.c)});
+    return compute_determinants<W>({map_vec(ray.origin), map_vec(ray.direction)},
+                                   {map_vec(triangle.a), map_vec(triangle.b), map_vec(triangle.c)});
 }
 
 /// Returns the roundoff u of the format that `T` computes in, as a number of type P.
 template <class T, class P>
 P roundoff_in() {
-    using number::wide::value_of;
-    using Plain = decltype(value_of(std::declval<T>()));
+    using number::wide::plain_value;
+    using Plain = decltype(plain_value(std::declval<T>()));
     if constexpr (std::same_as<P, Plain>) return unit_roundoff<P>();
     else return number::wide::widen<P>(unit_roundoff<Plain>());
 }
@@ -163,20 +163,20 @@ P roundoff_in() {
 /// Decides in the arithmetic of W: T, its `OneWord`, or two words of that type.
 template <class W, Number T>
 TriangleDecision<T> decide_in(const Ray<T>& ray, const Triangle<T>& triangle) {
-    using number::wide::value_of, number::wide::constant_mask;
+    using number::wide::plain_value, number::wide::constant_mask;
     const auto wide_determinants = determinants_of_mapped<W>(ray, triangle, [](const T& x) -> W {
         if constexpr (std::same_as<W, T>) return x;
         else return number::wide::widen<W>(x);
     });
 
     // Decides by the first word of each number, with the roundoff v of W.
-    const auto det = map_determinants(wide_determinants, [](const W& x) { return word_of(x); });
+    const auto det = map_determinants(wide_determinants, [](const W& x) { return first_word(x); });
     using B = std::decay_t<decltype(det.m)>;
-    using P = decltype(value_of(det.m));
+    using P = decltype(plain_value(det.m));
     P v = unit_roundoff<P>();
     if constexpr (!std::same_as<W, B>) v = unit_roundoff<number::wide::TwoWords<P>>().hi;
     const DecisionProof<P> proof =
-        prove_decision<P>(map_determinants(det, [](const B& x) { return value_of(x); }), v, roundoff_in<T, P>());
+        prove_decision<P>(map_determinants(det, [](const B& x) { return plain_value(x); }), v, roundoff_in<T, P>());
     const mask_t<B> is_proved = constant_mask<B>(proof.hit || proof.miss);
 
     const B t = named("t", det.k / det.m);
@@ -297,12 +297,12 @@ TriangleDecision<T> decide_exactly(const Ray<T>& ray, const Triangle<T>& triangl
 /// the step is recorded as a call.
 template <Number T>
 TriangleDecision<T> decide_in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
-    using number::wide::value_of, number::wide::record_call;
-    using P = decltype(value_of(ray.origin.x));
+    using number::wide::plain_value, number::wide::record_call;
+    using P = decltype(plain_value(ray.origin.x));
     const P zero(0);
     const TriangleDecision<P> decision = decide_exactly<P>(
-        {value_of(ray.origin), value_of(ray.direction)},
-        {value_of(triangle.a), value_of(triangle.b), value_of(triangle.c)}, {zero < zero, zero < zero, zero});
+        {plain_value(ray.origin), plain_value(ray.direction)},
+        {plain_value(triangle.a), plain_value(triangle.b), plain_value(triangle.c)}, {zero < zero, zero < zero, zero});
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
     const std::array<T, 15> inputs{o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
     const T decision_call =

@@ -17,8 +17,8 @@ struct TubeDistribution : rays::AimedDistribution<TubeDistribution> {
         return Tube<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
     /// Draws a target: a point of the wall, a point of the rim at one of its ends, a line in the wall, or the axis.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
-        if (aim == wall) return rays::AimedDistribution<TubeDistribution>::aimed_at(random, primitive, aim);
+    static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int aim) {
+        if (aim == wall) return rays::AimedDistribution<TubeDistribution>::draw_target(random, primitive, aim);
         const Tube<double> t = primitive.tube();
         const Vec<double> axis_direction = random.sign() * (t.top - t.bottom),
                           end = random.below(2) == 0 ? t.bottom : t.top;
