@@ -51,7 +51,7 @@ double move_by_ulps(double x, int ulps, const FloatFormat& format) {
 /// Result of a form with this answer. If the form answers only hit or miss, t does not count.
 FormResult result_of_answer(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool returns_t = form.info->roots != intersect::Roots::none;
-    FormResult result{&form, answer::classify(ray.truth(*form.info).decision, hit, returns_t ? t : 0), t};
+    FormResult result{&form, answer::classify(ray.find_truth(*form.info).decision, hit, returns_t ? t : 0), t};
     if (result.outcome != Outcome::agree_hit || !returns_t) return result;
     result.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.parameters);
     result.lost_bits = truth::lost_bits(result.ulps, format.parameters.precision);
@@ -59,7 +59,7 @@ FormResult result_of_answer(const Intersector& form, const Format& format, const
 }
 
 /// Result of the form's nearest answer over the primitives of the scene, as in a picture.
-FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray) {
+FormResult evaluate_form(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     return result_of_answer(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
@@ -77,7 +77,7 @@ double mean_lost_bits(const Intersector& form, const Format& format, const Nearb
     double sum = 0;
     int counted = 0;
     for (const OneRay& ray : nearby_rays.rays) {
-        const FormResult result = result_of_form(form, format, ray);
+        const FormResult result = evaluate_form(form, format, ray);
         if (result.outcome == Outcome::unresolved ||
             (nearby_rays.skips_misses && result.outcome == Outcome::agree_miss))
             continue;
@@ -105,7 +105,7 @@ std::vector<Primitive<double>> primitives_around(const Explanation& explanation,
 /// True if the true answers of two forms, each for its own ray, differ. If only one of the forms takes unit directions,
 /// their t have different units, so only hit or miss is compared.
 bool have_different_truths(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
-    const truth::Truth truth_a = ray_a.truth(*a.info), truth_b = ray_b.truth(*b.info);
+    const truth::Truth truth_a = ray_a.find_truth(*a.info), truth_b = ray_b.find_truth(*b.info);
     if (truth_a.decision != truth_b.decision) return true;
     return truth_a.is_hit() && a.info->direction == b.info->direction &&
            ray_a.rounded_truth(*a.info, binary64) != ray_b.rounded_truth(*b.info, binary64);
@@ -130,9 +130,9 @@ const Intersector* with_generator_of(const Intersector& explained, const Interse
 }
 
 /// Result of another form on a ray and, if it is right there, on the rays around it.
-FormResult result_of_other_form(const Explanation& explanation, const OneRay& ray, const Intersector& form,
-                                const OneRay& form_ray, const NearbyRays& nearby_rays) {
-    FormResult result = result_of_form(form, explanation.format, form_ray);
+FormResult evaluate_other_form(const Explanation& explanation, const OneRay& ray, const Intersector& form,
+                               const OneRay& form_ray, const NearbyRays& nearby_rays) {
+    FormResult result = evaluate_form(form, explanation.format, form_ray);
     result.has_other_truth = have_different_truths(*explanation.form, ray, form, form_ray);
     const bool lost_all =
         result.outcome == Outcome::agree_hit && !(result.lost_bits < explanation.format.parameters.precision);
@@ -147,10 +147,10 @@ void add_if_better(Explanation& explanation, const FormResult& result) {
     if (result.mean_lost_nearby < explanation.result.mean_lost_nearby) explanation.better_forms.push_back(result);
 }
 
-void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const NearbyRays& nearby_rays,
-                              std::span<const Intersector* const> named_forms) {
-    explanation.result.mean_lost_nearby =
-        mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
+/// The forms that may be compared with the explained one: all forms, the same form with other transforms or behind
+/// other boxes, and the sets that the user names.
+std::vector<const Intersector*> collect_other_forms(const Explanation& explanation,
+                                                    std::span<const Intersector* const> named_forms) {
     std::vector<const Intersector*> candidates;
     for (const Intersector& other : intersect::table::intersectors()) candidates.push_back(&other);
     if (const auto parts = intersect::transform::find_transformed_parts(*explanation.form); parts.method != nullptr)
@@ -161,7 +161,16 @@ void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const
             if (intersect::external::is_safe_to_run(box))
                 candidates.push_back(&intersect::bounding_box::boxed_form(*parts.method, box, *parts.form));
     std::ranges::copy_if(named_forms, std::back_inserter(candidates), &Intersector::is_set);
-    for (const Intersector* const other : candidates) {
+    return candidates;
+}
+
+void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const NearbyRays& nearby_rays,
+                              std::span<const Intersector* const> named_forms) {
+    explanation.result.mean_lost_nearby =
+        mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
+
+    for (const Intersector* const other : collect_other_forms(explanation, named_forms)) {
+        // The user learns which of the named forms cannot be compared; others are skipped.
         const bool is_named = std::ranges::find(named_forms, other) != named_forms.end();
         const Intersector* const candidate =
             with_generator_of(*explanation.form, substitute_form(*explanation.form, explanation.shape, *other));
@@ -171,8 +180,9 @@ void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const
             continue;
         }
         if (!intersect::external::is_safe_to_run(innermost_form(*other)) && !is_named) continue;
+
         try {
-            const FormResult result = result_of_other_form(explanation, ray, *candidate, ray, nearby_rays);
+            const FormResult result = evaluate_other_form(explanation, ray, *candidate, ray, nearby_rays);
             add_if_better(explanation, result);
             if (is_named) explanation.compared_forms.push_back(result);
         } catch (const EnvironmentError& error) {
@@ -205,8 +215,8 @@ void find_better_generators(Explanation& explanation, const OneRay& ray, const S
             const scene::file::Scene scene = with_ray_generator(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.touching());
             const FormResult result =
-                result_of_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
-                                     nearby_pixels(explanation, rays));
+                evaluate_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
+                                    nearby_pixels(explanation, rays));
             add_if_better(explanation, result);
         } catch (const InputError&) {}
     }
@@ -222,15 +232,19 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
     const auto index = static_cast<std::size_t>(true_primitive);
     result.ray_and_primitive.primitives = {in.format_inputs.primitives[index]};
     result.ray_and_primitive.rays.push_range(in.format_inputs.rays, in.index);
+
     const Range<double> range = in.format_inputs.rays_for(*form.info).range(in.index);
     const FormatInputs::OwnedTarget aim = in.format_inputs.target_for(form, index);
     const intersect::Target<double> target = aim;
+
+    // Records and attributes the form on this primitive, as it is done for the one that the form hits.
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
         names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, names, form.form_for(target.primitives.front().shape), format, range);
     const Attribution tape_attribution = attribute(tape);
+
     result.hit = tape[tape.outputs.hit].value != 0;
     result.t = tape[tape.outputs.t].value;
     result.exact_hit = tape_attribution.exact_hit;
@@ -242,13 +256,15 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
 std::optional<double> true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
                                       const intersect::Info& info) {
     scene::rays::RayGroup group = scene::rays::group_of(in.format_inputs.rays[in.index]);
-    group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open_ends = range.open_ends;
+    group.rays.tmin = {range.tmin};
+    group.rays.tmax = {range.tmax};
+    group.rays.open_ends = range.open_ends;
     for (std::size_t i = 0; i < in.format_inputs.primitives.size(); ++i)
         group.primitives.push_back(in.format_inputs.primitives[i]);
     group.march = in.format_inputs.march;
     OneRay ray_with_range(std::move(group));
     ray_with_range.set_touching(ray.touching());
-    if (!ray_with_range.truth(info).is_hit()) return {};
+    if (!ray_with_range.find_truth(info).is_hit()) return {};
     return ray_with_range.rounded_truth(info, binary64);
 }
 
@@ -266,8 +282,9 @@ bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std
 
 }  // namespace
 
-std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
-                                          const FloatFormat& format, const std::vector<Primitive<double>>& primitives) {
+std::vector<answer::OneRay> make_neighbours(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
+                                            const FloatFormat& format,
+                                            const std::vector<Primitive<double>>& primitives) {
     std::vector<answer::OneRay> rays;
     RandomMoves moves;
     const Ray<double> original = in.format_inputs.rays[in.index];
@@ -302,11 +319,13 @@ NodeId Explanation::amplifier(NodeId from) const {
     if (from == no_node) return no_node;
     std::vector<bool> is_reached(tape.nodes.size());
     is_reached[static_cast<std::size_t>(from)] = true;
+
     NodeId largest = no_node;
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
         if (!e.is_live) continue;
+
         for (const NodeId operand : tape.operands_of(i)) {
             if (is_reached[static_cast<std::size_t>(operand)]) is_reached[static_cast<std::size_t>(i)] = true;
         }
@@ -332,78 +351,116 @@ std::vector<NodeId> Explanation::changed_decisions() const {
     return nodes;
 }
 
+namespace {
+
+/// Explains a form of our own by the operations on its tape.
+void explain_template(Explanation& explanation, const OneRay& ray, const OneRay::Inputs& in,
+                      const intersect::Target<double>& target) {
+    const Intersector& form = *explanation.form;
+    const Format& format = explanation.format;
+    Tape& tape = explanation.tape;
+
+    // Records the form, with the operations that made the ray in front and the comparisons with its range behind.
+    form.record(format, in.ray(*form.info), target, explanation.range.tmax, tape);
+    const auto recorded_ray = ray.recorded_ray(format);
+    explanation.is_generated_ray = recorded_ray.has_value();
+    explanation.input_names =
+        names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
+    append_range_checks(tape, explanation.input_names, form.form_for(explanation.shape), format, explanation.range);
+    for (const TapeNode& n : tape.nodes) {
+        if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);
+    }
+
+    // Attributes the error to its operations.
+    explanation.attribution = attribute(tape, {.full = true});
+    if (explanation.attribution.culprit != no_node)
+        explanation.culprit_alone = counterfactuals(tape, explanation.attribution.culprit);
+    explanation.hit = tape[tape.outputs.hit].value != 0;
+    explanation.result = result_of_answer(form, format, ray, explanation.hit, tape[tape.outputs.t].value);
+}
+
+/// Explains a form that has no tape: only by its inputs and its answer.
+void explain_external(Explanation& explanation, const OneRay& ray, const OneRay::Inputs& in,
+                      const intersect::Target<double>& target, const answer::Answers& answers) {
+    const Intersector& form = *explanation.form;
+    explanation.input_names = intersect::bounding_box::names_on_tape(form, target);
+    explanation.input_values = tape::inputs_of(
+        in.ray(*form.info), in.format_inputs.primitives[static_cast<std::size_t>(explanation.primitive_index)],
+        explanation.range.tmax);
+    if (!explanation.range.is_whole()) {
+        explanation.input_names.emplace_back("ray.tmin");
+        explanation.input_values.push_back(explanation.range.tmin);
+    }
+    explanation.hit = answers.hit[in.index] != 0;
+    explanation.result = result_of_answer(form, explanation.format, ray, explanation.hit, answers.t[in.index]);
+}
+
+/// Records the direction before it was normalised, if the form received another one.
+void set_given_direction(Explanation& explanation, const OneRay::Inputs& in) {
+    const Vec<double> given = in.format_inputs.rays[in.index].direction;
+    const Vec<double> received = in.ray(*explanation.form->info).direction;
+    if (!is_same_number(given.x, received.x) || !is_same_number(given.y, received.y) ||
+        !is_same_number(given.z, received.z))
+        explanation.given_direction = given;
+}
+
+/// Changes the result if the form hits another primitive than the ray truly meets, or if the outcome is one that only
+/// meshes have.
+void compare_primitives(Explanation& explanation, const OneRay& ray, const OneRay::Inputs& in,
+                        const answer::Answers& answers, const truth::Truth& ray_truth) {
+    const Intersector& form = *explanation.form;
+    if (!explanation.returns_t() || !is_primitive(form.shape)) return;
+    const bool hits_wrong_primitive =
+        explanation.hit && ray_truth.is_hit() && !ray.meets_first(answers.object[in.index], *form.info);
+    if (hits_wrong_primitive) {
+        if (explanation.has_tape())
+            explanation.missed_primitive = answer_at_true_primitive(
+                form, explanation.format, in, ray.recorded_ray(explanation.format), ray_truth.primitive);
+
+        // Distances between two primitives are not errors.
+        explanation.result.outcome = answer::Outcome::wrong_primitive;
+        explanation.result.ulps = explanation.result.lost_bits = missing;
+    }
+
+    const Outcome outcome = ray.outcome(in, answers, *form.info, explanation.result.outcome);
+    if (outcome != explanation.result.outcome) explanation.mesh_outcome = outcome;
+}
+
+}  // namespace
+
 Explanation explain_alone(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.format_inputs);
-    const truth::Truth& truth = ray.truth(*form.info);
+    const truth::Truth ray_truth = ray.find_truth(*form.info);
     Explanation explanation{
         .form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
-    const Vec<double> given_direction = in.format_inputs.rays[in.index].direction,
-                      received_direction = in.ray(*form.info).direction;
-    if (!is_same_number(given_direction.x, received_direction.x) ||
-        !is_same_number(given_direction.y, received_direction.y) ||
-        !is_same_number(given_direction.z, received_direction.z))
-        explanation.given_direction = given_direction;
+    set_given_direction(explanation, in);
+
+    // Explains one primitive: the one that the form hits or, for a miss, the one that the ray truly meets.
     explanation.primitive_count = static_cast<int>(in.format_inputs.primitives.size());
     const std::size_t primitive = answer::measured_primitive(
-        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.primitive);
+        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : ray_truth.primitive);
     explanation.primitive_index = static_cast<int>(primitive);
     explanation.shape = in.format_inputs.primitives[primitive].shape;
     const FormatInputs::OwnedTarget aim = in.format_inputs.target_for(form, primitive);
     const intersect::Target<double> target = aim;
     explanation.range = in.format_inputs.rays_for(*form.info).range(in.index);
-    if (form.is_template()) {
-        form.record(format, in.ray(*form.info), target, explanation.range.tmax, explanation.tape);
-        const auto recorded_ray = ray.recorded_ray(format);
-        explanation.is_generated_ray = recorded_ray.has_value();
-        explanation.input_names = names_of_inputs(
-            form, target, recorded_ray && recorded_ray->try_put_before(explanation.tape) ? &*recorded_ray : nullptr);
-        append_range_checks(explanation.tape, explanation.input_names, form.form_for(explanation.shape), format,
-                            explanation.range);
-        for (const TapeNode& n : explanation.tape.nodes) {
-            if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);
-        }
-        explanation.attribution = attribute(explanation.tape, {.full = true});
-        if (explanation.attribution.culprit != no_node)
-            explanation.culprit_alone = counterfactuals(explanation.tape, explanation.attribution.culprit);
-        explanation.hit = explanation.tape[explanation.tape.outputs.hit].value != 0;
-        explanation.result =
-            result_of_answer(form, format, ray, explanation.hit, explanation.tape[explanation.tape.outputs.t].value);
-    } else {
-        explanation.input_names = intersect::bounding_box::names_on_tape(form, target);
-        explanation.input_values = tape::inputs_of(
-            in.ray(*form.info), in.format_inputs.primitives[static_cast<std::size_t>(explanation.primitive_index)],
-            explanation.range.tmax);
-        if (!explanation.range.is_whole())
-            explanation.input_names.emplace_back("ray.tmin"),
-                explanation.input_values.push_back(explanation.range.tmin);
-        explanation.hit = answers.hit[in.index] != 0;
-        explanation.result = result_of_answer(form, format, ray, explanation.hit, answers.t[in.index]);
-    }
-    explanation.truth = truth.decision;
+    if (form.is_template()) explain_template(explanation, ray, in, target);
+    else explain_external(explanation, ray, in, target, answers);
+
+    // What the truth says, and how far the inputs determine it.
+    explanation.truth = ray_truth.decision;
     explanation.condition = explanation.inherent_bits = missing;
     double reach = missing;
-    if (truth.is_hit()) {
+    if (ray_truth.is_hit()) {
         explanation.true_t = ray.rounded_truth(*form.info, binary64);
         explanation.condition = ray.condition(*form.info);
         reach = ray.reach(*form.info, format);
         explanation.inherent_bits = truth::inherent_bits(reach, ray.true_t(*form.info), format.parameters);
     }
-    if (truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(explanation, ray, in);
-    const int hit_primitive = answers.object[in.index];
-    const bool hits_wrong_primitive = explanation.returns_t() && is_primitive(form.shape) && explanation.hit &&
-                                      truth.is_hit() && !ray.meets_first(hit_primitive, *form.info);
-    if (hits_wrong_primitive && explanation.has_tape())
-        explanation.missed_primitive =
-            answer_at_true_primitive(form, format, in, ray.recorded_ray(format), truth.primitive);
-    if (hits_wrong_primitive) {  // distances between two primitives are not errors
-        explanation.result.outcome = answer::Outcome::wrong_primitive;
-        explanation.result.ulps = explanation.result.lost_bits = missing;
-    }
-    if (is_primitive(form.shape) && explanation.returns_t()) {
-        const Outcome outcome = ray.outcome(in, answers, *form.info, explanation.result.outcome);
-        if (outcome != explanation.result.outcome) explanation.mesh_outcome = outcome;
-    }
+    if (ray_truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(explanation, ray, in);
+
+    compare_primitives(explanation, ray, in, answers, ray_truth);
     if (explanation.result.outcome == Outcome::agree_hit)
         explanation.excess_bits =
             truth::excess_bits(explanation.result.t, ray.true_t(*form.info), format.parameters, reach);
@@ -415,8 +472,8 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     Explanation explanation = explain_alone(form, format, ray);
     if (!explanation.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);
-        const auto primitives = primitives_around(explanation, in, ray.truth(*form.info).primitive);
-        const auto neighbour_rays = neighbours_of(ray, in, format.parameters, primitives);
+        const auto primitives = primitives_around(explanation, in, ray.find_truth(*form.info).primitive);
+        const auto neighbour_rays = make_neighbours(ray, in, format.parameters, primitives);
         compare_with_other_forms(explanation, ray, {neighbour_rays}, named_forms);
     } else {
         const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());

@@ -23,7 +23,7 @@ std::size_t character_count(const std::string& text) {
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-std::string padded(std::string text, std::size_t width) {
+std::string pad_text(std::string text, std::size_t width) {
     if (const auto w = character_count(text); w < width) text.append(width - w, ' ');
     return text;
 }
@@ -41,6 +41,7 @@ std::string inputs_block(const Explanation& explanation) {
     const auto end_kind = [](bool is_open) {
         return is_open ? " (open: a surface there does not count)" : " (closed)";
     };
+
     for (std::size_t i = 0; i < explanation.input_values.size(); ++i) {
         if (explanation.input_names[i] == "ray.tmin") begin_line = line(i, end_kind(explanation.range.open_ends.tmin));
         else if (explanation.input_names[i] == "ray.tmax")
@@ -53,12 +54,12 @@ std::string inputs_block(const Explanation& explanation) {
 
 constexpr std::size_t widest_expression = 54;
 
-/// Returns the mark, the name and the formula, `* c       = b·b`, padded to the first column of numbers. A formula
+/// Returns the mark, the name and the formula, `* c       = b·b`, pad to the first column of numbers. A formula
 /// that is too wide gets a line of its own.
 std::string name_and_formula_column(const char* mark, const OperationRow& operation_row) {
-    std::string text = mark + padded(operation_row.name, 7) + " = " + operation_row.formula;
+    std::string text = mark + pad_text(operation_row.name, 7) + " = " + operation_row.formula;
     if (character_count(text) > widest_expression) text += "\n" + std::string(widest_expression, ' ');
-    return padded(std::move(text), widest_expression) + " ";
+    return pad_text(std::move(text), widest_expression) + " ";
 }
 
 /// Width of the columns of values, whose widest header is "without rounding".
@@ -75,12 +76,14 @@ std::string table_line(const Explanation& explanation, const OperationRow& opera
         return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, operation_row.digits + 6),
                            operation_row.digits);
     };
+
     std::string line = name_and_formula_column(mark, operation_row) + number(operation_row.computed) + "  " +
                        number(operation_row.exact);
     if (operation_row.shows_errors && !is_decision_row)
         line +=
             fmt::format("  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}", operation_row.error_ulps, operation_row.cancelled,
                         operation_row.local_bits, operation_row.rounding_ulps, operation_row.contribution_ulps);
+
     while (line.back() == ' ') line.pop_back();
     return line +
            (operation_row.is_branch_flipped ? "  rounding chose the other side"
@@ -91,7 +94,7 @@ std::string table_line(const Explanation& explanation, const OperationRow& opera
 
 std::string operation_table_text(const Explanation& explanation, const OperationView& view, bool show_all) {
     const int width = number_column_width(explanation);
-    std::string text = padded("  operation", widest_expression) +
+    std::string text = pad_text("  operation", widest_expression) +
                        fmt::format(" {:>{}}  {:>{}}  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}\n", "computed", width,
                                    "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
                                    fmt::format("share of {}, ulp", view.subject()));
@@ -152,6 +155,8 @@ NodeId origin_of_not_finite(const Explanation& explanation, const OperationView&
         return k != no_node && !is_decision(explanation.tape[k].op) &&
                (is_nan ? std::isnan(exact(k)) : std::isinf(exact(k)));
     };
+
+    // Goes from operand to operand while one has the same kind of value.
     for (;;) {
         if (is_given(explanation.tape[i].op)) return no_node;
         const NodeId side = measure::attribution::chosen_side(explanation.tape, i);
@@ -161,6 +166,15 @@ NodeId origin_of_not_finite(const Explanation& explanation, const OperationView&
         else if (next != operands.end()) i = *next;
         else return i;
     }
+}
+
+/// `b is 3`, for each operand of an operation that is not a constant, with its exact value.
+std::vector<std::string> exact_operand_texts(const Explanation& explanation, const OperationView& view, NodeId i) {
+    std::vector<std::string> texts;
+    for (const NodeId k : explanation.tape[i].operands)
+        if (k != no_node && explanation.tape[k].op != TapeOp::constant)
+            texts.push_back(fmt::format("{} is {}", view.text().operand(k), number_phrase(view.error_of(k).exact)));
+    return texts;
 }
 
 /// Sentences on the compared values that are not finite, each with the operation where the value begins.
@@ -174,11 +188,8 @@ std::string not_finite_text(const Explanation& explanation, const OperationView&
             const NodeId origin = origin_of_not_finite(explanation, view, side);
             if (origin == no_node || std::ranges::find(named_origins, origin) != named_origins.end()) continue;
             named_origins.push_back(origin);
-            std::vector<std::string> values;
-            for (const NodeId k : explanation.tape[origin].operands)
-                if (k != no_node && explanation.tape[k].op != TapeOp::constant)
-                    values.push_back(
-                        fmt::format("{} is {}", view.text().operand(k), number_phrase(view.error_of(k).exact)));
+
+            const std::vector<std::string> values = exact_operand_texts(explanation, view, origin);
             text += fmt::format("{} is {} because of {}{}{}.\n", view.text().operand(side),
                                 number_phrase(view.error_of(side).exact), view.text().expression(origin),
                                 values.empty() ? "" : ", where ", fmt::join(values, " and "));
@@ -188,29 +199,20 @@ std::string not_finite_text(const Explanation& explanation, const OperationView&
     return text;
 }
 
-std::string model_text(const Explanation& explanation, const OperationView& view) {
-    if (explanation.missed_primitive) return "";  // the truth is about another primitive
-    if (explanation.attribution.loop_was_cut_short)
-        return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
-               "do.\n";
-    const bool truly_hits = explanation.truth == measure::truth::Truth::Decision::hit;
-    if (explanation.truth == measure::truth::Truth::Decision::unresolved ||
-        explanation.attribution.exact_hit == truly_hits)
-        return "";
-    std::string text = fmt::format(
-        "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth because "
-        "of what it assumes{}.\n",
-        explanation.attribution.exact_hit ? "hits" : "misses",
-        explanation.rounded_inputs ? ", or because the inputs were rounded" : "");
+/// Sentences on the comparisons that decide the form's answer without rounding, and on their values that are not
+/// finite. If all are finite: the lines of the form's source.
+std::string deciding_comparisons_text(const Explanation& explanation, const OperationView& view) {
+    if (explanation.tape.outputs.hit == no_node) return "";
     std::vector<NodeId> deciding;
-    if (explanation.tape.outputs.hit != no_node)
-        collect_deciding_comparisons(explanation, view, explanation.tape.outputs.hit, deciding);
+    collect_deciding_comparisons(explanation, view, explanation.tape.outputs.hit, deciding);
+    if (deciding.empty()) return "";
+
     std::vector<std::string> comparison_texts;
     for (const NodeId i : deciding) comparison_texts.push_back(comparison_text(explanation, view, i));
-    if (comparison_texts.empty()) return text;
-    text += fmt::format("Without rounding {}.\n", fmt::join(comparison_texts, "; "));
+    const std::string text = fmt::format("Without rounding {}.\n", fmt::join(comparison_texts, "; "));
     const std::string not_finite = not_finite_text(explanation, view, deciding);
     if (!not_finite.empty()) return text + not_finite;
+
     // The lines of a function's source, each once.
     std::vector<std::string> lines;
     for (const NodeId i : deciding) {
@@ -220,6 +222,26 @@ std::string model_text(const Explanation& explanation, const OperationView& view
     return text + fmt::format("{}", fmt::join(lines, ""));
 }
 
+/// Sentences on a decision that differs from the truth even without rounding. Empty if it does not.
+std::string model_text(const Explanation& explanation, const OperationView& view) {
+    if (explanation.missed_primitive) return "";  // the truth is about another primitive
+    if (explanation.attribution.loop_was_cut_short)
+        return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
+               "do.\n";
+
+    const bool truly_hits = explanation.truth == measure::truth::Truth::Decision::hit;
+    if (explanation.truth == measure::truth::Truth::Decision::unresolved ||
+        explanation.attribution.exact_hit == truly_hits)
+        return "";
+    return fmt::format(
+               "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth "
+               "because "
+               "of what it assumes{}.\n",
+               explanation.attribution.exact_hit ? "hits" : "misses",
+               explanation.rounded_inputs ? ", or because the inputs were rounded" : "") +
+           deciding_comparisons_text(explanation, view);
+}
+
 std::string sums_sentence(const Explanation& explanation, const OperationView& view) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     if (attribution.subject == no_node || !std::isfinite(attribution.error) ||
@@ -227,6 +249,7 @@ std::string sums_sentence(const Explanation& explanation, const OperationView& v
         return "";
     if (!std::isfinite(attribution.contribution_sum))
         return "Some contributions are not finite, so they have no sum.\n";
+
     const double ulp = view.ulp(), unassigned = attribution.error - attribution.contribution_sum;
     std::string text =
         fmt::format("Contributions sum to {} of {} ulp{}.", short_number(attribution.contribution_sum / ulp),
@@ -234,6 +257,7 @@ std::string sums_sentence(const Explanation& explanation, const OperationView& v
                     std::fabs(unassigned) <= 1e-6 * std::fabs(attribution.error)
                         ? ""
                         : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
+
     if (!(std::fabs(attribution.first_order_sum - attribution.error) <= 0.1 * std::fabs(attribution.error))) {
         // Infinite terms of both signs have no sum.
         text += std::isfinite(attribution.first_order_sum)
@@ -315,7 +339,7 @@ bool does_another_form_better(const Explanation& explanation) {
 }
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
-std::string within_envelope(const Explanation& explanation) {
+std::string within_envelope_text(const Explanation& explanation) {
     const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
     const char* const losing_part = is_placed                      ? "transform and form lose"
                                     : explanation.is_generated_ray ? "making the ray and the form lose"
@@ -335,6 +359,7 @@ std::string within_envelope(const Explanation& explanation) {
 }  // namespace
 
 std::string envelope_sentence(const Explanation& explanation) {
+    // Without an agreed hit there are no lost bits, only those that the problem itself costs.
     if (explanation.result.outcome == Outcome::agree_miss) return "Nothing is lost.";
     if (explanation.result.outcome != Outcome::agree_hit) {
         if (std::isnan(explanation.condition)) return "The ray hits nothing, so it has no condition number.";
@@ -345,25 +370,22 @@ std::string envelope_sentence(const Explanation& explanation) {
                            perturbation_phrase(explanation), explanation.inherent_bits);
     }
     if (!explanation.returns_t()) return "The form returns no t, so it has no bits to lose.";
+
     const std::string envelope = fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(explanation.condition),
                                              perturbation_phrase(explanation), explanation.inherent_bits);
     if (explanation.result.lost_bits < 1) return envelope + ". Less than one bit is lost.";
-    if (explanation.excess_bits < 1) return envelope + within_envelope(explanation);
+    if (explanation.excess_bits < 1) return envelope + within_envelope_text(explanation);
     if (explanation.inherent_bits >= explanation.format.parameters.precision)
         return envelope +
                fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", explanation.excess_bits);
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", explanation.excess_bits);
 }
 
-std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march) {
-    std::string text = fmt::format("{} in {}: {}\n\n", explanation.form->info->name, explanation.format.name,
-                                   explanation.form->info->title);
-    text += verdict_of(explanation, march).text() + better_sentences(explanation) + "\n";
-    // The source line is also quoted for an operation that is not to blame if its result is not finite, because the
-    // errors after it follow from that.
-    NodeId culprit = explanation.has_tape() ? explanation.attribution.culprit : no_node;
-    if (culprit != no_node && std::isfinite(explanation.tape[culprit].value)) culprit = culprit_operation(explanation);
-    if (const std::string line = source_line(explanation, culprit); !line.empty()) text += line + "\n";
+namespace {
+
+/// Sentences on the primitive that the ray is explained for, the form that answers it, and the convention.
+std::string subject_notes(const Explanation& explanation) {
+    std::string text;
     if (explanation.primitive_count > 1 && is_primitive(explanation.form->shape))
         text += fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n",
                             explanation.primitive_count - 1, explanation.primitive_index);
@@ -374,31 +396,56 @@ std::string explain_text(const Explanation& explanation, bool show_all, const st
         text += fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
                             intersect::convention_name(explanation.touching),
                             *explanation.touching == intersect::Touching::hit ? "hit" : "miss");
-    if (explanation.rounded_inputs) {
+    return text;
+}
+
+/// Sentences on inputs that the form does not get as they were given.
+std::string input_notes(const Explanation& explanation) {
+    std::string text;
+    if (explanation.rounded_inputs)
         text += fmt::format(
             "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "
             "numbers as given, so the error includes the rounding of the inputs (input error).\n",
             explanation.format.name);
-    }
-    if (explanation.given_direction) {
+    if (explanation.given_direction)
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
             "distance.\n",
             number_phrase(explanation.given_direction->x), number_phrase(explanation.given_direction->y),
             number_phrase(explanation.given_direction->z));
-    }
-    text += inputs_block(explanation) + "\n";
+    return text;
+}
+
+/// Meanings of the marks and columns of the table of operations.
+std::string table_legend(const Explanation& explanation) {
+    return fmt::format(
+        "{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
+        "share. catastrophic: an operand of the subtraction was already wrong; benign: both were exact. local: "
+        "bits that the operation alone loses on exact operands, "
+        "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
+        "operations: own times the difference quotient from there to the answer.\n",
+        culprit_operation(explanation) != no_node ? "* marks the culprit, " : "");
+}
+
+}  // namespace
+
+std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march) {
+    std::string text = fmt::format("{} in {}: {}\n\n", explanation.form->info->name, explanation.format.name,
+                                   explanation.form->info->title);
+    text += make_verdict(explanation, march).text() + better_sentences(explanation) + "\n";
+
+    // The source line is also quoted for an operation that is not to blame if its result is not finite, because the
+    // errors after it follow from that.
+    NodeId culprit = explanation.has_tape() ? explanation.attribution.culprit : no_node;
+    if (culprit != no_node && std::isfinite(explanation.tape[culprit].value)) culprit = culprit_operation(explanation);
+    if (const std::string line = source_line(explanation, culprit); !line.empty()) text += line + "\n";
+
+    text += subject_notes(explanation) + input_notes(explanation) + inputs_block(explanation) + "\n";
     if (!explanation.has_tape()) return text;
+
     const OperationView view(explanation);
     if (march) text += march_samples(*march, explanation.format) + "\n";
-    text += operation_table_text(explanation, view, show_all) +
-            fmt::format(
-                "\n{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
-                "share. catastrophic: an operand of the subtraction was already wrong; benign: both were exact. local: "
-                "bits that the operation alone loses on exact operands, "
-                "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
-                "operations: own times the difference quotient from there to the answer.\n",
-                culprit_operation(explanation) != no_node ? "* marks the culprit, " : "");
+    text += operation_table_text(explanation, view, show_all) + "\n" + table_legend(explanation);
     const std::string sums = sums_text(explanation, view);
     return text + (sums.empty() ? "" : "\n" + sums);
 }

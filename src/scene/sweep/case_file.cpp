@@ -100,7 +100,7 @@ void require_range(TableReader& ray, const Range<double>& range) {
 }
 
 Vec<double> vector_in_format(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
-    return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
+    return {v[0].value_in(f, exponent), v[1].value_in(f, exponent), v[2].value_in(f, exponent)};
 }
 
 }  // namespace
@@ -114,56 +114,71 @@ std::string primitives_of_a_case() {
     return text;
 }
 
+CaseFile::PrimitiveSpec CaseFile::read_primitive_spec(TableReader& table, const ShapeRow& shape_row) {
+    PrimitiveSpec spec{shape_row.shape, {}};
+    for (const Key& key : shape_row.keys) {
+        if (key.count() == 1) spec.numbers.emplace_back(table.node(key.name), false);
+        else std::ranges::move(read_quantities(table, key.name, key.count(), false), std::back_inserter(spec.numbers));
+    }
+
+    for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
+        if (!table.has(key)) continue;
+        if (!spec.matrix.empty()) table.fail_at(key, "is given together with matrix; write one of the two");
+        spec.matrix = read_quantities(table, key, Affine<double>::numbers, false);
+        spec.is_inverse = is_inverse;
+        if (!spec.primitive_in(binary64, 0).placed->is_proper()) table.fail_at(key, std::string(singular_reason));
+    }
+    table.reject_unknown_keys();
+    return spec;
+}
+
+std::vector<CaseFile::PrimitiveSpec> CaseFile::read_primitive_specs(TableReader& case_table) {
+    std::vector<std::pair<std::pair<int, int>, PrimitiveSpec>> by_position;
+    for (const ShapeRow& shape_row : shape_rows) {
+        for (TableReader& table : case_table.tables(shape_row.plural)) {
+            PrimitiveSpec spec = read_primitive_spec(table, shape_row);
+            const toml::Where where = table.where();
+            by_position.emplace_back(std::pair(where.line, where.column), std::move(spec));
+        }
+    }
+    std::ranges::stable_sort(by_position, {}, [](const auto& positioned) { return positioned.first; });
+
+    std::vector<PrimitiveSpec> specs;
+    for (auto& [position, spec] : by_position) specs.push_back(std::move(spec));
+    return specs;
+}
+
+CaseFile::RaySpec CaseFile::read_ray_spec(TableReader& table, OpenEnds open) {
+    RaySpec ray{read_quantities(table, "origin", 3, true), read_quantities(table, "direction", 3, true), {}, {}};
+    if (table.has("tmin")) ray.tmin.emplace_back(table.node("tmin"), true);
+    if (table.has("tmax")) ray.tmax.emplace_back(table.node("tmax"), true);
+
+    const auto end = [](const std::vector<Quantity>& values, double default_t) {
+        return values.empty() ? default_t : values.front().value_in(binary64, 0);
+    };
+    require_range(table, {end(ray.tmin, 0), end(ray.tmax, HUGE_VAL), open});
+    table.reject_unknown_keys();
+    return ray;
+}
+
 CaseFile::Case CaseFile::read_case(TableReader& table) {
     Case new_case;
     new_case.name = table.string("name");
     table.read("note", new_case.note);
-    if (table.has("lengths")) new_case.lengths = toml::Exponent(table.node("lengths"));
-    if (table.has("directions")) new_case.directions = toml::Exponent(table.node("directions"));
+    if (table.has("lengths")) new_case.length_exponent = toml::Exponent(table.node("lengths"));
+    if (table.has("directions")) new_case.direction_exponent = toml::Exponent(table.node("directions"));
     if (const auto zeros = table.optional_string("zeros")) {
         if (*zeros != "+0" && *zeros != "-0")
             table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
-        new_case.zeros = *zeros == "-0" ? -0.0 : 0.0;
+        new_case.zero_sign = *zeros == "-0" ? -0.0 : 0.0;
     }
     table.read("symmetric", new_case.symmetric);
-    std::vector<std::pair<std::pair<int, int>, PrimitiveSpec>> primitives;  // by position in the file
-    for (const ShapeRow& shape_row : shape_rows) {
-        for (TableReader& primitive : table.tables(shape_row.plural)) {
-            PrimitiveSpec spec{shape_row.shape, {}};
-            for (const Key& key : shape_row.keys) {
-                if (key.count() == 1) spec.numbers.emplace_back(primitive.node(key.name), false);
-                else
-                    std::ranges::move(read_quantities(primitive, key.name, key.count(), false),
-                                      std::back_inserter(spec.numbers));
-            }
-            for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
-                if (!primitive.has(key)) continue;
-                if (!spec.matrix.empty()) primitive.fail_at(key, "is given together with matrix; write one of the two");
-                spec.matrix = read_quantities(primitive, key, Affine<double>::numbers, false);
-                spec.is_inverse = is_inverse;
-                if (!spec.in(binary64, 0).placed->is_proper()) primitive.fail_at(key, std::string(singular_reason));
-            }
-            primitive.reject_unknown_keys();
-            const toml::Where where = primitive.where();
-            primitives.emplace_back(std::pair(where.line, where.column), std::move(spec));
-        }
-    }
-    std::ranges::stable_sort(primitives, {}, [](const auto& positioned) { return positioned.first; });
-    for (auto& [position, spec] : primitives) new_case.primitives.push_back(std::move(spec));
+
+    new_case.primitives = read_primitive_specs(table);
     table.read("open_ends", new_case.open_ends, open_ends_names);
-    for (TableReader& ray : table.tables("rays")) {
-        new_case.rays.push_back(
-            {read_quantities(ray, "origin", 3, true), read_quantities(ray, "direction", 3, true), {}, {}});
-        if (ray.has("tmin")) new_case.rays.back().tmin.emplace_back(ray.node("tmin"), true);
-        if (ray.has("tmax")) new_case.rays.back().tmax.emplace_back(ray.node("tmax"), true);
-        const auto end = [](const std::vector<Quantity>& values, double default_t) {
-            return values.empty() ? default_t : values.front().in(binary64, 0);
-        };
-        require_range(
-            ray, {end(new_case.rays.back().tmin, 0), end(new_case.rays.back().tmax, HUGE_VAL), new_case.open_ends});
-        ray.reject_unknown_keys();
-    }
+    for (TableReader& ray : table.tables("rays")) new_case.rays.push_back(read_ray_spec(ray, new_case.open_ends));
     table.reject_unknown_keys();
+
     if (new_case.primitives.empty())
         toml::fail(table.where(), "a case needs " + primitives_of_a_case() + "; write one of them");
     if (new_case.rays.empty())
@@ -171,44 +186,55 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     return new_case;
 }
 
+void CaseFile::read_conventions(TableReader& file) {
+    const auto names = file.optional_strings("conventions");
+    if (!names) return;
+    conventions.clear();
+    for (const std::string& convention_name : *names) {
+        if (convention_name == "own") conventions.emplace_back(std::nullopt);
+        else if (const auto convention = convention_named(convention_name)) conventions.emplace_back(convention);
+        else file.fail_at("conventions", "holds \"" + convention_name + "\"; write own, closed or open");
+    }
+    if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
+}
+
+void CaseFile::require_limits(const Case& c, const TableReader& table) {
+    for (const PrimitiveSpec& spec : c.primitives) {
+        const Primitive<double> primitive = spec.primitive_in(binary64, 0);
+        if (const auto broken = broken_limit(primitive))
+            toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " + std::string(broken->key->name) +
+                                          " " + limit_phrase(spec.shape, *broken->key));
+    }
+}
+
 CaseFile::CaseFile(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     if (const auto bits = file.optional_number("right_within_bits")) right_within_bits = static_cast<double>(*bits);
-    if (const auto names = file.optional_strings("conventions")) {
-        conventions.clear();
-        for (const std::string& name : *names) {
-            if (name == "own") conventions.emplace_back(std::nullopt);
-            else if (const auto convention = convention_named(name)) conventions.emplace_back(convention);
-            else file.fail_at("conventions", "holds \"" + name + "\"; write own, closed or open");
-        }
-        if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
-    }
+    read_conventions(file);
+
     for (TableReader& table : file.tables("case")) {
         Case new_case = read_case(table);
         if (std::ranges::find(cases_, new_case.name, &Case::name) != cases_.end())
             table.fail_at(
                 "name", "is \"" + new_case.name + "\", which is also the name of another case; give each its own name");
-        for (const PrimitiveSpec& spec : new_case.primitives) {
-            const Primitive<double> primitive = spec.in(binary64, 0);
-            if (const auto broken = broken_limit(primitive))
-                toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " +
-                                              std::string(broken->key->name) + " " +
-                                              limit_phrase(spec.shape, *broken->key));
-        }
+        require_limits(new_case, table);
         cases_.push_back(std::move(new_case));
     }
     file.reject_unknown_keys();
     if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
 }
 
-Primitive<double> CaseFile::PrimitiveSpec::in(const FloatFormat& format, int lengths) const {
+Primitive<double> CaseFile::PrimitiveSpec::primitive_in(const FloatFormat& format, int length_exponent) const {
     Primitive<double> primitive(shape);
-    for (std::size_t k = 0; k < numbers.size(); ++k) primitive.numbers[k] = numbers[k].in(format, lengths);
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        primitive.numbers[k] = numbers[k].value_in(format, length_exponent);
     if (matrix.empty()) return primitive;
     std::array<double, Affine<double>::numbers> in_format;
-    for (std::size_t k = 0; k < matrix.size(); ++k) in_format[k] = matrix[k].in(format, k % 4 == 3 ? lengths : 0);
+    // The last column of the matrix is a translation, whose numbers are lengths.
+    for (std::size_t k = 0; k < matrix.size(); ++k)
+        in_format[k] = matrix[k].value_in(format, k % 4 == 3 ? length_exponent : 0);
     primitive.placed = placement_of(in_format, is_inverse);
     return primitive;
 }
@@ -251,24 +277,27 @@ std::vector<RayGroup> CaseFile::unrounded_rays(std::size_t i, const FloatFormat&
 
 std::vector<RayGroup> CaseFile::rays(const Case& named_case, const FloatFormat& scale_format,
                                      const FloatFormat& format) {
-    const int lengths = named_case.lengths.in(scale_format), directions = named_case.directions.in(scale_format);
+    const int length_exponent = named_case.length_exponent.value_in(scale_format);
+    const int direction_exponent = named_case.direction_exponent.value_in(scale_format);
     std::vector<RayGroup> groups;
     for (const Symmetry& symmetry : symmetries(named_case.symmetric)) {
         RayGroup group;
         for (const PrimitiveSpec& spec : named_case.primitives)
-            group.primitives.push_back(symmetry.apply_to(spec.in(format, lengths)));
+            group.primitives.push_back(symmetry.apply_to(spec.primitive_in(format, length_exponent)));
         for (const RaySpec& ray : named_case.rays) {
-            Vec<double> d = symmetry.apply_to(vector_in_format(ray.direction, format, directions));
-            for (int k = 0; named_case.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *named_case.zeros : d[k];
-            group.rays.push({symmetry.apply_to(vector_in_format(ray.origin, format, lengths)), d});
+            Vec<double> d = symmetry.apply_to(vector_in_format(ray.direction, format, direction_exponent));
+            for (int k = 0; named_case.zero_sign && k < 3; ++k) d[k] = d[k] == 0 ? *named_case.zero_sign : d[k];
+            group.rays.push({symmetry.apply_to(vector_in_format(ray.origin, format, length_exponent)), d});
         }
+
+        // If one ray of the case has an end, all of them get one.
         const auto add_ends = [&](std::vector<toml::Quantity> RaySpec::*end, double default_t,
                                   std::vector<double>& ends) {
             if (!std::ranges::any_of(named_case.rays, [end](const RaySpec& ray) { return !(ray.*end).empty(); }))
                 return;
             // tmin and tmax are parameters, not lengths: they are not scaled.
             for (const RaySpec& ray : named_case.rays)
-                ends.push_back((ray.*end).empty() ? default_t : (ray.*end).front().in(format, 0));
+                ends.push_back((ray.*end).empty() ? default_t : (ray.*end).front().value_in(format, 0));
         };
         add_ends(&RaySpec::tmin, 0, group.rays.tmin);
         add_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);

@@ -70,8 +70,12 @@ struct Capsule {
         const Vec<T> v = axis(), f = ray.origin - start, m = cross(v, f), n = cross(v, d);
         const T v2 = square(v), r2 = square(radius), a = square(n), v_dot_f = dot(v, f), v_dot_d = dot(v, d),
                 d2 = square(d);
+
+        // The quadratics of the side and of the balls.
         const QuadraticSpan<T> side{dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), d2};
         const QuadraticSpan<T> at_start = Sphere<T>{start, radius}.span(ray), at_end = Sphere<T>{end, radius}.span(ray);
+
+        // The planes, in the order in which the line crosses them; at infinity for a line parallel to them.
         const auto is_upward = v_dot_d > zero, is_parallel = !(is_upward || v_dot_d < zero),
                    is_below = v_dot_f<zero, is_above = v_dot_f> v2;
         const T magnitude = select(is_upward, v_dot_d, -v_dot_d);
@@ -84,6 +88,8 @@ struct Capsule {
         const Fraction<T> last_plane_t =
             select(is_parallel, last_if_parallel,
                    select(is_upward, Fraction<T>{v2 - v_dot_f, magnitude}, Fraction<T>{v_dot_f, magnitude}));
+
+        // The parts of the surface where the line enters and leaves.
         const QuadraticSpan<T> first_ball = select(is_upward || (is_parallel && !is_above), at_start, at_end);
         const QuadraticSpan<T> last_ball = select(is_upward || (is_parallel && !is_below), at_end, at_start);
         const auto is_along_axis = a <= zero,
