@@ -273,10 +273,10 @@ const Intersector& contracted_form(const Intersector& form) {
     return contracted_forms().find_or_add({&form}, fill_contracted_form);
 }
 
-bool is_contracted(const Intersector& form) { return std::get<0>(contracted_forms().parts_of(form)) != nullptr; }
+bool is_contracted(const Intersector& form) { return std::get<0>(contracted_forms().find_parts(form)) != nullptr; }
 
 FormOperation operation_before_contraction(const Intersector& contracted, const Format& format, NodeId node) {
-    const Intersector& form = *std::get<0>(contracted_forms().parts_of(contracted));
+    const Intersector& form = *std::get<0>(contracted_forms().find_parts(contracted));
     const Format f32 = *find_format("f32"), f64 = *find_format("f64");
     const bool is_from_f64 = !form.exists_in(f32) || (format.engine == Format::Engine::native64 && form.exists_in(f64));
     const Format& tape_format = is_from_f64 ? f64 : f32;
