@@ -196,8 +196,8 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer, const 
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choose::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].tested_form,
-                                                       request.limit);
+        choice.offsets = measure::choose::safe_offsets(
+            *request.scene, measured_candidates[*choice.cheapest_index].tested_form, request.limit);
     writer.finish(choice);
     complete_folder(result_folder);
     progress.finish();

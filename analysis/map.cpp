@@ -326,8 +326,9 @@ std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const 
     return folders.for_each(planned_scenes.size(), progress, [&](std::size_t scene_index, const auto& complete) {
         PlannedScene planned = planned_scenes[scene_index];  // a copy that may point to objects of this iteration
         const Scene& scene = *planned.map.scene;
-        output::file::Estimate estimate(progress, scene.id, scene.pixels() * planned.map.tested_forms.size() / share.count,
-                                        common.quiet, measure::study::Bands(scene, share).size());
+        output::file::Estimate estimate(progress, scene.id,
+                                        scene.pixels() * planned.map.tested_forms.size() / share.count, common.quiet,
+                                        measure::study::Bands(scene, share).size());
         measure::truth::StageCounts stages;
         planned.map.progress = advance_callback(progress, &estimate);
         planned.map.stages = &stages;

@@ -52,8 +52,10 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return file.accepts(forms); });
-    measure::sweep::CaseRequest request{.file = file, .tested_forms = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
+    const auto rows =
+        selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return file.accepts(forms); });
+    measure::sweep::CaseRequest request{
+        .file = file, .tested_forms = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });

@@ -29,9 +29,9 @@ public:
 /// ones. Nothing if none of the forms fits the study and the scene. Throws InputError for an unknown study, and for a
 /// scene that it does not take.
 [[nodiscard]] std::optional<output::report::StudySection> measure_study_section(const std::string& study,
-                                                                             const scene::file::Scene& scene,
-                                                                             std::vector<std::string> forms,
-                                                                             std::vector<std::string> formats,
-                                                                             intersect::process::StopToken stop);
+                                                                                const scene::file::Scene& scene,
+                                                                                std::vector<std::string> forms,
+                                                                                std::vector<std::string> formats,
+                                                                                intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::study

@@ -125,7 +125,7 @@ float wide(const float o[3], const float d[3], const float c[3], float r) { retu
     std::array<std::vector<double>, 3> t{std::vector<double>(1), std::vector<double>(1), std::vector<double>(1)};
     std::vector<std::uint8_t> hit(1);
     f->intersector.native64({zero, zero, five, zero, zero, down}, intersect::Target<double>(std::span(sphere)),
-                    {t[0], t[1], t[2], hit});
+                            {t[0], t[1], t[2], hit});
     CHECK(hit[0] == 1);
     CHECK(t[0][0] == 0.1 * 5.0 + 3.7 * 1.0);
 }

@@ -339,7 +339,8 @@ void JudgeResult::append(JudgeResult&& next) {
 std::optional<std::size_t> JudgeRequest::file_form_index() const {
     const auto found =
         std::ranges::find_if(tested_forms, [this](const TestedForm& tested_form) { return is_file_form(tested_form); });
-    return found == tested_forms.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - tested_forms.begin()));
+    return found == tested_forms.end() ? std::nullopt
+                                       : std::optional(static_cast<std::size_t>(found - tested_forms.begin()));
 }
 
 std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file) const {

@@ -21,7 +21,7 @@ using choose::Requirement;
 struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
     const choose::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
-    evaluate::TestedForm tested_form;                ///< in f32 or f64
+    evaluate::TestedForm tested_form;        ///< in f32 or f64
     Requirement requirement{};
     bool two_words = false;  ///< wider arithmetic is two floats in place of a double; for double always two doubles
     truth::ProofLimit limit{};

@@ -72,7 +72,8 @@ struct MatrixLabels {
             row_width = std::max(row_width, rows.back().width);
         }
         for (const auto& g : spec.groups) {
-            groups.push_back(image::image_backend().render_text(g.label, image::style::text_size, image::FontWeight::bold));
+            groups.push_back(
+                image::image_backend().render_text(g.label, image::style::text_size, image::FontWeight::bold));
             for (const auto& c : g.columns) {
                 columns.push_back(rotate_left(image::image_backend().render_text(c, image::style::text_size)));
                 column_height = std::max(column_height, columns.back().height);

@@ -76,7 +76,8 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
          {"label", axis.label},
          {"steps", json_array(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
          {"is_drawn", request.sweep.has_random_rays()}},
-        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].summaries[r]; },
+        request, steps.size(),
+        [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].summaries[r]; },
         [&](Json& row, std::size_t r) {
             Json& row_onsets = row["onsets"] = Json::array();
             for (const Onset& o : onsets) {

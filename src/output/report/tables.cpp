@@ -124,8 +124,8 @@ std::string choice_table(const choose::ChoiceResult& chosen) {
     for (const std::size_t k : measure::choose::order_by_price(chosen.candidates)) {
         const measure::choose::Candidate& candidate = chosen.candidates[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
-                            chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(candidate.tested_form.form->info->name),
-                            candidate.tested_form.format.name,
+                            chosen.cheapest_index == k ? " class=\"chosen\"" : "",
+                            html(candidate.tested_form.form->info->name), candidate.tested_form.format.name,
                             candidate.isa == "scalar" ? "one ray" : fmt::format("{} bits", candidate.isa));
         text += fmt::format(
             "<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", candidate.time.median * 1e9,

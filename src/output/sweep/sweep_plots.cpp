@@ -308,9 +308,9 @@ std::vector<std::size_t> rank_culprits(const MeasuredSweep& sweep, std::size_t f
     std::vector<double> peak_fraction(sweep.request.metrics[culprit_metric]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak_fraction.size(); ++c)
-            peak_fraction[c] = std::fmax(
-                peak_fraction[c],
-                measure::attribution::culprit_fraction(step.summaries[form_index].categories[culprit_metric], std::array{c}));
+            peak_fraction[c] =
+                std::fmax(peak_fraction[c], measure::attribution::culprit_fraction(
+                                                step.summaries[form_index].categories[culprit_metric], std::array{c}));
     }
 
     std::vector<std::size_t> order;
