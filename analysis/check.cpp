@@ -356,7 +356,7 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     command.add("CLAIMS", options->files, "Claim files or folders (default: data/claims)");
     command.add_list("--filter", options->filters, "Measure only claims whose id matches a glob");
 
-    // What to write.
+    // Outputs.
     command.add("--junit", options->junit, "Write JUnit XML");
     command.add("--export-csv", options->csv, "Write CSV, one row per claim");
     command.add("--export-json", options->json, "Write JSON, one object per claim");
@@ -365,7 +365,7 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     command.add("--annotations", options->annotations,
                 "github: also print annotations that GitHub shows beside the code", shell::one_of({"none", "github"}));
 
-    // What to measure, and how to judge it.
+    // Claims to measure, and how they are judged.
     command.add("--profile", options->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
     command.add("--seeds", options->seeds,

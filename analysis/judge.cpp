@@ -397,7 +397,7 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
         .required();
     selection::add_ray_options(command, *options);
 
-    // What to judge, and how.
+    // Answers to judge, and how.
     command.add_list("-i,--form", options->forms, "Forms to run on the same rays, by name or glob");
     command.add_list("-f", options->formats, "Formats of these forms (default: the format of the file)");
     command.add("--against", options->against, "Also compare the answers with those of this form");
@@ -411,7 +411,7 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
 
-    // What to write.
+    // Outputs.
     command.add("--size", options->size, "Draw the rays as a picture of WxH pixels, row by row");
     selection::add_pictures(command, options->pictures);
     command.add("--rows", options->writes_rows, "Also write one row per ray, with the columns of the file");

@@ -46,7 +46,7 @@ void add_common(const shell::Command& program, CommonOptions& common) {
     program.add_named("--progress", {"auto", "bar", "none"}, set_progress,
                       "Progress on stderr (default: auto, which shows it only on a terminal)");
 
-    // What is written and printed.
+    // Outputs and messages.
     program.add("--force", common.force,
                 "Also write if the folder of a result, such as out/map/SCENE, has other files; these are kept");
     program.add_list("--figure", common.figures, "Kinds of pictures (default: png); svg and pdf are vector graphics",
@@ -77,7 +77,7 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
     program.add_list("--device", external.devices,
                      "Driver for --shader: opengl, vulkan, or all (default: the first that works)");
 
-    // Where they run, and for how long.
+    // The process in which they run, and for how long.
     const auto isolate =
         program.add("--isolate", external.isolate,
                     "Run each library in a process of its own, away from the program; a crash ends the "

@@ -386,7 +386,7 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     selection::add_forms(command, options->forms);
     selection::add_formats(command, options->formats, "f32 f64");
 
-    // What to draw.
+    // Pictures.
     command.add_list("--metric", options->metrics,
                      "Metrics to draw, by name or glob (default: lost_bits); see `lostbits list metrics`");
     command.add("--range", options->range,
@@ -395,7 +395,7 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);
 
-    // What to measure and write in addition.
+    // Additional measurements and files.
     command.add(
         "--bits", options->bits_needed,
         "Also draw, for every pixel, the narrowest significand with which the form keeps this many correct bits",

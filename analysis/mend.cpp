@@ -305,7 +305,7 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
     const auto options = std::make_shared<MendOptions>();
     options->changes.stop = options->rays.stop = common.stop;
 
-    // What to repair.
+    // The form to repair.
     command
         .add("SCENE", options->subjects,
              "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
@@ -313,7 +313,7 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
     command.add("-i,--form", options->form, "The form to mend").required();
     command.add("-f,--format", options->format, "f32 (default) or f64");
 
-    // What the repaired form must keep, and what may be changed for it.
+    // The requirement, and the changes that are allowed.
     command
         .add("--bits", options->bits,
              "The correct bits of t that the form is to keep, for the share of the hits that --at gives",
@@ -330,7 +330,7 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
     selection::add_changes(command, options->changes, "sphere[0].radius=10");
     selection::add_ray_options(command, options->rays);
 
-    // What to do with the repairs.
+    // Outputs of the repairs.
     command.add("--price", options->price, "Compile the changed forms and time them beside the form and the catalogue");
     command.add("--compiler", options->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", options->emit,

@@ -93,7 +93,7 @@ void add_trade(const shell::Command& program, const CommonOptions& common) {
     command.add("--variant", options->variant, "One variant of a scene that has several").needs(scene);
     command.add_set(options->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
 
-    // What to time, and how long.
+    // Kernels to time, and for how long.
     selection::add_forms(command, options->forms, "all that fit");
     command.add_list("-f,--format", options->formats, "f32, f64 (default: both)");
     command.add("--repetitions", options->repetitions,

@@ -268,7 +268,7 @@ struct CallSelection {
     measure::metric::MetricSet metric_set = {};
     std::vector<const measure::metric::Metric*> extra_metrics = {};
 
-    /// What a call means that names no form.
+    /// Meaning of a call that names no form.
     enum class WithoutForms { all_forms, no_form };
     explicit CallSelection(const lostbits_choice* given, WithoutForms without_forms = WithoutForms::all_forms);
     /// Keeps the tested forms that can test the subject called `name`. Throws NothingSelected if none is left.

@@ -80,7 +80,7 @@ std::vector<Shape> list_shapes(const GivenRays& given_rays) {
     return shapes;
 }
 
-/// What seems to be wrong with the answers of the caller.
+/// Probable fault of the caller's answers.
 std::vector<std::string> find_suspicions(const measure::judge::JudgeRequest& request,
                                          const measure::judge::JudgeResult& judgement) {
     const auto file_form = request.file_form_index();

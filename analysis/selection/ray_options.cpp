@@ -325,7 +325,7 @@ void require_compatible(const RayOptions& options) {
             "explain: the primitives are missing; name a scene, a file of cases with --case, or primitives (--sphere "
             "CX,CY,CZ,R; other shapes: `lostbits explain --help`)");
 
-    // What each option needs.
+    // Requirements of each option.
     const char* const needs_own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Rule {
         const char* option;

@@ -198,7 +198,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     }
     result.dump = scene::dump::join_dumps(std::move(dumps));
 
-    // What the command line says of them.
+    // Changes by the command line.
     result.options = {.id = result.id,
                       .primitives = shared_primitives(options, target_scene, result.dump->format()),
                       .contract = answer_contract(options, *result.dump)};

@@ -281,7 +281,7 @@ void supervise(const std::string& libraries, double seconds) {
         Supervisor(pipe_ends[0], link.token, worker, libraries, seconds).run();
     }
 
-    // What follows runs in the worker.
+    // The worker runs the rest.
     close(pipe_ends[0]);
     worker_link = link;
     worker_link.worker = getpid();

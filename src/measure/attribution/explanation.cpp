@@ -448,7 +448,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     if (form.is_template()) explain_template(explanation, ray, in, target);
     else explain_external(explanation, ray, in, target, answers);
 
-    // What the truth says, and how far the inputs determine it.
+    // The truth, and how far the inputs determine it.
     explanation.truth = ray_truth.decision;
     explanation.condition = explanation.inherent_bits = missing;
     double reach = missing;

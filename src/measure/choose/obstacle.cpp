@@ -214,7 +214,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     const Band& band = *rays.band;
     obstacle.rounds_to_binary32_first = rays.scene && rays.scene->inputs == scene::file::Inputs::shared;
 
-    // What the inputs allow in the row's own format and in f64, and what the row reaches.
+    // Bits that the inputs allow in the form's own format and in f64, and bits that the form keeps.
     const InherentLimit row_limit = inherent(band, tested_form, tested_form.format, request.requirement);
     obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_distance = row_limit.distance_error;

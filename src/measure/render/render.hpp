@@ -84,7 +84,7 @@ struct RenderSummary {
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
     std::uint64_t faces_away = 0;             ///< points on the same sphere that truly face away from the light
     std::uint64_t truly_shadowed_points = 0;  ///< points on spheres that face the light and are truly in shadow
-    /// Those of `truly_shadowed_points` that have diffuse light in the true picture anyway.
+    /// Number of `truly_shadowed_points` that have diffuse light in the true picture anyway.
     std::uint64_t light_in_true_shadow = 0;
     std::uint64_t changed_pixels = 0;  ///< pixels with a byte that differs from the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;

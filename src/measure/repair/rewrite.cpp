@@ -103,7 +103,7 @@ private:
             unexpanded.begin(),
             unexpanded.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam_width, unexpanded.size())));
 
-        // Those that meet the requirement with least work.
+        // Keeps the forms that meet the requirement with least work.
         std::ranges::stable_sort(unexpanded, [&](auto a, auto b) {
             return std::pair(!meets(candidates_[a]), candidates_[a].work) <
                    std::pair(!meets(candidates_[b]), candidates_[b].work);

@@ -254,7 +254,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     const bool rays_are_unit = ideal_ && ideal_->made;
     if (needs.unit_rays) in.unit_rays = rays_are_unit ? in.rays : normalise_rays(in.rays, parameters, limit_.stop);
 
-    // What the forms are tested against: an index, or lists of candidates made with it
+    // Candidates that the forms are tested against: an index, or lists of candidates made with it
     if (const auto index =
             culler_ && !needs.without_forms ? culler_->index_for_forms(parameters, in.primitives) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);

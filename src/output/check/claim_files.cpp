@@ -52,7 +52,7 @@ table::Table<ClaimRow> claim_table() {
          claim_value(&Claim::condition)},
         {"sourced", "true: the statement is from a source; false: it is our own", claim_value(&Claim::is_sourced)},
 
-        // What is measured, and what is expected.
+        // The measured quantity and its expected value.
         {"subject", "scene, sweep or table, and the position in it",
          [](const R& r) { return subject_texts(r.claim).subject; }},
         {"form", "form under test", claim_value(&Claim::form)},
@@ -89,7 +89,7 @@ table::Table<ClaimRow> claim_table() {
          "logarithms for onsets and fractions)",
          [](const R& r) { return when(r.claim.draws != 0, r.claim.draws); }},
 
-        // Whether the claim agrees, and its worst ray.
+        // The verdict, and the worst ray.
         {"state", "agrees, disagrees, broken (could not be measured) or skipped",
          [](const R& r) { return state_name(r.result.state); }},
         {"witness", "the worst ray of the measurement in hexadecimal floats",
@@ -129,7 +129,7 @@ Json claim_json(const Claim& claim, const ClaimResult& result) {
             {"condition", claim.condition},
             {"sourced", claim.is_sourced()},
 
-            // What is measured, and what is expected.
+            // The measured quantity and its expected value.
             {"subject", subject_texts(claim).subject},
             {"form", claim.form},
             {"format", claim.format},
@@ -150,7 +150,7 @@ Json claim_json(const Claim& claim, const ClaimResult& result) {
             {"further_draws", further},
             {"interval_draws", claim.draws},
 
-            // Whether the claim agrees, its worst ray, and the command that measures it again.
+            // The verdict, the worst ray, and the command that measures it again.
             {"state", state_name(result.state)},
             {"witness", witness_text(result)},
             {"witness_explain", witness_command(claim, result)},

@@ -121,7 +121,7 @@ Table<InputRow> input_table() {
                {"place", "format of the centres of spheres and the corners of boxes", format_column(Input::place)},
                {"radius", "format of the radii of spheres", format_column(Input::radius)}});
 
-    // What exact arithmetic keeps on these inputs.
+    // Bits that exact arithmetic keeps on these inputs.
     const auto kept_bits = or_missing(&FormQuality::kept_bits);
     const auto exact_quality = [](const R& r) -> const FormQuality& { return r.trial->exact; };
     table.add<FormQuality>(
@@ -134,7 +134,7 @@ Table<InputRow> input_table() {
           kept_bits}},
         exact_quality);
 
-    // What the form nearest to the requirement keeps on them in f64.
+    // Bits that the form nearest to the requirement keeps on them in f64.
     const auto form_quality = [](const R& r) -> const std::optional<FormQuality>& { return r.trial->form; };
     table.add<FormQuality>(
         {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",

@@ -180,7 +180,7 @@ std::string requirement_map_text(const ChoiceResult& result, const RequirementMa
             fmt::format(", for {} the truth is not proved", percent(requirement_map.pixels_unknown, requirement_map));
     text += ".\n";
 
-    // What switching between forms could gain.
+    // The gain of switching between forms.
     const double least_time = requirement_map.least_time(result.candidates);
     const auto candidate_count = required_candidates(requirement_map).size();
     if (result.cheapest_index && candidate_count > 1) {

@@ -147,7 +147,7 @@ std::string symmetric_set_text(const RepairSummary& summary) {
     if (!repair.symmetric)
         return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
 
-    // What the symmetric set is, and what it changes.
+    // The symmetric set and its changes.
     const auto& symmetric_set = *repair.symmetric;
     std::string text = fmt::format(
         "  It is not symmetric: it was found for the axes as they are.\nWith {} of its {} operations in {}, the same "
@@ -189,7 +189,7 @@ std::string wider_set_text(const RepairSummary& summary) {
     const auto& repair = summary.repair;
     const auto& requirement = summary.request.requirement;
 
-    // What the set is, what it changes, and how small it is.
+    // The set, its changes and its size.
     std::string text = fmt::format(
         "With {} of its {} operations in {} it keeps {} ({} with all of them).\n", repair.wider_set->operations.size(),
         repair.operations, wider_format_name(repair.wider), quality_text(repair.wider_set->quality, requirement),
@@ -219,7 +219,7 @@ std::string obstruction_text(const RepairSummary& summary) {
                            summary.request.tested_form.format.name,
                            summary.request.tested_form.format.parameters.precision);
 
-    // What the operations do without any rounding.
+    // Results of the operations without any rounding.
     std::string exact_text = "without any rounding, its operations " + quality_clause(exact, requirement);
     if (exact.wrong > 0)
         exact_text +=
@@ -262,7 +262,7 @@ std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
                             rule->condition);
     }
 
-    // What it changes, and how well it does elsewhere.
+    // Its changes, and its quality on other rays.
     text += change_listing(summary, list_proposals(summary).size() - summary.repair.rewriting.forms.size() + k);
     text += held_out_text(summary, rewritten.quality, rewritten.held_out) + probes_text(summary, rewritten.probed);
     return k < summary.rewritten_margins.size() ? text + margins_text(summary.rewritten_margins[k], summary) : text;

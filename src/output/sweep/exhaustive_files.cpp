@@ -293,7 +293,7 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& find
                            : fmt::format(" decides correctly for all but {} whose truth is not proved",
                                          tally.count(Outcome::unresolved)));
 
-    // Where it first fails.
+    // The first float that fails.
     const auto& wrong = *tally.first_wrong;
     const auto last_right = finding.float_before(wrong.float_index);
     text += last_right ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",

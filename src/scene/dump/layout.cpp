@@ -119,7 +119,7 @@ std::string column_list(const std::vector<LayoutColumn>& columns) {
     return columns.size() > 6 ? names + ",..." : names;
 }
 
-/// What the name of a column says.
+/// Meaning of the name of a column.
 struct ColumnMatch {
     const KnownName* known = nullptr;  ///< null for a column of the user's own
     bool is_hex = false;

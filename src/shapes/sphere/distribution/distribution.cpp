@@ -181,7 +181,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
         {"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
 
-    // Where the rays begin, and where they go.
+    // Origins and directions of the rays.
     SphereDistribution settings;
     settings.projection = table.optional_one_of<P>("projection", projections).value_or(settings.projection);
     table.read("begin", settings.begin, rays::begins);
@@ -197,7 +197,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     table.read_number("distance", settings.distance, 0, 0x1p+126);
     table.read_number("height", settings.height, -0x1p+126, 0x1p+126);
 
-    // Where the rays pass the sphere.
+    // Places where the rays pass the sphere.
     table.read_number("impact_from", settings.impact_from, 0, 4);
     table.read_number("impact_to", settings.impact_to, 0, 4);
     table.read_number("silhouette_gap", settings.silhouette_gap, 0, 1);
