@@ -52,9 +52,9 @@ struct CorrectHit {
     }
 };
 
-/// Numbers of a row on a band; NaN where a pixel has none.
+/// Numbers of a form on a band; NaN where a pixel has none.
 struct NumberBand {
-    int y0 = 0, rows = 0, width = 0;
+    int y0 = 0, scanlines = 0, width = 0;
     std::vector<double> numbers;
 };
 
@@ -82,11 +82,11 @@ struct NumberStudy {
     [[nodiscard]] static NumberSummary begin(std::size_t) { return {}; }
     [[nodiscard]] static const measure::truth::Band& prepare(const measure::truth::Band& band) { return band; }
     NumberBand measure(const measure::truth::Band& band, std::size_t form_index, NumberSummary& summary) const {
-        const measure::consistency::FormOnBand on_band(scene, rows[form_index], band);
+        const measure::consistency::FormOnBand on_band(scene, tested_forms[form_index], band);
         NumberBand result{band.y0(), band.scanlines(), scene.width,
                           std::vector(on_band.pixels(), measure::truth::missing)};
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
-            const measure::truth::Truth ray_truth = band.truth(i, rows[form_index].convention());
+            const measure::truth::Truth ray_truth = band.truth(i, tested_forms[form_index].convention());
             if (ray_truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!ray_truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||
                 on_band.closest_hits.object[i] != ray_truth.primitive)
@@ -139,14 +139,14 @@ struct NumberAdapter {
                 .number = Quantity(values),
                 .limit = {.stop = stop}};
     }
-    static void print_results(const Study& study, const Summaries& rows, bool) {
-        for (std::size_t r = 0; r < rows.size(); ++r)
+    static void print_results(const Study& study, const Summaries& summaries, bool) {
+        for (std::size_t r = 0; r < summaries.size(); ++r)
             fmt::print("  {} {}: {}\n", study.tested_forms[r].form->info->name, study.tested_forms[r].format.name,
-                       in_words(rows[r]));
+                       in_words(summaries[r]));
     }
-    static std::uint64_t unproved(const Summaries& rows) {
+    static std::uint64_t unproved(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
-        for (const NumberSummary& row : rows) max_unproved = std::max(max_unproved, row.unresolved);
+        for (const NumberSummary& summary : summaries) max_unproved = std::max(max_unproved, summary.unresolved);
         return max_unproved;
     }
     static std::uint64_t unproved(const NumberRow& row) { return row.summary->unresolved; }
@@ -232,9 +232,10 @@ struct NumberAdapter {
         for (const std::string& format : formats_of(study)) spec.formats.push_back(format);
         return {file, std::move(spec)};
     }
-    static std::vector<output::study::Note> notes(const Study& study, const Summaries& rows) {
+    static std::vector<output::study::Note> notes(const Study& study, const Summaries& summaries) {
         std::vector<output::study::Note> notes;
-        for (std::size_t r = 0; r < rows.size(); ++r) notes.push_back({place_of(study, r), in_words(rows[r])});
+        for (std::size_t r = 0; r < summaries.size(); ++r)
+            notes.push_back({place_of(study, r), in_words(summaries[r])});
         return notes;
     }
 
