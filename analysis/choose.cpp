@@ -153,9 +153,9 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const ChooseOptio
     auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
     selection::refuse_generators(candidates, "choose");
     selection::refuse_contracted(candidates, "choose");
-    auto rows = selection::select_timed_forms(id, {candidates, options.forms, quiet}, can_test);
-    selection::note_unmeasured(options.forms, rows, quiet);
-    return rows;
+    auto timed_forms = selection::select_timed_forms(id, {candidates, options.forms, quiet}, can_test);
+    selection::note_unmeasured(options.forms, timed_forms, quiet);
+    return timed_forms;
 }
 
 ChoiceRequest make_request(const ChooseOptions& options, intersect::process::StopToken stop) {
@@ -243,7 +243,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     return choose(request, writer, result_folder, progress, common, std::move(repairs.candidates));
 }
 
-/// Drops the rows in emulated formats, which only the requirement map of a scene shows.
+/// Drops the forms in emulated formats, which only the requirement map of a scene shows.
 void drop_emulated_rows(ChoiceRequest& request, const std::string& id, bool quiet) {
     const auto emulated =
         std::erase_if(request.tested_forms, [](const auto& tested_form) { return tested_form.format.is_emulated(); });

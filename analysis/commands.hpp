@@ -192,7 +192,7 @@ void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::Fo
 void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 
-/// Prints a table on stdout, with a line per row of a map, or per form for the bits needed.
+/// Prints a table on stdout, with a line per tested form of a map, or per form for the bits needed.
 void print_table(const measure::evaluate::MapStudy& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
 void print_table(const measure::evaluate::BitsNeededStudy& request,

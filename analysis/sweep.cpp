@@ -52,22 +52,22 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows =
+    const auto tested_forms =
         selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return file.accepts(forms); });
     measure::sweep::CaseRequest request{
         .file = file, .tested_forms = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
-        selection::with_default_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
+        selection::with_default_metrics(chosen.extra_metrics, tested_forms), measure::evaluate::forms_of(tested_forms),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
 
     // Each form is judged by every convention of the file.
-    for (TestedForm tested_form : rows) {
+    for (TestedForm tested_form : tested_forms) {
         for (const auto& convention : file.conventions) {
             tested_form.touching = convention;
             request.tested_forms.push_back(tested_form);
         }
     }
-    if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, rows);
+    if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, tested_forms);
 
     const auto folder = chosen.folder_of(file.id);
     const auto result_folder = chosen.lock_sweep_folder(file.id, path);

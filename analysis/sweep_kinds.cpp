@@ -189,7 +189,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
 
 namespace {
 
-/// Adds, after each row, a row with the form as a compiler contracts it. Contraction makes some watertight tests leak.
+/// Adds, after each form, the form as a compiler contracts it. Contraction makes some watertight tests leak.
 void add_contracted(std::vector<TestedForm>& tested_forms) {
     std::vector<TestedForm> all;
     for (const TestedForm& tested_form : tested_forms) {

@@ -83,7 +83,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
 /// A sweep over every float, which can be stopped and resumed. Not movable: the request points into it.
 class ExhaustiveRun {
 public:
-    /// Takes the rows whose forms can test the sweep, in f32. Throws InputError for a file that is not such a sweep.
+    /// Takes the forms that can test the sweep, in f32. Throws InputError for a file that is not such a sweep.
     ExhaustiveRun(const std::filesystem::path& path, const SweepSelection& chosen);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;

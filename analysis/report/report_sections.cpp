@@ -246,9 +246,9 @@ std::optional<output::report::OffsetSection> measure_offset_section(const scene:
     const selection::ShapePredicate can_test = [&scene](Shapes shapes) {
         return selection::are_primitives(shapes) && scene.accepts(shapes);
     };
-    const auto rows = selection::tested_forms_handling({all, {}, true}, scene.id, can_test);
-    if (rows.empty()) return std::nullopt;
-    study.tested_forms = {{rows.front(), offset::HitPointKind::computed}};
+    const auto tested_forms = selection::tested_forms_handling({all, {}, true}, scene.id, can_test);
+    if (tested_forms.empty()) return std::nullopt;
+    study.tested_forms = {{tested_forms.front(), offset::HitPointKind::computed}};
     study.finds_quiet_offset = false;  // the page has no table of it
 
     // Measures the study while its sheet is drawn.

@@ -49,7 +49,7 @@ struct PlannedChoice {
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other texts.
-PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
+PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& selected,
                            const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
 output::report::ChoiceSection measure_choice_section(const PlannedChoice& planned, StopToken stop);

@@ -70,11 +70,11 @@ private:
 
 }  // namespace
 
-PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& rows,
+PlannedChoice parse_choice(const std::string& text, const std::string& size, const selection::SelectedForms& selected,
                            const std::filesystem::path& data, StopToken stop) {
     const RequirementText parsed("--choose", "a scene", "near-benign", text, {});
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
-    auto timed_forms = selection::select_timed_forms(scene, rows);
+    auto timed_forms = selection::select_timed_forms(scene, selected);
     return {std::move(scene), parsed.requirement, std::move(timed_forms)};
 }
 
@@ -86,13 +86,13 @@ PlannedMend parse_mend(const std::string& text, const std::string& size, const s
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
     auto candidates =
         selection::pair_forms_with_formats(selection::select_forms({form}), selection::select_formats({"f32"}));
-    const auto rows = selection::tested_forms_handling({candidates, {form}, true}, scene.id, [&scene](Shapes shapes) {
-        return selection::are_primitives(shapes) && scene.accepts(shapes);
-    });
-    if (rows.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");
-    selection::refuse_generators({rows.front().form}, "mend");
+    const auto tested_forms = selection::tested_forms_handling(
+        {candidates, {form}, true}, scene.id,
+        [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); });
+    if (tested_forms.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");
+    selection::refuse_generators({tested_forms.front().form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
-    PlannedMend planned{std::move(scene), parsed.requirement, rows.front()};
+    PlannedMend planned{std::move(scene), parsed.requirement, tested_forms.front()};
     // Refuses a form that filters here, before anything is measured.
     static_cast<void>(measure::repair::record_tape({.scene = &planned.scene, .tested_form = planned.tested_form}));
     return planned;
@@ -124,9 +124,9 @@ output::report::MendSection measure_mend_section(const PlannedMend& planned, Sto
 }
 
 output::report::MendSection make_mend_section(const output::repair::RepairSummary& result) {
-    const auto& row = result.request.tested_form;
+    const auto& tested_form = result.request.tested_form;
     output::report::MendSection section{
-        .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
+        .form = fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name),
         .scene = result.request.id(),
         .requirement = output::choose::requirement_text(result.request.requirement),
         .changes = {},

@@ -66,16 +66,16 @@ struct ConsistencyAdapter {
                 .limit = {.stop = stop}};
     }
 
-    static void print_results(const Study& study, const Summaries& rows, bool) {
-        for (std::size_t r = 0; r < rows.size(); ++r) print_row(study, study.tested_forms[r], rows[r]);
+    static void print_results(const Study& study, const Summaries& summaries, bool) {
+        for (std::size_t r = 0; r < summaries.size(); ++r) print_row(study, study.tested_forms[r], summaries[r]);
         fmt::print("  Each check asks one question in two ways; `lostbits list checks` shows both questions\n");
     }
 
     /// The number of questions whose exact answer is not proved.
-    static std::uint64_t unproved(const Summaries& rows) {
+    static std::uint64_t unproved(const Summaries& summaries) {
         std::uint64_t count = 0;
-        for (const measure::consistency::FormChecks& row : rows)
-            for (const measure::consistency::CheckSummary& s : row)
+        for (const measure::consistency::FormChecks& form_checks : summaries)
+            for (const measure::consistency::CheckSummary& s : form_checks)
                 count += s.count_of(measure::consistency::CheckResult::unresolved);
         return count;
     }
@@ -104,7 +104,7 @@ private:
         return fmt::format("{} of {} ({:.3g}%)", part, whole, 100 * measure::truth::fraction(part, whole));
     }
 
-    /// The result of one check of a row in words; empty if there is nothing to say.
+    /// The result of one check of a form in words; empty if there is nothing to say.
     static std::string check_text(const measure::consistency::Check& check,
                                   const measure::consistency::CheckSummary& summary) {
         std::string text;

@@ -64,8 +64,9 @@ std::vector<TestedForm> select_forms_of_shape(const std::string& given_name, con
     }
 
     const Shape shape = *parsed;
-    const auto rows = selection::filter_tested_forms(selected, [shape](Shapes forms) { return forms == shape; });
-    if (!rows.empty()) return rows;
+    const auto tested_forms =
+        selection::filter_tested_forms(selected, [shape](Shapes forms) { return forms == shape; });
+    if (!tested_forms.empty()) return tested_forms;
 
     // Says why none of the forms fits.
     if (!selection::filter_tested_forms(selected, [shape](Shapes forms) {
@@ -99,11 +100,11 @@ void require_timeable(const std::vector<TestedForm>& tested_forms) {
 measure::trade::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
                                            const selection::SelectedForms& selected) {
     require_timeable(selected.tested_forms);
-    const auto rows =
+    const auto tested_forms =
         scene ? selection::select_timed_forms(*scene, selected) : select_forms_of_shape(shape, selected.tested_forms);
-    return {.shape = rows.front().form->shape,
+    return {.shape = tested_forms.front().form->shape,
             .scene = scene,
-            .kernels = measure::trade::trade_kernels(rows),
+            .kernels = measure::trade::trade_kernels(tested_forms),
             .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")},
             .loads = scene ? measure::trade::scene_load() : measure::trade::trade_loads(measure::trade::cache_sizes())};
 }

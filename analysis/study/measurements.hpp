@@ -14,7 +14,7 @@
 
 namespace lostbits::analysis::study {
 
-/// The map of a scene with the given metrics and the default metrics of a map, as far as these apply to the rows.
+/// The map of a scene with the given metrics and the default metrics of a map, as far as these apply to the forms.
 /// `metric_set` owns the metrics that are made for the map. The scene must outlive the result.
 measure::evaluate::MapStudy map_study(const scene::file::Scene& scene,
                                       std::vector<measure::evaluate::TestedForm> tested_forms,

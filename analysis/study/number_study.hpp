@@ -100,7 +100,7 @@ struct NumberStudy {
 
 /// A row of the summary of a study of numbers.
 struct NumberRow {
-    const measure::evaluate::TestedForm* row;
+    const measure::evaluate::TestedForm* tested_form;
     const NumberSummary* summary;
 };
 
@@ -153,7 +153,7 @@ struct NumberAdapter {
 
     static output::table::Table<NumberRow> summary_table() {
         output::table::Table<NumberRow> table;
-        table.add(output::table::subject_columns(), &NumberRow::row);
+        table.add(output::table::subject_columns(), &NumberRow::tested_form);
         table.add({"hits", "pixels with a number: the form hits the primitive that the ray truly hits first",
                    [](const NumberRow& r) { return r.summary->numbers.count(); }});
         for (const auto& [end, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}, std::pair{"max", 1.0}})

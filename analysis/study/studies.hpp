@@ -15,12 +15,12 @@ namespace lostbits::analysis::study {
 /// its forms where none is named, and
 ///   can_measure(form)             true for a form that can be measured; `no_form_message` is the message if none can
 ///   require(scene)                throws InputError for a scene that cannot be measured
-///   make_study(scene, rows, values, stop)  the study of a scene with these rows. Throws InputError
+///   make_study(scene, tested_forms, values, stop)  the study of a scene with these forms. Throws InputError
 ///   title, kinds, form_help, example    texts of the help: the command; the scenes that it takes; the forms that -i
 ///                                 selects by default; an assignment for --set
 ///   examples()                    two command lines for the help, which a test runs
 ///   print_results(study, summaries, verbose)  prints the results of a scene
-///   unproved(summaries), unproved(row)  the number of pixels without a proof, of all rows and of a row of the summary
+///   unproved(summaries), unproved(row)  the number of pixels without a proof, of all forms and of a row of the summary
 ///   witness(row, column)          optional: a ray behind a number of a row of the summary, for claims
 ///   skip_unneeded_work(study, columns)  optional: skips the work that these columns of the summary do not need
 ///   note(scene, values)           optional: prints notes before the work

@@ -70,12 +70,14 @@ std::optional<output::report::StudySection> measure_part_of(const scene::file::S
                                                             intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
-    auto rows = selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
-    std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
+    auto tested_forms =
+        selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
+    std::erase_if(tested_forms, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     StudyQuestion question{
         .scene = scene,
         .tested_forms = selection::filter_tested_forms(
-            rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); }),
+            tested_forms,
+            [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); }),
         .stop = stop};
     if (question.tested_forms.empty()) return std::nullopt;
 
