@@ -115,9 +115,13 @@ scene::sweep::SweepFile open_sweep(const selection::RayOptions& ray, const std::
 StepRays rays_at_step(const scene::sweep::SweepFile& sweep, const std::string& position) {
     std::string names;
     for (const auto& axis : sweep.axes) names += (names.empty() ? "" : ",") + axis.name;
-    if (position.empty())
-        throw InputError(
-            fmt::format("--ranges: {} is a sweep; name one of its steps by --at-step {}", sweep.id, names));
+    if (position.empty()) {
+        std::string values;
+        for (const auto& axis : sweep.axes)
+            values += fmt::format("{}{}", values.empty() ? "" : ",", axis.values.front());
+        throw InputError(fmt::format("--ranges: {} is a sweep; give --at-step {}, a value of {}", sweep.id, values,
+                                     sweep.axes.size() == 1 ? names : "each of " + names));
+    }
     const std::string expected = fmt::format("a step of {}; write --at-step {}, one number for each", sweep.id, names);
     std::vector<double> values;
     for (const Real& x : selection::parse_numbers(position, {"--at-step", expected.c_str(), sweep.axes.size()}, {}))
@@ -255,9 +259,12 @@ void add_scene_ray_options(const shell::Command& command, selection::RayOptions&
 
 /// Adds the options that give a ray and its primitives by numbers, or name a case.
 void add_given_ray_options(const shell::Command& command, selection::RayOptions& ray_options) {
-    command.add("--ray", ray_options.ray, "A ray of your own: OX,OY,OZ,DX,DY,DZ, as decimals or hexadecimal floats");
+    command.add("--ray", ray_options.ray,
+                "A ray of your own: its origin and direction, as decimals or hexadecimal floats");
     ray_options.primitives.add_to(
-        command, "Primitives for --ray, in place of a scene (may be repeated; a matrix follows after @)");
+        command,
+        "Primitives for --ray, in place of a scene (may be repeated; @ and the 12 numbers of a matrix may "
+        "follow, row by row)");
     command.add("--tmin", ray_options.tmin, "The t at which the ray begins (default: 0)");
     command.add("--tmax", ray_options.tmax, "The t at which the ray ends (default: infinity)");
     command.add("--open-ends", ray_options.open_ends,
@@ -277,9 +284,10 @@ void add_given_ray_options(const shell::Command& command, selection::RayOptions&
 
 /// Adds --ranges and the options that need it.
 void add_range_options(const shell::Command& command, RangeOptions& range_options) {
-    const auto ranges = command.add("--ranges", range_options.is_given,
-                                    "Bound the error of t over all rays within the ranges of a scene or of a step of a "
-                                    "sweep");
+    const auto ranges =
+        command.add("--ranges", range_options.is_given,
+                    "Bound the error of t over all rays within the ranges of the rays' numbers in a scene "
+                    "or in a step of a sweep");
     command
         .add("--at-step", range_options.step,
              "The step of a sweep for --ranges, as a value of each axis: 4096, or 4096,0.5")

@@ -390,7 +390,8 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     command.add_list("--metric", options->metrics,
                      "Metrics to draw, by name or glob (default: lost_bits); see `lostbits list metrics`");
     command.add("--range", options->range,
-                "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
+                "Ends of the colour bar, LO:HI in the unit of the metric (default: those of the metric in each format; "
+                "for lost_bits, all bits of the format)");
     selection::add_changes(command, options->scenes, "sphere[0].radius=10");
     selection::add_pixels(command, *options);
     selection::add_pictures(command, options->pictures);
@@ -398,7 +399,7 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     // Additional measurements and files.
     command.add(
         "--bits", options->bits_needed,
-        "Also draw, for every pixel, the narrowest significand with which the form keeps this many correct bits",
+        "Also draw the smallest precision, in significand bits, at which each pixel keeps this many correct bits",
         shell::whole_number_between(1, 52));
     command.add("--exr", options->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");

@@ -234,21 +234,21 @@ void print_table(const measure::evaluate::MapStudy& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t lost_bits = measure::metric::index_of(request.metrics, "lost_bits");
     const bool has_mesh = request.scene != nullptr && request.scene->mesh;
-    std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}};
+    std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}, {"hits", 8}};
     if (has_mesh) add_mesh_columns(columns);
     add_wrong_columns(columns);
-    columns.insert(columns.end(), {{"hits", 8}, {"bits lost: p50", 15}, {"p99", 6}});
+    columns.insert(columns.end(), {{"bits lost: p50", 15}, {"p99", 6}});
     shell::TextTable table(std::move(columns));
 
     bool is_withheld = false;  // a row has hits, but too few for its quantiles
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& summary = summaries[r];
         std::vector<std::string> cells{std::string(request.tested_forms[r].form->info->name),
-                                       std::string(request.tested_forms[r].format.name)};
+                                       std::string(request.tested_forms[r].format.name),
+                                       std::to_string(summary.count(measure::answer::Outcome::agree_hit))};
         if (has_mesh) add_mesh_cells(cells, summary, measure::contract::AnswerSource::intersector);
         add_wrong_cells(cells, summary);
-        cells.insert(cells.end(), {std::to_string(summary.count(measure::answer::Outcome::agree_hit)),
-                                   lost_bits_cell(summary, lost_bits, 0.5), lost_bits_cell(summary, lost_bits, 0.99)});
+        cells.insert(cells.end(), {lost_bits_cell(summary, lost_bits, 0.5), lost_bits_cell(summary, lost_bits, 0.99)});
         table.add(std::move(cells));
         is_withheld |= summary.agreement().agreed > 0 && !summary.agreement().is_enough();
     }

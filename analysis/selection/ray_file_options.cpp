@@ -46,12 +46,13 @@ const std::vector<RayFileOption>& ray_file_options() {
         // The rays.
         {"--scene", &Options::scene, "Test the rays with the primitives of this scene"},
         {"--miss", &Options::miss,
-         "The t that means a miss: a number, `negative` or `never`; for a file without a column hit (docs/judge.md)"},
+         "The t that means a miss: a number, every negative t, or none; for a file without a column hit "
+         "(docs/judge.md)"},
 
         // The contract of the answers.
         {"--direction",
          &Options::direction,
-         "unit: t is a distance; any: t is the parameter along the direction (default)",
+         "any: t is the parameter along the direction (default); unit: t is a distance",
          {"any", "unit"},
          true},
         {"--touching",
@@ -63,7 +64,9 @@ const std::vector<RayFileOption>& ray_file_options() {
          "The right answer for a ray that starts on the surface (default: hit; docs/judge.md)",
          to_strings(intersect::at_origin_names), true},
         {"--inside", &Options::inside,
-         "The right answer for a ray that starts inside (default: exit for a sphere, zero for a box; docs/judge.md)",
+         "The right answer for a ray that starts inside (default: usual, which is exit for a sphere and zero for a "
+         "box; "
+         "docs/judge.md)",
          to_strings(intersect::inside_names), true},
         {"--facing", &Options::facing,
          "The side from which triangles, discs and planes are hit (default: both; docs/judge.md)",

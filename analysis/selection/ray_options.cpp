@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <tuple>
 
@@ -169,8 +170,16 @@ NamedRay parse_named_ray(const scene::sweep::CaseFile& file, const std::string& 
     const bool has_index = !digits.empty() && digits.size() < 8 &&
                            std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
     if (const std::size_t found = index_of(name); has_index && found < names.size()) return {found, std::stoi(digits)};
+
+    // A part of a name is enough for a suggestion: `ray 134`.
+    const std::string& word = has_index ? name : text;
+    std::vector<std::string> alike;
+    std::ranges::copy_if(names, std::back_inserter(alike),
+                         [&word](const std::string& n) { return n.find(word) != std::string::npos; });
     throw InputError(fmt::format("--case {}: {} has no case of that name; {}", text, file.id,
-                                 text::did_you_mean(has_index ? name : text, names)));
+                                 alike.size() == 1
+                                     ? fmt::format("did you mean {}?", text::quoted_excerpt(alike.front()))
+                                     : text::did_you_mean(word, names)));
 }
 
 /// The convention to judge by: that of --convention, else each form's own if the file has it, else the file's first.
@@ -403,9 +412,7 @@ void PrimitiveOptions::add_to(const shell::Command& command, const std::string& 
     std::vector<shell::Option> options;
     for (const ShapeRow& shape_row : shape_rows)
         options.push_back(
-            command
-                .add(fmt::format("--{}", shape_row.name), values_of(shape_row.shape),
-                     fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
+            command.add(fmt::format("--{}", shape_row.name), values_of(shape_row.shape), with_article(shape_row.shape))
                 .under_heading(heading));
     order_ = command.make_value_order(options);
 }

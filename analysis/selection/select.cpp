@@ -1,6 +1,7 @@
 #include "analysis/selection/select.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
@@ -50,11 +51,13 @@ std::string name_advice(const std::string& name, const std::vector<std::string>&
                                      option, name));
     std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
     const auto elsewhere = std::ranges::find(formats_elsewhere, name, &std::pair<std::string_view, const char*>::first);
-    std::string hint = elsewhere != std::end(formats_elsewhere)
-                           ? fmt::format("here it is called \"{}\"", elsewhere->second)
-                           : text::did_you_mean(name, names);
-    throw InputError(
-        fmt::format("{} {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", option, name, hint));
+    std::string hint;
+    if (elsewhere != std::end(formats_elsewhere)) {
+        std::erase(names, elsewhere->second);
+        hint = fmt::format("use \"{}\" for {}; other formats: {}, pN (N from 2 to 53), pA..pB", elsewhere->second, name,
+                           fmt::join(names, ", "));
+    } else hint = text::did_you_mean(name, names) + " (or pN with N from 2 to 53, or a range p5..p12)";
+    throw InputError(fmt::format("{} {}: unknown format; {}", option, name, hint));
 }
 
 }  // namespace

@@ -261,33 +261,38 @@ Forms select_composed(const std::string& pattern, const char* option) {
     const auto name = scene::rays::split_composed_name(pattern).value();
     const bool is_contracted = name.kind == Kind::contracted;
     require_both_parts(name, pattern, option);
+    // Messages about the last part quote the whole name, then the part.
+    const std::string quoted_option = fmt::format("{} {}:", option, pattern);
 
-    const Forms composed = rows_of(
-        name,
-        {.forms =
-             [&](const std::string& part_pattern) {
-                 Forms forms = select_forms({part_pattern}, option);
-                 // A pattern skips forms that march, which take no transform, and forms that choose
-                 // their operations by the ray, which have no tape. Named in full, they are refused.
-                 std::erase_if(forms, [&](const Intersector* form) {
-                     return is_pattern(name.form) && ((name.kind == Kind::transform && !is_primitive(form->shape)) ||
-                                                      (is_contracted && !measure::tape::has_tape(*form)));
-                 });
-                 return forms;
-             },
-         .transform_methods =
-             [option](const std::string& part_pattern) {
-                 return select_items(intersect::transform::transform_methods(), {part_pattern}, "transform", option);
-             },
-         .ray_generators =
-             [option](const std::string& part_pattern) {
-                 return select_items(scene::camera::ray_generators(), {part_pattern}, "ray generator", option);
-             },
-         .box_methods =
-             [option](const std::string& part_pattern) {
-                 return select_items(intersect::bounding_box::box_methods(), {part_pattern}, "bounding box", option);
-             },
-         .contracted = measure::tape::contracted_form});
+    const Forms composed =
+        rows_of(name, {.forms =
+                           [&](const std::string& part_pattern) {
+                               Forms forms = select_forms({part_pattern}, option);
+                               // A pattern skips forms that march, which take no transform, and forms that choose
+                               // their operations by the ray, which have no tape. Named in full, they are refused.
+                               std::erase_if(forms, [&](const Intersector* form) {
+                                   return is_pattern(name.form) &&
+                                          ((name.kind == Kind::transform && !is_primitive(form->shape)) ||
+                                           (is_contracted && !measure::tape::has_tape(*form)));
+                               });
+                               return forms;
+                           },
+                       .transform_methods =
+                           [&quoted_option](const std::string& part_pattern) {
+                               return select_items(intersect::transform::transform_methods(), {part_pattern},
+                                                   "transform", quoted_option.c_str());
+                           },
+                       .ray_generators =
+                           [&quoted_option](const std::string& part_pattern) {
+                               return select_items(scene::camera::ray_generators(), {part_pattern}, "ray generator",
+                                                   quoted_option.c_str());
+                           },
+                       .box_methods =
+                           [&quoted_option](const std::string& part_pattern) {
+                               return select_items(intersect::bounding_box::box_methods(), {part_pattern},
+                                                   "bounding box", quoted_option.c_str());
+                           },
+                       .contracted = measure::tape::contracted_form});
 
     if (composed.empty() && is_contracted)
         throw NothingSelected(
@@ -358,6 +363,13 @@ std::string patterns_for(const ShapePredicate& can_test) {
 
 std::string forms_advice(const std::vector<TestedForm>& tested_forms, const ShapePredicate& can_test) {
     if (const auto several = several_shapes(can_test)) return ": " + missing_shapes_text(tested_forms, *several);
+    const auto has_needless_transform = [&can_test](const TestedForm& tested_form) {
+        const Shapes shapes = tested_form.form->shapes();
+        return shapes.are_placed() && can_test(shapes.placed(false));
+    };
+    if (std::ranges::any_of(tested_forms, has_needless_transform))
+        return ": no primitive of it is placed by a matrix, so a transform has nothing to do; leave out the @ and the "
+               "transform";
     std::vector<Shape> primitives;
     for (const Shape shape : all_shapes)
         if (is_primitive(shape) && (can_test(shape) || can_test(Shapes(shape).placed()))) primitives.push_back(shape);

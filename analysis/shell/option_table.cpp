@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "shapes/number_names.hpp"
+
 namespace lostbits::analysis::shell {
 
 namespace {
@@ -65,6 +67,13 @@ constexpr std::pair<std::string_view, const char*> placeholders[] = {
     {"--pixel", "X,Y"},
     {"--range", "LO:HI"},
     {"--by", "COLUMN"},
+    {"--device", "DRIVER,..."},
+    {"--miss", "T|negative|never"},
+    {"--ray", "OX,OY,OZ,DX,DY,DZ"},
+    {"--at", "pN|max"},
+    {"--beside", "NAME,..."},
+    {"--ignore", "NAME"},
+    {"--offsets", "SCENE,..."},
     {"--unit", "UNIT"},
     {"--function", "FILE:NAME"},
     {"--case", "NAME[:K]"},
@@ -94,6 +103,8 @@ std::string value_text(const OptionRow& option_row, const std::string& type) {
     const auto* const placeholder =
         std::ranges::find(placeholders, option_row.names.back(), [](const auto& row) { return row.first; });
     if (placeholder != std::end(placeholders)) return placeholder->second;
+    for (const ShapeRow& shape_row : shape_rows)
+        if (option_row.names.back() == "--" + std::string(shape_row.name)) return option_placeholder(shape_row.shape);
 
     static const std::regex limits(R"(.* in \[(.*) - (.*)\])");
     std::smatch part;
@@ -133,7 +144,7 @@ OptionRow make_option_row(const Option& option) {
     }
     if (!option.is_argument()) option_row.value = value_text(option_row, option.type());
     else if (option_row.values.kind == AllowedValues::Kind::words)
-        option_row.value = join_words(option_row.values.words, "|");
+        option_row.value = join_words(option_row.values.words, ", ");
     return option_row;
 }
 

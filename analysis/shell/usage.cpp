@@ -9,6 +9,7 @@
 
 #include "analysis/shell/option_table.hpp"
 #include "output/file/escape.hpp"
+#include "shapes/number_names.hpp"
 #include "text/did_you_mean.hpp"
 
 namespace lostbits::analysis::shell {
@@ -60,6 +61,25 @@ std::string missing_text(const Option& option) {
     return fmt::format("give --{}, {}", option.long_names().front(), noun);
 }
 
+/// A message about a command line without a command, such as `lostbits plugin`.
+std::string missing_command_text(const CommandLine& program) {
+    const std::vector<Command> given = program.given_commands();
+    if (given.size() == 1) return "a command is missing; start with map, explain or judge";
+    const std::vector<std::string> names = given.back().command_names();
+    if (names.size() == 1)
+        return fmt::format("{}: a command is missing; the only one is {}", given.back().name(), names.front());
+    return fmt::format("{}: a command is missing; name one of {}", given.back().name(), fmt::join(names, ", "));
+}
+
+/// A message about an option without its value.
+std::string value_missing_text(const std::string& name, std::string help) {
+    for (const ShapeRow& shape_row : shape_rows)
+        if (name == "--" + std::string(shape_row.name)) help = option_placeholder(shape_row.shape);
+    constexpr std::string_view heading = "Formats: ";
+    if (help.starts_with(heading)) help.erase(0, heading.size());
+    return fmt::format("{} needs a value: {}", name, help);
+}
+
 /// A message about the first word that no option or argument takes.
 std::string leftover_text(const CommandLine& program, const std::string& fallback) {
     const Command command = program.given_commands().back();
@@ -78,7 +98,7 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
     if (is_program)
         return fmt::format("\"{}\" is not a command; {}", word,
                            suggestion ? text::did_you_mean(word, subcommands)
-                                      : fmt::format("the commands are {}", fmt::join(subcommands, ", ")));
+                                      : "start with map, explain or judge; `lostbits --help` lists all commands");
     if (!subcommands.empty())
         return fmt::format("`{} {}`: unknown command; {}", command.name(), word,
                            suggestion ? "did you mean `" + *suggestion + "`?"
@@ -110,9 +130,7 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
     };
 
     // The texts of the parser, each with the message that replaces it.
-    if (matches(CommandLineError::missing, "A subcommand.*"))
-        return fmt::format("name a command: {}{}", fmt::join(command.command_names(), ", "),
-                           program.given_commands().size() == 1 ? "; start with map, explain or judge" : "");
+    if (matches(CommandLineError::missing, "A subcommand.*")) return missing_command_text(program);
     if (matches(CommandLineError::missing, R"(.*at most 1 options be given from \[(.*)\])"))
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
     if (matches(CommandLineError::missing, "(.*) is required")) return missing_text(option());
@@ -120,7 +138,7 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
         return fmt::format("{} {} is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");
     if (matches(CommandLineError::wrong_count, "(.*?): [0-9]+ required .* missing"))
-        return fmt::format("{}: its value is missing: {}", part[1].str(), option().help());
+        return value_missing_text(part[1].str(), option().help());
     if (matches(CommandLineError::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
         return fmt::format("{} is given {} times but takes one value{}", part[1].str(), part[2].str(),
                            part[1] == "--answer-format" && command.option("-f")

@@ -160,8 +160,8 @@ TEST_CASE("choose blames the inputs where rays of a file are more exact than the
     scratch.write("near.csv", text);
     const auto r = run("choose near.csv --bits 16 -f f32 -i sphere.unified --quick -o .", scratch.path());
     CHECK(r.code == 1);
-    CHECK(
-        has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.0 bits."));
+    CHECK(has(r.out,
+              "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps only 8.0 bits."));
     CHECK(has(r.out, "lost by rounding the centres. With these in binary64 (at least 32 bits are needed)"));
     const auto rows = read_csv(scratch / "near" / "inputs.csv");
     REQUIRE(rows.size() == 16);

@@ -97,7 +97,7 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "did you mean", lambda: lb.map("near-bening")),
             (lb.InputError, "sphere.unified", lambda: lb.map("near-benign", "sphere.unifeid")),
             (lb.NothingSelected, "no form matches", lambda: lb.map("near-benign", "cube.*")),
-            (lb.InputError, "here it is called \"f32\"", lambda: lb.map("near-benign", "sphere.*", "float32")),
+            (lb.InputError, "use \"f32\" for float32", lambda: lb.map("near-benign", "sphere.*", "float32")),
             (lb.InputError, "takes 4 arrays: o, d, centre, radius", lambda: lb.intersector("sphere")(lambda o, d: o)),
             (lb.InputError, "the shape is missing", lambda: lb.intersector(lambda o, d: o)),
             (lb.InputError, "is a plain function; say which shape", lambda: lb.map("near-benign", np.sqrt)),

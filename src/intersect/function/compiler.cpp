@@ -39,6 +39,7 @@ std::string clean_messages(const std::string& messages, const std::string& folde
             line.erase(position, folder.size() + 1);
         const auto contains = [&line](const char* part) { return line.find(part) != std::string::npos; };
         if (line.find_first_not_of(' ') != std::string::npos && !contains("Missing entry point") &&
+            !line.starts_with("In file included from lostbits_entry") &&
             !contains("compilation errors.  No code generated") &&
             !contains("SPIR-V is not generated for failed compile or link"))
             text += (text.empty() ? "" : "\n") + line;
@@ -213,7 +214,7 @@ void Compiler::run(process::ProgramArguments arguments, const fs::path& source, 
     std::string messages = clean_messages(result.output, folder_.path.string());
     if (WIFSIGNALED(result.status))
         messages += "\nthe compiler crashed (signal " + std::to_string(WTERMSIG(result.status)) + ")";
-    throw InputError(subject + " does not compile it:\n" + messages +
+    throw InputError(subject + " cannot compile it:\n" + messages +
                      (language_ == SourceLanguage::llvm && !is_shader(file_)
                           ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +
                                 arguments[0] + " first in PATH"

@@ -160,8 +160,8 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
     if (vectors == 4 && numbers == 0) return Shape::box;
     if (vectors == 5 && numbers == 0) return Shape::triangle;
     throw InputError(subject +
-                     ": its name and its arguments do not say which primitive it intersects; say it in a comment "
-                     "of the file, such as // lostbits: sphere(o, d, c, r)");
+                     ": cannot tell from its name and its arguments which primitive it intersects; add a comment such "
+                     "as // lostbits: sphere(o, d, c, r)");
 }
 
 /// The role of the key with index k; `key_index` is its inverse. No shape has ten keys.

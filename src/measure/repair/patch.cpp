@@ -258,7 +258,8 @@ std::string Patcher::Writer::expression_text(NodeId n, int& precedence) const {
                                              ? conversion_in(function_.language, is_wide)
                                              : pattern_in(function_.language, node.op, is_of_double);
     if (source_pattern.pattern.empty())
-        throw UnwritableChange(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
+        throw UnwritableChange(
+            fmt::format("it needs {}, which the language does not have", lostbits::name_of(node.op)));
     precedence = source_pattern.precedence;
     return attribution::fill_pattern(source_pattern.pattern,
                                      [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });

@@ -252,7 +252,7 @@ std::string sums_sentence(const Explanation& explanation, const OperationView& v
 
     const double ulp = view.ulp(), unassigned = attribution.error - attribution.contribution_sum;
     std::string text =
-        fmt::format("Contributions sum to {} of {} ulp{}.", short_number(attribution.contribution_sum / ulp),
+        fmt::format("The contributions add up to {} of the {} ulp{}.", short_number(attribution.contribution_sum / ulp),
                     short_number(attribution.error / ulp),
                     std::fabs(unassigned) <= 1e-6 * std::fabs(attribution.error)
                         ? ""
@@ -419,11 +419,12 @@ std::string input_notes(const Explanation& explanation) {
 /// Meanings of the marks and columns of the table of operations.
 std::string table_legend(const Explanation& explanation) {
     return fmt::format(
-        "{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
-        "share. catastrophic: an operand of the subtraction was already wrong; benign: both were exact. local: "
-        "bits that the operation alone loses on exact operands, "
-        "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
-        "operations: own times the difference quotient from there to the answer.\n",
+        "{}- marks operations that do not lead to the answer.\n"
+        "bits cancelled: catastrophic if an operand of the subtraction was already wrong, benign if both were exact.\n"
+        "local: bits that the operation alone loses on exact operands, each rounded once.\n"
+        "own error: the rounding of the operation, in ulps of its result.\n"
+        "share: the part of the answer's error that this rounding causes: the own error times the difference quotient "
+        "of the answer by the operation. Operations that only choose a branch have no share.\n",
         culprit_operation(explanation) != no_node ? "* marks the culprit, " : "");
 }
 

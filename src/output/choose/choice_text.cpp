@@ -22,9 +22,8 @@ double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
 
 std::string candidate_name(const Candidate& c) {
     const Format inner_format = measure::choose::computing_format(c.tested_form);
-    return fmt::format(
-        "{} in {}{}", c.tested_form.form->info->name, c.tested_form.format.name,
-        inner_format == c.tested_form.format ? "" : fmt::format(", which computes in {}", inner_format.name));
+    return fmt::format("{} in {}{}", c.tested_form.form->info->name, c.tested_form.format.name,
+                       inner_format == c.tested_form.format ? "" : fmt::format(" with {} inside", inner_format.name));
 }
 
 std::string register_phrase(const Candidate& c) {

@@ -55,7 +55,7 @@ std::string required_inputs_text(const ChoiceResult& result, const Candidate& ne
     const char* const wider_format = obstacle.wide_inputs_are_exact ? "more than binary64" : "binary64";
     if (!obstacle.sufficient_trial) {
         const InputTrial& all_wider = obstacle.trials.back();
-        return fmt::format("  Even with all inputs in {}, exact arithmetic keeps {}{}.\n", wider_format,
+        return fmt::format("  Even with all inputs in {}, exact arithmetic keeps only {}{}.\n", wider_format,
                            kept_and_wrong(all_wider.exact, requirement), form_in_f64(all_wider));
     }
 
@@ -79,7 +79,7 @@ std::string rounded_scene_text(const ChoiceResult& result, const Candidate& near
     return fmt::format(
                "  In addition, every format gets the scene rounded to binary32, and its answers are judged for this "
                "rounded scene. Compared with the scene as written, even exact arithmetic on the rounded scene keeps "
-               "{}.\n",
+               "only {}.\n",
                kept_and_wrong(exact, requirement)) +
            required_inputs_text(result, nearest);
 }
@@ -104,7 +104,7 @@ std::string narrow_format_text(const ChoiceResult& result, const Candidate& near
 
 /// Text for inputs whose rounding alone costs more than the requirement leaves.
 std::string rounded_inputs_text(const ChoiceResult& result, const Candidate& nearest) {
-    return fmt::format("  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
+    return fmt::format("  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps only {}.\n",
                        input_format_name(result.obstacle->base_format),
                        kept_and_wrong(result.obstacle->exact, result.request.requirement)) +
            required_inputs_text(result, nearest);

@@ -195,7 +195,7 @@ void ResultFolder::require_no_unlisted_results() const {
     const std::string others_text = unlisted.size() == 1 ? "" : fmt::format(" and {} more", unlisted.size() - 1);
     throw InputError(fmt::format(
         "{}: holds results that are not in its {}: {}{}; they would be mixed with the results of this run; choose "
-        "another -o, move them away, or add --force to leave them there",
+        "another -o, move them away, or add --force, which keeps them and refuses only results of the same name",
         folder_.string(), manifest_name, unlisted.front(), others_text));
 }
 

@@ -276,11 +276,10 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
     }
 
     if (c != columns.size())
-        throw InputError(
-            fmt::format("{}: has {} for {} columns; every record has one for each column, empty "
-                        "if it has no value{}",
-                        position_text(line_number, 0), text::count_with_noun(c, "cell"), columns.size(),
-                        c < columns.size() ? " (or the file is cut short)" : ""));
+        throw InputError(fmt::format("{}: has {}, but the header has {}; leave a cell empty if it has no value{}",
+                                     position_text(line_number, 0), text::count_with_noun(c, "cell"),
+                                     text::count_with_noun(columns.size(), "column"),
+                                     c < columns.size() ? " (or the file is cut short)" : ""));
 
     writer.end_record([&](std::size_t s) { return position_text(line_number, starts_by_slot[s]); });
 }

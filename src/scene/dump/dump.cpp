@@ -61,9 +61,10 @@ std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOpt
                                [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
         container = ending == ".csv" ? Container::csv : ending == ".npy" ? Container::npy : Container::raw;
         if (container == Container::raw && options.columns.empty())
-            throw InputError(path.string() +
-                             ": a file of rays ends in .csv or .npy, or has raw numbers whose names and types are "
-                             "given: --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32; or say --container csv");
+            throw InputError(
+                path.string() +
+                ": not a known kind of file; use .csv or .npy, --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32 for "
+                "raw numbers, or --container csv");
     }
     if (options.skip > 0 && container != Container::raw)
         throw InputError(path.string() + ": --skip is only for bytes in front of raw numbers; leave out --skip");

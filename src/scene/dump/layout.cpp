@@ -221,9 +221,9 @@ void Layout::find_slots(const Complain& complain) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || matches[c].known != nullptr || columns_[c].name.size() < 3) continue;
         if (const auto closest_name = text::match_typo(columns_[c].name, missing))
-            complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? To "
-                                    "keep it as a column of your own, give it a name less like \"{}\"",
-                                    columns_[c].name, *closest_name, *closest_name, *closest_name));
+            complain(
+                c, fmt::format("unknown column \"{}\"; did you mean \"{}\"? (To keep a column of your own, rename it.)",
+                               columns_[c].name, *closest_name));
     }
 }
 

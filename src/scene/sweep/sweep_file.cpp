@@ -24,7 +24,7 @@ using toml::to_12_bits;
 
 namespace {
 
-constexpr long long most_steps = 100000;
+constexpr long long least_steps = 2, most_steps = 100000;
 
 /// The ray distribution that a file names; null if it names none.
 const DistributionRow* find_distribution(const toml::Node& root) {
@@ -50,7 +50,7 @@ void fill_values(Axis& axis, TableReader& table) {
         }
         return;
     }
-    const long long steps = table.integer("steps", 2, most_steps);
+    const long long steps = table.integer("steps", least_steps, most_steps);
     if (axis.spacing == S::log2 && (axis.from <= 0 || axis.to <= 0))
         table.fail_at("from", "and to must be positive with spacing = \"log2\"");
     for (long long i = 0; i < steps; ++i) {
@@ -198,9 +198,10 @@ void SweepFile::apply_steps(const SweepChanges& changes) {
     const std::string name = root_.where.source;
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
-        throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give one for all, or one for each",
-                                     name, text::count_with_noun(changes.steps.size(), "number"),
-                                     text::count_with_noun(axes_tables.size(), "[[axis]] table")));
+        throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give {}", name,
+                                     text::count_with_noun(changes.steps.size(), "number"),
+                                     axes_tables.size() == 1 ? "1 axis" : fmt::format("{} axes", axes_tables.size()),
+                                     axes_tables.size() == 1 ? "1 number" : "one for all, or one for each"));
 
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
@@ -208,6 +209,9 @@ void SweepFile::apply_steps(const SweepChanges& changes) {
                              ": --steps: its axis tries every float between its ends and has no steps to choose; leave "
                              "out --steps, or bring the ends closer together with --set 'axis[0].to=VALUE'");
         const long long steps = changes.steps[changes.steps.size() > 1 ? a : 0];
+        if (steps < least_steps || steps > most_steps)
+            throw InputError(
+                fmt::format("--steps {}: give a whole number from {} to {}", steps, least_steps, most_steps));
         const toml::Where where{"--steps " + std::to_string(steps), 0, 0};
         toml::apply_override(root_, {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
     }

@@ -23,6 +23,7 @@ void require_kind(const Node& node, Kind kind, const std::string& name, std::str
 
 std::string element(const std::string& name, std::size_t i) { return name + '[' + std::to_string(i) + ']'; }
 
+constexpr std::string_view a_string = "a string";
 constexpr std::string_view a_number = R"(a number (4100, 1e-3, "0x1.004p+12"))";
 
 Real as_number(const Node& node, const std::string& name) {
@@ -65,7 +66,7 @@ std::vector<Real> as_numbers(const Node& node, const std::string& name, std::siz
 /// Returns the text of a string without control characters. Text goes to terminals, tables and pages, and a character
 /// that a terminal would obey is a mistake, or worse.
 const std::string& as_text(const Node& node, const std::string& name) {
-    require_kind(node, Kind::string, name, "a string");
+    require_kind(node, Kind::string, name, a_string);
     unsigned char previous_byte = 0;
     for (const char c : node.text) {
         const auto byte = static_cast<unsigned char>(c);
@@ -128,10 +129,11 @@ const Node& TableReader::require(std::string_view key, std::string_view expected
                 fail(entry.key_where, missing + ", but there is " + path_to(*closest_key) + "; did you mean \"" +
                                           std::string(key) + "\"?");
     }
-    fail(table_->where, missing + "; give it " + std::string(expected));
+    fail(table_->where, missing + (expected == a_string ? "; add " + std::string(key) + " = \"...\""
+                                                        : "; give it " + std::string(expected)));
 }
 
-std::string TableReader::string(std::string_view key) { return as_text(require(key, "a string"), path_to(key)); }
+std::string TableReader::string(std::string_view key) { return as_text(require(key, a_string), path_to(key)); }
 
 std::string TableReader::title(std::string_view key) {
     std::string text = string(key);

@@ -206,7 +206,7 @@ TEST_CASE("a missing key is reported at its table, or at its misspelling") {
     CHECK(text.error([](TableReader& t) { t.number("radius"); }) ==
           R"(t.toml:1:1: radius is missing; give it a number (4100, 1e-3, "0x1.004p+12"))");
     CHECK(text.error([](TableReader& t) { t.table("camera").string("kind"); }) ==
-          "t.toml:2:1: camera.kind is missing; give it a string");
+          "t.toml:2:1: camera.kind is missing; add kind = \"...\"");
     CHECK(text.error([](TableReader& t) { t.table("camera").vec3("look_at"); }) ==
           "t.toml:4:1: camera.look_at is missing, but there is camera.lok_at; did you mean \"look_at\"?");
 }
