@@ -219,7 +219,7 @@ intersect::Info read_contract(const JudgeOptions& options, const Dump& dump, Sha
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
     intersect::external::require_valid_facing(contract.facing, first_shape, options.file);
     if (!shapes.are_several())
-        intersect::require_origin(contract.at_origin, contract.inside, first_shape, options.file);
+        intersect::refuse_unused_at_origin(contract.at_origin, contract.inside, first_shape, options.file);
     return contract;
 }
 

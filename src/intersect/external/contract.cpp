@@ -148,7 +148,7 @@ void require_valid(const Contract& c, const std::string& library) {
     // The properties must not contradict each other.
     require_roots(c, subject);
     require_valid_facing(c.facing, c.shape, subject);
-    require_origin(c.at_origin, inside_of(c), c.shape, subject);
+    refuse_unused_at_origin(c.at_origin, inside_of(c), c.shape, subject);
 }
 
 Info make_info(const Contract& c) {

@@ -10,7 +10,7 @@
 #include "geometry/joined_span.hpp"
 #include "geometry/quartic_span.hpp"
 #include "geometry/wall_span.hpp"
-#include "measure/truth/perturbable.hpp"
+#include "measure/truth/perturbed_problem.hpp"
 
 namespace lostbits::measure::truth {
 
