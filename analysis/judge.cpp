@@ -295,7 +295,7 @@ output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options
 
 void print_judgement(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
                      const Format& format, bool verbose) {
-    selection::note_rounded(options.file, result.rounded, format);
+    selection::warn_of_rounded_values(options.file, result.rounded, format);
     note_digits(options.file, format, result);
     fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file, format.name);
     print_results(request, result, options.by);

@@ -180,7 +180,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         const std::string data = find_data_folder(given);
         auto created = std::make_unique<lostbits_scene>(
             lostbits_scene{.scene = load_scene(name, given, data), .explain_arguments = {}});
-        created->explain_arguments = selection::name_of_scene(created->scene, data);
+        created->explain_arguments = selection::scene_arguments(created->scene, data);
         for (const std::string& assignment : to_strings(given.set, "set"))
             created->explain_arguments += " --set '" + assignment + "'";
         if (given.width != 0)

@@ -134,7 +134,7 @@ void require_valid(const Contract& c, const std::string& library) {
 
     require_line(c.title, "title", subject);
     require_line(c.source, "source", subject);
-    if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
+    if (process::FloatingPointState ignored; !process::FloatingPointState::parse_differences(c.state, ignored))
         throw InputError(subject +
                          ": state has an unknown value; leave it out if the processor computes as IEEE 754 asks");
     if (c.bits != 32 && c.bits != 64)

@@ -17,7 +17,8 @@ constexpr long interval_bits = 128;
 
 /// Intersection of a and b.
 Interval intersection(const Interval& a, const Interval& b) {
-    return between(mpfr_greater_p(a.lower(), b.lower()) != 0 ? a : b, mpfr_less_p(a.upper(), b.upper()) != 0 ? a : b);
+    return enclose_between(mpfr_greater_p(a.lower(), b.lower()) != 0 ? a : b,
+                           mpfr_less_p(a.upper(), b.upper()) != 0 ? a : b);
 }
 
 /// Enclosures of all nodes over a box. Intervals alone are wide for a formula in which an input occurs often. So every
