@@ -90,7 +90,7 @@ public:
         if (a.is_zero()) return a.is_bounded() ? Ball(0) : anything();
         if (a.hi_ * (1 - 0x1p-50) <= a.radius_) {
             const bool is_negative = a.hi_ < 0 && -a.hi_ * (1 - 0x1p-50) > a.radius_ && a.is_bounded();
-            return unknown(is_negative ? Undefined::always : Undefined::maybe);
+            return anything(is_negative ? Undefined::always : Undefined::maybe);
         }
         if (!is_in_range(a.hi_)) return anything();
         const double sh = std::sqrt(a.hi_);

@@ -168,8 +168,8 @@ private:
     void add_visible_names(const std::map<NodeId, NodeId>& replacements);
     void count_uses(const std::map<NodeId, NodeId>& replacements);
     std::vector<NodeId> nodes_needed_by(NodeId n) const;
-    std::string operand_text(NodeId n, Precedence required) const;
-    std::string expression_text(NodeId n, Precedence& precedence) const;
+    std::string operand_text(NodeId n, SourcePrecedence required) const;
+    std::string expression_text(NodeId n, SourcePrecedence& precedence) const;
     [[nodiscard]] const std::string* name_of(NodeId n) const;
     void collect_visible_names(std::size_t offset);
     std::string make_name(NodeId n);
@@ -235,21 +235,21 @@ std::vector<NodeId> Patcher::Writer::nodes_needed_by(NodeId n) const {
     return {needed.begin(), needed.end()};
 }
 
-std::string Patcher::Writer::operand_text(NodeId n, Precedence required) const {
+std::string Patcher::Writer::operand_text(NodeId n, SourcePrecedence required) const {
     if (const std::string* const name = name_of(n)) return *name;
-    Precedence precedence = Precedence::call;
+    SourcePrecedence precedence = SourcePrecedence::call;
     const std::string text = expression_text(n, precedence);
     return precedence < required ? "(" + text + ")" : text;
 }
 
 /// Returns an expression for node n; sets `precedence` to that of the expression.
-std::string Patcher::Writer::expression_text(NodeId n, Precedence& precedence) const {
+std::string Patcher::Writer::expression_text(NodeId n, SourcePrecedence& precedence) const {
     const TapeNode& node = (*new_tape_)[n];
     const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
         const std::string digits = digits_in(function_.language, *x, is_wide);
         if (digits.empty()) throw UnwritableChange("it has a number that is not finite");
-        precedence = digits.starts_with('-') ? Precedence::sign : Precedence::call;
+        precedence = digits.starts_with('-') ? SourcePrecedence::sign : SourcePrecedence::call;
         return digits;
     }
     if (node.op == TapeOp::input) throw UnwritableChange("it needs a number that has no name in the function");
@@ -261,7 +261,7 @@ std::string Patcher::Writer::expression_text(NodeId n, Precedence& precedence) c
         throw UnwritableChange(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
     precedence = source_pattern.precedence;
     return attribution::fill_pattern(source_pattern.pattern, [&](std::size_t k, int level) {
-        return operand_text(node.operands[k], Precedence{level});
+        return operand_text(node.operands[k], SourcePrecedence{level});
     });
 }
 
@@ -300,10 +300,10 @@ void Patcher::Writer::write_expression(NodeId old_node, NodeId new_node, bool sh
     const std::string declarations = declare_shared_values(new_node, statement, shares_values);
 
     // Brackets the expression where the text around it binds more tightly.
-    Precedence precedence = Precedence::call;
+    SourcePrecedence precedence = SourcePrecedence::call;
     std::string text = name_of(new_node) != nullptr ? *name_of(new_node) : expression_text(new_node, precedence);
-    const Precedence required_precedence =
-        computed_text.is_statement ? Precedence::choice
+    const SourcePrecedence required_precedence =
+        computed_text.is_statement ? SourcePrecedence::choice
                                    : pattern_in(function_.language, old_tape_[old_node].op, false).precedence;
     if (precedence < required_precedence) text = "(" + text + ")";
 
@@ -325,7 +325,7 @@ std::string Patcher::Writer::declare_shared_values(NodeId n, const SourceTokens:
         if (i == n || use_counts_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr)
             continue;
 
-        Precedence precedence = Precedence::call;
+        SourcePrecedence precedence = SourcePrecedence::call;
         const std::string value = expression_text(i, precedence), name = make_name(i);
         const bool is_boolean = is_decision(op);
         declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +

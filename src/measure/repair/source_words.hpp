@@ -10,13 +10,13 @@
 namespace lostbits::measure::repair {
 
 /// How tightly an expression binds. Patterns contain the numbers; `:5` puts every expression but a name in parentheses.
-enum class Precedence : int { choice = -2, logic = -1, comparison = 0, sum = 1, product = 2, sign = 3, call = 4 };
+enum class SourcePrecedence : int { choice = -2, logic = -1, comparison = 0, sum = 1, product = 2, sign = 3, call = 4 };
 
 /// Pattern of an operation: `$1:2` is the first operand, in parentheses if its precedence is below 2. The pattern is
 /// empty if the language has no such operation.
 struct SourcePattern {
     std::string_view pattern;
-    Precedence precedence;
+    SourcePrecedence precedence;
 };
 
 /// Pattern of an operation on floats or doubles.
