@@ -227,7 +227,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     separate_untimed_rows(request);
 
     const auto folder = std::filesystem::path(options.out) / scene.id;
-    const auto result_folder = lock_folder(folder, common, selection::name_of_scene(scene, data));
+    const auto result_folder = lock_folder(folder, common, selection::scene_arguments(scene, data));
     output::choose::ChoiceWriter writer(folder);
     output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
@@ -237,7 +237,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
 
     // The repaired forms take part in the choice.
     LoadedRepairs repairs = load_repairs(request, {options.compiler, selection::form_flags_folder()}, folder,
-                                         common.typed_command.for_subject(selection::name_of_scene(scene, data)));
+                                         common.typed_command.for_subject(selection::scene_arguments(scene, data)));
     for (const auto& repair : repairs.forms)
         request.tested_forms.push_back({.form = &repair.formula.intersector, .format = repair.format});
     return choose(request, writer, result_folder, progress, common, std::move(repairs.candidates));
@@ -275,7 +275,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
 
     // Reads the files once. What follows uses a sample of their rays.
     const measure::choose::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.options, request);
-    if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
+    if (!common.quiet) selection::warn_of_rounded_values(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
     return choose(request, writer, result_folder, progress, common);
 }

@@ -219,7 +219,7 @@ intersect::Info read_contract(const JudgeOptions& options, const Dump& dump, Sha
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
     intersect::external::require_valid_facing(contract.facing, first_shape, options.file);
     if (!shapes.are_several())
-        intersect::require_origin(contract.at_origin, contract.inside, first_shape, options.file);
+        intersect::refuse_unused_at_origin(contract.at_origin, contract.inside, first_shape, options.file);
     return contract;
 }
 
@@ -295,7 +295,7 @@ output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options
 
 void print_judgement(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
                      const Format& format, bool verbose) {
-    selection::note_rounded(options.file, result.rounded, format);
+    selection::warn_of_rounded_values(options.file, result.rounded, format);
     note_digits(options.file, format, result);
     fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file, format.name);
     print_results(request, result, options.by);

@@ -117,7 +117,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     refuse_options(options, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
     measure::judge::MeshAnswersRequest request{.mesh = require_mesh(scene, options, dump.format()),
                                                .contract = {.has_t = layout.has(scene::dump::slot::t),
-                                                            .unit = options.direction == "unit",
+                                                            .unit_direction = options.direction == "unit",
                                                             .touching_may_miss = options.touching == "miss",
                                                             .facing = selection::answer_contract(options, dump).facing},
                                                .limit = {.stop = common.stop}};
@@ -146,7 +146,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     progress.finish();
 
     if (!common.quiet) {
-        selection::note_rounded(options.file, result.rounded, dump.format());
+        selection::warn_of_rounded_values(options.file, result.rounded, dump.format());
         fmt::print("{} of {}, read as {}\n",
                    text::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), options.file,
                    dump.format().name);

@@ -320,7 +320,7 @@ int main(int argc, char** argv) {
     using namespace lostbits;
     // A library of LD_PRELOAD may have changed the floating-point state. Threads inherit it from the thread that starts
     // them, so set it here.
-    intersect::process::FloatingPoint::standard().set();
+    intersect::process::FloatingPointState::standard().apply();
     analysis::shell::open_standard_streams();
     analysis::shell::install_signal_handlers();
     output::file::raise_open_file_limit();

@@ -228,7 +228,7 @@ std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
          .draws_single_pictures = options.pictures == "all",
          .writes_pixels_csv = writes_pixels,
          .scene_arguments =
-             selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_text(options),
+             selection::scene_arguments(scene, selection::data_folder(common.data)) + scene_options_text(options),
          .sheet_with_explanations = map_run.sheet_with_explanations,
          .draws_envelope = options.envelope,
          .exr = exr,
@@ -349,7 +349,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
     measure::metric::MetricSet metric_set;
     const MapMetrics metrics = select_map_metrics(options, metric_set);
     const auto scenes = load_testable_scenes(options, rows, common);
-    // Called here and below only for their errors, which end the run before any work.
+    // Checks the range and, below, the metrics: errors end the run before any work.
     static_cast<void>(selection::parse_range(options.range, metrics.drawn));
     const selection::ThreadLimit limit(common.threads);
 
@@ -357,8 +357,8 @@ Exit run(MapOptions options, const CommonOptions& common) {
     for (const auto& scene : scenes)
         planned_scenes.push_back(plan_scene(scene, options, rows, metrics.measured, metric_set));
     for (const PlannedScene& planned : planned_scenes)
-        static_cast<void>(
-            selection::applicable_metrics(metrics.drawn, planned.map.tested_forms, "scene " + planned.map.scene->id));
+        selection::require_applicable_metrics(metrics.drawn, planned.map.tested_forms,
+                                              "scene " + planned.map.scene->id);
 
     auto run_division = divide_map(options, planned_scenes, common);
     options.out = run_division.out.string();

@@ -142,7 +142,7 @@ public:
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
         rays_ = judge(request, measure::repair::list_comparable_forms(request.tested_form));
-        if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
+        if (!common_.quiet) selection::warn_of_rounded_values(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
@@ -191,7 +191,7 @@ struct MendSubject {
     [[nodiscard]] bool meets(Shapes forms) const { return scene ? scene->accepts(forms) : forms == rays->shapes(); }
     /// The name of the scene or of the files, quoted for a shell.
     [[nodiscard]] std::string quoted_name(const CommonOptions& common) const {
-        return scene ? selection::name_of_scene(*scene, selection::data_folder(common.data)) : rays->quoted_files();
+        return scene ? selection::scene_arguments(*scene, selection::data_folder(common.data)) : rays->quoted_files();
     }
 
     std::optional<scene::file::Scene> scene;

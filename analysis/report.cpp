@@ -260,7 +260,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
         planned.units += scene.pixels() * handling_forms.size();
 
         // The names of the scene in later commands and in claims.
-        std::string scene_arguments = selection::name_of_scene(scene, data);
+        std::string scene_arguments = selection::scene_arguments(scene, data);
         std::string name_in_claims = selection::scene_name_in_claims(scene, data);
         if (!options.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
         planned.maps.push_back({std::move(scene), std::move(handling_forms), std::move(metrics), options.size.empty(),

@@ -53,7 +53,7 @@ SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const 
     for (const auto& scene : scenes) {
         const auto folder = run_division.out / scene.id;
         folders_.push_back(
-            lock_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
+            lock_folder(folder, common, selection::scene_arguments(scene, selection::data_folder(common.data))));
         require_writable(folder / "summary.csv");
     }
 }

@@ -24,9 +24,9 @@ namespace {
 using namespace intersect::device;
 using namespace intersect::shader;
 
-std::shared_ptr<Device> open_named_or_any(const std::string& kind) {
+std::shared_ptr<Device> open_named_or_any(const std::string& device_kind) {
     setenv("EGL_LOG_LEVEL", "fatal", 0);  // lostbits itself reports what is missing, once
-    return kind.empty() ? open_any_device() : open_device(kind);
+    return device_kind.empty() ? open_any_device() : open_device(device_kind);
 }
 
 /// Warns about loops that may run more often than the driver allows: some drivers end a loop after a fixed count.
@@ -46,38 +46,39 @@ void warn_about_loops(const ShaderSource& shader, const Arithmetic& arithmetic) 
     }
 }
 
-/// Compiles the shader, then answers requests on standard input. If it cannot, it sends the reason in place of the
-/// header.
-Exit serve_shader(const std::string& shader_name, const std::string& kind) {
-    const int output = redirect_standard_output("shader serve");
-    // A process with a hung driver would outlive its parent: it would not notice that its input ends.
+/// Compiles the shader, then answers requests on standard input. If the shader does not compile or no device runs it,
+/// writes the reason to standard output in place of the header.
+Exit serve_shader(const std::string& shader_name, const std::string& device_kind) {
+    const int output_fd = redirect_standard_output("shader serve");
+    // Ends with its parent. A process whose driver hangs would not notice the end of its input.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::vector<intersect::external::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(shader_name);
-        const auto device = open_named_or_any(kind.empty() && shader.is_hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
+        const auto device =
+            open_named_or_any(device_kind.empty() && shader.is_hlsl ? "vulkan" : device_kind);  // HLSL needs Vulkan
         const Arithmetic arithmetic = probe(*device);
         warn_about_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().has_doubles)
             fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; its form exists in f32 only\n", shader.path,
                        device->description().renderer);
-        forms = forms_of(shader, device, !kind.empty(), describe_device(device->description(), arithmetic));
+        forms = forms_of(shader, device, !device_kind.empty(), describe_device(device->description(), arithmetic));
     } catch (const Error& error) {
         const std::string message = intersect::external::refusal_of(error);
-        return write(output, message.data(), message.size()) < 0 ? Exit::environment : error.code();
+        return write(output_fd, message.data(), message.size()) < 0 ? Exit::environment : error.code();
     }
-    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output_fd)) return Exit::done;
     throw InputError(
         "shader serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --shader FILE.glsl` runs "
         "this command");
 }
 
 /// Prints the facts about a device and its rounding, one line `key=value` for each, and an empty line.
-Exit send_device_facts(const std::string& kind) {
-    const int output = redirect_standard_output("shader probe");
+Exit send_device_facts(const std::string& device_kind) {
+    const int output_fd = redirect_standard_output("shader probe");
     std::string text;
     try {
-        const auto device = open_named_or_any(kind);
+        const auto device = open_named_or_any(device_kind);
         const Arithmetic arithmetic = probe(*device);
         const DeviceDescription& description = device->description();
         text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n",
@@ -86,12 +87,12 @@ Exit send_device_facts(const std::string& kind) {
         for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
     } catch (const Error& error) {
         const std::string_view message = error.what();
-        const std::string prefix = kind.empty() ? "" : kind + ": ";
+        const std::string prefix = device_kind.empty() ? "" : device_kind + ": ";
         text = fmt::format("missing={}\n", message.starts_with(prefix) ? message.substr(prefix.size()) : message);
         std::ranges::replace(text.begin(), text.end() - 1, '\n', ' ');
     }
     text += "\n";
-    return write(output, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
+    return write(output_fd, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
 }
 
 void print_device(const selection::DeviceReport& report) {
@@ -110,8 +111,8 @@ Exit show_devices(bool json, const CommonOptions& common) {
     bool any_available = false;
     std::vector<std::string> kinds = selection::select_devices(common.external.devices);
     if (common.external.devices.empty()) kinds = selection::select_devices({"all"});
-    for (const std::string& kind : kinds) {
-        const selection::DeviceReport report = selection::ask_device(kind, common.external);
+    for (const std::string& device_kind : kinds) {
+        const selection::DeviceReport report = selection::ask_device(device_kind, common.external);
         any_available = any_available || report.problem.empty();
         nlohmann::ordered_json object{{"device", report.kind}};
         if (!report.problem.empty()) object["missing"] = report.problem;
@@ -138,7 +139,7 @@ void add_devices(const shell::Command& program, const CommonOptions& common) {
 void add_shader(const shell::Command& program, const CommonOptions& /*common*/) {
     auto command = program.add_command("shader", "The process of a shader, which --shader starts");
     command.hide();
-    const auto file = std::make_shared<std::string>(), kind = std::make_shared<std::string>();
+    const auto file = std::make_shared<std::string>(), device_kind = std::make_shared<std::string>();
     auto serve_command =
         command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");
     serve_command.add("SHADER", *file, "The file, as --shader takes it").required();
@@ -147,8 +148,8 @@ void add_shader(const shell::Command& program, const CommonOptions& /*common*/) 
     });
     auto probe_command =
         command.add_command("probe", "How a device rounds, as lines for a program (what `devices` starts)");
-    probe_command.add("DEVICE", *kind, "opengl or vulkan");
-    probe_command.set_action([kind] { return send_device_facts(*kind); });
+    probe_command.add("DEVICE", *device_kind, "opengl or vulkan");
+    probe_command.set_action([device_kind] { return send_device_facts(*device_kind); });
 }
 
 }  // namespace lostbits::analysis

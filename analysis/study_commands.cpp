@@ -148,7 +148,8 @@ std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const S
     const StudyOptions& options = run.options;
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.run_division.out / study.scene.id;
-    const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
+    const std::string scene_arguments =
+        selection::scene_arguments(study.scene, selection::data_folder(run.common.data));
 
     ExtraFiles<Adapter> extra_files(study, run);
     output::study::StudyWriter<typename Adapter::Presentation> writer(

@@ -72,7 +72,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const auto folder = chosen.folder_of(file.id);
     const auto result_folder = chosen.lock_sweep_folder(file.id, path);
     std::optional<output::sweep::CaseWriter> files;
-    if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
+    if (result_folder) files.emplace(request, folder, selection::sweep_argument(path, chosen.data()));
     request.share = chosen.division().share();
     const auto units = request.share.unit_range(file.size()).size() * request.tested_forms.size();
     const auto case_results = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);

@@ -38,7 +38,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
       folder_(chosen.folder_of(sweep_.id)),
       state_file_(folder_,
                   {.program = program_and_version,
-                   .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
+                   .command = chosen.common.typed_command.for_subject(selection::sweep_argument(path, chosen.data())),
                    .inputs = hash_inputs(selection::list_input_files(path, scene::sweep::SweepKind::every_float,
                                                                      chosen.options, chosen.data(), chosen.common.stop),
                                          chosen.common),
@@ -47,7 +47,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
       chosen_(chosen) {
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
-    if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
+    if (sweep_.scene) request_.scene = selection::scene_arguments(*sweep_.scene, chosen.data());
     for (TestedForm tested_form :
          selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep_.accepts(forms); })) {
         if (tested_form.format.engine != Format::Engine::native32) continue;
@@ -227,7 +227,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     if (!edge_results) return;
 
     const output::sweep::NearestWriter writer{request, *edge_results,
-                                              selection::name_of_scene(search.scene, chosen.data())};
+                                              selection::scene_arguments(search.scene, chosen.data())};
     writer.write(folder);
     complete_folder(result_folder);
     if (chosen.common.quiet) return;

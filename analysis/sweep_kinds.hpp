@@ -63,7 +63,7 @@ struct SweepSelection {
     /// Locks the folder of a sweep in `out` for this run; null in a shard, which has its own folder.
     [[nodiscard]] std::unique_ptr<output::file::ResultFolder> lock_sweep_folder(
         const std::string& id, const std::filesystem::path& sweep, output::file::ResultFolder::Rules rules = {}) const {
-        return lock_folder(run_division, folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
+        return lock_folder(run_division, folder_of(id), common, selection::sweep_argument(sweep, data()), rules);
     }
     /// The result of a sweep of `units` units of work, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>

@@ -168,7 +168,7 @@ inline constexpr std::string_view no_memory_text =
 template <class Act>
 int run_guarded(lostbits_error* error, const Act& act) {
     const intersect::process::FloatingPointGuard guard;
-    intersect::process::FloatingPoint::standard().set();
+    intersect::process::FloatingPointState::standard().apply();
     try {
         return put_error(error, act(), "");
     } catch (const Interrupted&) {

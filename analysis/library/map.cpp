@@ -12,35 +12,36 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_handle, CallSelection& chosen,
+std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_handle, CallSelection& call_selection,
                                                  CallSettings& settings) {
     const scene::file::Scene& scene = scene_handle.scene;
-    chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
+    call_selection.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
-    std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
-    static_cast<void>(selection::applicable_metrics(metrics, chosen.tested_forms, "scene " + scene.id));
-    auto request = study::map_study(scene, chosen.tested_forms, metrics, chosen.metric_set, settings.stop());
-    request.progress = settings.advance_callback(scene.pixels() * request.tested_forms.size());
+    std::ranges::copy(call_selection.extra_metrics, std::back_inserter(metrics));
+    selection::require_applicable_metrics(metrics, call_selection.tested_forms, "scene " + scene.id);
+    auto study =
+        study::map_study(scene, call_selection.tested_forms, metrics, call_selection.metric_set, settings.stop());
+    study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
 
     auto result = std::make_unique<lostbits_result>();
-    const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
+    const auto summary = output::map::summary_table(study.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
 
     // The tables with a row per ray are filled while the map is measured.
-    std::deque<RayTable> ray_tables = add_ray_tables(*result, chosen, request.tested_forms, request.metrics);
+    std::deque<RayTable> ray_tables = add_ray_tables(*result, call_selection, study.tested_forms, study.metrics);
     const auto show = ray_tables.empty() ? measure::evaluate::ShowForms() : measure::evaluate::show_to_each(ray_tables);
-    const auto summaries = measure::evaluate::run_map(request, show);
+    const auto summaries = measure::evaluate::run_map(study, show);
 
-    auto csv = table.writer();
-    const auto name_worst_ray = [&](const measure::evaluate::WorstRay& ray) {
+    auto rows = table.writer();
+    const auto explain_arguments_of = [&](const measure::evaluate::WorstRay& ray) {
         return scene_handle.explain_arguments.empty()
                    ? std::string()
                    : output::attribution::explain_pixel_arguments(scene_handle.explain_arguments,
                                                                   static_cast<int>(ray.x), ray.y);
     };
-    for (std::size_t r = 0; r < request.tested_forms.size(); ++r)
-        summary.add_row(csv, {request.tested_forms[r], &summaries[r], name_worst_ray});
-    result->texts = selection::list_suspicions(request.tested_forms, [&scene](const TestedForm& tested_form) {
+    for (std::size_t form_index = 0; form_index < study.tested_forms.size(); ++form_index)
+        summary.add_row(rows, {study.tested_forms[form_index], &summaries[form_index], explain_arguments_of});
+    result->texts = selection::list_suspicions(study.tested_forms, [&scene](const TestedForm& tested_form) {
         return measure::contract::suspicion_text(scene, tested_form);
     });
     return result;
@@ -57,8 +58,8 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
     return run_guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        CallSelection chosen(choice);
+        CallSelection call_selection(choice);
         CallSettings settings(run);
-        return hand_over(make_map_result(*scene, chosen, settings), result);
+        return hand_over(make_map_result(*scene, call_selection, settings), result);
     });
 }

@@ -80,7 +80,7 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
         throw InputError("answers: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     measure::judge::MeshAnswersRequest request{.mesh = stored->mesh,
                                                .contract = {.has_t = rays.t.data != nullptr,
-                                                            .unit = rays.unit != 0,
+                                                            .unit_direction = rays.unit != 0,
                                                             .touching_may_miss = parse_touching(rays.touching),
                                                             .facing = parse_facing(rays.facing)},
                                                .limit = {.stop = settings.stop()}};

@@ -32,7 +32,8 @@ intersect::Info read_contract(const lostbits_rays& rays, Shape shape) {
     form.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
     form.run = [](const lb_batch*) -> const char* { return nullptr; };
     const auto contract = intersect::external::read_form_contract(form, rays_name);
-    if (rays.scene == nullptr) intersect::require_origin(contract.at_origin, contract.inside, shape, rays_name);
+    if (rays.scene == nullptr)
+        intersect::refuse_unused_at_origin(contract.at_origin, contract.inside, shape, rays_name);
     intersect::Info info{};
     info.direction = contract.direction;
     info.touching = contract.touching;

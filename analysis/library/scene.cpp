@@ -86,7 +86,7 @@ scene::triangle::Mesh make_mesh(std::span<const double> vertices, std::span<cons
     for (std::size_t i = 0; i < vertex_count; ++i) {
         const double* const v = &vertices[3 * i];
         for (int k = 0; k < 3; ++k)
-            if (const auto fault = scene::triangle::coordinate_error(v[k], stored); !fault.empty())
+            if (const auto fault = scene::triangle::reason_to_refuse_coordinate(v[k], stored); !fault.empty())
                 throw InputError("vertex " + std::to_string(i) + " has a number that " + std::string(fault));
         mesh.vertices.emplace_back(v[0], v[1], v[2]);
     }
@@ -180,7 +180,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         const std::string data = find_data_folder(given);
         auto created = std::make_unique<lostbits_scene>(
             lostbits_scene{.scene = load_scene(name, given, data), .explain_arguments = {}});
-        created->explain_arguments = selection::name_of_scene(created->scene, data);
+        created->explain_arguments = selection::scene_arguments(created->scene, data);
         for (const std::string& assignment : to_strings(given.set, "set"))
             created->explain_arguments += " --set '" + assignment + "'";
         if (given.width != 0)
@@ -236,7 +236,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         const std::span<const uint32_t> all_faces = to_span(faces, face_count, "faces", 3);
         const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::shared ? binary32 : binary64;
         scene::triangle::Mesh mesh = make_mesh(all_vertices, all_faces, stored);
-        scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
+        scene::triangle::merge_and_count(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
         // Without the removed faces every later triangle would have another index than its row.
         if (mesh.removed_face_count > 0)
             throw InputError("faces: " + std::to_string(mesh.removed_face_count) + " of " + std::to_string(face_count) +

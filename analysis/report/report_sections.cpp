@@ -221,7 +221,7 @@ SweepSection measure_sweep_section(const PlannedSweep& planned, StopToken stop) 
     SweepSection section = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
                                ? measure_case_section(planned, stop)
                                : measure_axes_section(planned, stop);
-    section.json["named"] = selection::name_of_sweep(planned.path, planned.data);
+    section.json["named"] = selection::sweep_argument(planned.path, planned.data);
     section.json["claimed"] = selection::sweep_name_in_claims(planned.path, planned.data);
     return section;
 }
@@ -284,7 +284,7 @@ PlannedStudy parse_study(const std::string& text, const std::string& size, const
     if (colon == std::string::npos)
         throw InputError(
             fmt::format("--study {}: the scene is missing; write STUDY:SCENE, where STUDY is one of {}", text, names));
-    static_cast<void>(study::StudiesByName().names(text.substr(0, colon)));  // throws for an unknown study
+    static_cast<void>(study::StudiesByName().allowed_names(text.substr(0, colon)));  // throws for an unknown study
     auto scenes = selection::load_scenes({{text.substr(colon + 1)}, size, "", {}, stop}, data);
     if (scenes.size() != 1)
         throw InputError(fmt::format("--study {}: the scene has variants; name one, such as {}:{}", text,

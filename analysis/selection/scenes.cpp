@@ -55,7 +55,7 @@ std::vector<Scene> load_scenes(const SceneOptions& options, const std::filesyste
     return scenes;
 }
 
-std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
+std::string scene_arguments(const Scene& scene, const std::filesystem::path& data) {
     using text::shell_word;
     if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);
     const std::string stem = scene.path.stem().string();
@@ -63,7 +63,7 @@ std::string name_of_scene(const Scene& scene, const std::filesystem::path& data)
     return shell_word(scene.path.string()) + variant;
 }
 
-std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
+std::string sweep_argument(const std::filesystem::path& path, const std::filesystem::path& data) {
     return text::shell_word(sweep_name_in_claims(path, data));
 }
 
@@ -183,7 +183,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
             "in columns of the file",
             options.scene, target_scene->primitive_count(), max_primitives));
 
-    // Opens the files, and joins them to one.
+    // Opens the files, and joins them into one.
     OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .options = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> dumps;
     for (const std::string& file : files) {
@@ -209,7 +209,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     return result;
 }
 
-void note_rounded(const std::string& files, std::uint64_t count, const Format& format) {
+void warn_of_rounded_values(const std::string& files, std::uint64_t count, const Format& format) {
     if (count == 0) return;
     fmt::print(
         stderr,

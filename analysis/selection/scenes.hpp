@@ -30,11 +30,11 @@ struct SceneOptions {
 /// Loads the scenes. Throws InputError if a scene is given twice, since its results go to a folder with its name.
 std::vector<scene::file::Scene> load_scenes(const SceneOptions& options, const std::filesystem::path& data);
 
-/// The name of a scene for later commands, quoted for a shell: its id if it is in the data folder, else its path and
-/// variant.
-std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
-/// The name of a sweep for later commands, quoted for a shell.
-std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
+/// Arguments that name a scene in later commands, quoted for a shell: its id if it is in the data folder, else its path
+/// and variant.
+std::string scene_arguments(const scene::file::Scene& scene, const std::filesystem::path& data);
+/// Argument that names a sweep in later commands, quoted for a shell.
+std::string sweep_argument(const std::filesystem::path& path, const std::filesystem::path& data);
 /// The name of a scene in claims: its id if it is in the data folder, else its path, and `.VARIANT` for a variant.
 std::string scene_name_in_claims(const scene::file::Scene& scene, const std::filesystem::path& data);
 /// The name of a sweep in claims: its name if it is in the data folder, else its path.
@@ -78,7 +78,7 @@ struct OpenedRays {
 OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,
                      const std::filesystem::path& data);
 
-/// Prints on stderr that `count` numbers of files were rounded to the format.
-void note_rounded(const std::string& files, std::uint64_t count, const Format& format);
+/// Warns on stderr that `count` values of files were rounded to the format. Prints nothing if `count` is 0.
+void warn_of_rounded_values(const std::string& files, std::uint64_t count, const Format& format);
 
 }  // namespace lostbits::analysis::selection

@@ -212,6 +212,11 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
     return metrics;
 }
 
+void require_applicable_metrics(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& tested_forms,
+                                const std::string& subject) {
+    static_cast<void>(applicable_metrics(metrics, tested_forms, subject));
+}
+
 namespace {
 
 /// Says why the t of a form cannot be compared with that of another one, which the user calls `other_name`.

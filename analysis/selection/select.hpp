@@ -79,6 +79,11 @@ std::vector<const measure::metric::Metric*> applicable_metrics(
     std::vector<const measure::metric::Metric*> metrics, const std::vector<measure::evaluate::TestedForm>& tested_forms,
     const std::string& subject);
 
+/// Throws InputError if there are metrics but none of them applies to a tested form.
+void require_applicable_metrics(const std::vector<const measure::metric::Metric*>& metrics,
+                                const std::vector<measure::evaluate::TestedForm>& tested_forms,
+                                const std::string& subject);
+
 /// Sets the form, by name, that each tested form is compared with. Drops tested forms for other shapes, and those in
 /// formats in which that form does not exist. Throws InputError if none is left. Prints on stderr, unless `quiet`,
 /// which tested forms can only be compared by their decisions.

@@ -227,7 +227,7 @@ struct NumberAdapter {
             .subtitle = {fmt::format("{}, {} x {} pixels: {}", study.scene.id, study.scene.width, study.scene.height,
                                      Quantity::meaning)},
             .scales = {Quantity::scale()},
-            .unit = Quantity::unit};
+            .bar_label = Quantity::unit};
         for (const auto* const form : forms_of(study)) spec.forms.push_back(output::map::short_name(*form->info));
         for (const std::string& format : formats_of(study)) spec.formats.push_back(format);
         return {file, std::move(spec)};

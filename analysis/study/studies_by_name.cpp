@@ -101,7 +101,7 @@ std::optional<output::report::StudySection> measure_part_of(const scene::file::S
 
 }  // namespace
 
-StudyNames StudiesByName::names(const std::string& study) const {
+StudyNames StudiesByName::allowed_names(const std::string& study) const {
     return with_study(study, [](auto adapter) {
         using Adapter = decltype(adapter);
         StudyNames names;

@@ -39,10 +39,10 @@ struct Polynomial {
         for (int i = degree - 1; i >= 0; --i) y = y * x + coefficient(i);
         return y;
     }
-    [[nodiscard]] Polynomial slope() const {
-        Polynomial d{{}, degree - 1};
-        for (int i = 1; i <= degree; ++i) d.coefficient(i - 1) = T(i) * coefficient(i);
-        return d;
+    [[nodiscard]] Polynomial derivative() const {
+        Polynomial result{{}, degree - 1};
+        for (int i = 1; i <= degree; ++i) result.coefficient(i - 1) = T(i) * coefficient(i);
+        return result;
     }
     friend Polynomial operator-(Polynomial f) {
         for (int i = 0; i <= f.degree; ++i) f.coefficient(i) = -f.coefficient(i);
@@ -61,67 +61,74 @@ bool trim(Polynomial<T>& f) {
     return true;
 }
 
-/// True for numbers whose exponents are limited; polynomials over such numbers are divided by leading coefficients. If
-/// they were multiplied by leading coefficients instead, their numbers would soon be too large. Such numbers cannot
-/// prove an exact zero anyway.
+/// True for numbers with a limited exponent (enclosures around doubles). For these, division divides by the leading
+/// coefficient, because cross-multiplying would soon overflow. It loses nothing: such numbers cannot prove that a
+/// remainder is exactly 0.
 template <class T>
-inline constexpr bool divides_polynomials = requires(const T& x) {
+inline constexpr bool has_limited_exponent = requires(const T& x) {
     x.hi();
 };
 
-/// Quotient and remainder of f divided by g. If numbers of T are not divided, both are multiplied by the same power
-/// of the leading coefficient of g. If this factor is negative, the remainder changes its sign, so that its factor is
-/// positive.
+/// Quotient and remainder of f divided by g. With an unlimited exponent, both are multiplied by a power of the leading
+/// coefficient of g, so that no coefficient is divided. The remainder is then multiplied by −1 if that power is
+/// negative, so that its factor is always positive.
 template <class T>
 struct PolynomialDivision {
     Polynomial<T> quotient, remainder;
 };
 template <class T>
 PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
-    PolynomialDivision<T> d{{{}, f.degree - g.degree}, f};
-    if constexpr (divides_polynomials<T>) {
-        for (int k = d.quotient.degree; k >= 0; --k) {
-            const T quotient_term = d.remainder.coefficient(g.degree + k) / g.leading();
-            d.quotient.coefficient(k) = quotient_term;
+    PolynomialDivision<T> division{{{}, f.degree - g.degree}, f};
+    if constexpr (has_limited_exponent<T>) {
+        for (int k = division.quotient.degree; k >= 0; --k) {
+            const T quotient_term = division.remainder.coefficient(g.degree + k) / g.leading();
+            division.quotient.coefficient(k) = quotient_term;
             for (int i = k; i < g.degree + k; ++i)
-                d.remainder.coefficient(i) = d.remainder.coefficient(i) - quotient_term * g.coefficient(i - k);
+                division.remainder.coefficient(i) =
+                    division.remainder.coefficient(i) - quotient_term * g.coefficient(i - k);
         }
-        d.remainder.degree = g.degree - 1;
-        return d;
+        division.remainder.degree = g.degree - 1;
+        return division;
     }
 
-    // Without division of coefficients: multiplies by the leading coefficient of g in each step.
-    for (int k = d.quotient.degree; k >= 0; --k) {
-        const T quotient_term = d.remainder.coefficient(g.degree + k);
-        for (int i = k + 1; i <= d.quotient.degree; ++i)
-            d.quotient.coefficient(i) = g.leading() * d.quotient.coefficient(i);
-        d.quotient.coefficient(k) = quotient_term;
+    // Multiplies by the leading coefficient of g in each step, in place of dividing by it.
+    for (int k = division.quotient.degree; k >= 0; --k) {
+        const T quotient_term = division.remainder.coefficient(g.degree + k);
+        for (int i = k + 1; i <= division.quotient.degree; ++i)
+            division.quotient.coefficient(i) = g.leading() * division.quotient.coefficient(i);
+        division.quotient.coefficient(k) = quotient_term;
         for (int i = 0; i < g.degree + k; ++i) {
-            const T scaled = g.leading() * d.remainder.coefficient(i);
-            d.remainder.coefficient(i) = i < k ? scaled : scaled - quotient_term * g.coefficient(i - k);
+            const T scaled = g.leading() * division.remainder.coefficient(i);
+            division.remainder.coefficient(i) = i < k ? scaled : scaled - quotient_term * g.coefficient(i - k);
         }
     }
 
     // The factor must not change the sign of the remainder.
-    d.remainder.degree = g.degree - 1;
-    const bool is_odd_power = d.quotient.degree % 2 == 0;  // the power is the difference of the degrees plus one
-    if (is_odd_power && known_sign(g.leading()) == -1) d.remainder = -d.remainder;
-    return d;
+    division.remainder.degree = g.degree - 1;
+    const bool is_odd_power = division.quotient.degree % 2 == 0;  // the power is the difference of the degrees plus one
+    if (is_odd_power && known_sign(g.leading()) == -1) division.remainder = -division.remainder;
+    return division;
 }
 
-/// Number of distinct real roots of f, and the common divisor of f and its slope. The divisor has degree 0 if every
-/// root is simple.
+/// Number of distinct real roots of f, and the common divisor of f and its derivative. The divisor has degree 0 if
+/// every root is simple.
 template <class T>
 struct RootCount {
     int count;
     Polynomial<T> common_divisor;
 };
-/// Counts the roots by Sturm's theorem: the sign changes in f, f′, −remainder, −remainder, … at −∞ minus those at ∞.
-/// Returns nothing if a leading coefficient may be 0 but is not known to be 0. The first remainder of n x⁴ + p x² + q x
-/// + r is (p x²)/2 + (3 q x)/4 + r; f must have no cubic term.
+/// Remainder of f = n x⁴ + p x² + q x + r divided by f′, times 4: 2 p x² + 3 q x + 4 r. f must have no cubic term.
+template <class T>
+Polynomial<T> first_quartic_remainder(const Polynomial<T>& f) {
+    return {{T(4) * f.c[0], T(3) * f.c[1], T(2) * f.c[2], T(0), T(0)}, 2};
+}
+
+/// Counts the distinct real roots of f. If f has degree 4, it must have no cubic term. Uses Sturm's theorem: the number
+/// of roots is the number of sign changes in f, f′, −remainder, −remainder, … at −∞ minus that at ∞. Returns nothing if
+/// a leading coefficient may be 0 but is not known to be 0.
 template <class T>
 std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
-    Polynomial<T> previous = f, current = f.slope();
+    Polynomial<T> previous = f, current = f.derivative();
     if (!trim(previous) || !trim(current)) return std::nullopt;
     int changes = 0, sign = 1, sign_at_minus_infinity = 1;
     const auto count_changes = [&](const Polynomial<T>& g) {
@@ -136,9 +143,8 @@ std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
     sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
     count_changes(current);
     while (current.degree > 0) {
-        Polynomial<T> remainder{{}, 2};
-        if (previous.degree == 4) remainder = {{T(4) * f.c[0], T(3) * f.c[1], T(2) * f.c[2], T(0), T(0)}, 2};
-        else remainder = divide(previous, current).remainder;
+        Polynomial<T> remainder =
+            previous.degree == 4 ? first_quartic_remainder(f) : divide(previous, current).remainder;
         if (!trim(remainder)) return std::nullopt;
         if (remainder.degree < 0) break;
         previous = current;

@@ -23,7 +23,7 @@ struct ApproximateRoots {
 /// leaves the interval.
 template <class A>
 A approximate_root(const Polynomial<A>& f, A low, A high) {
-    const Polynomial<A> slope = f.slope();
+    const Polynomial<A> slope = f.derivative();
     const bool is_rising = known_sign(middle(f.at(low))) == -1;
     const A half = A(1) / A(2);
     A x = middle(half * (low + high));
@@ -51,7 +51,7 @@ A approximate_root(const Polynomial<A>& f, A low, A high) {
 template <class A>
 ApproximateRoots<A> approximate_roots(const Polynomial<A>& f, const A& bound) {
     ApproximateRoots<A> extrema, roots;
-    if (f.degree > 1) extrema = approximate_roots(f.slope(), bound);
+    if (f.degree > 1) extrema = approximate_roots(f.derivative(), bound);
     if (f.degree < 1) return roots;
     A low = -bound;
     auto sign_before = known_sign(middle(f.at(low)));
@@ -130,7 +130,7 @@ ApproximateRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound
 template <class E>
 ApproximateRoots<E> refine(const Polynomial<E>& f, const ApproximateRoots<E>& start, long bits) {
     ApproximateRoots<E> roots = start;
-    const Polynomial<E> slope = f.slope();
+    const Polynomial<E> slope = f.derivative();
     for (const long full_bits = precision_of(E(0)); bits < full_bits; bits *= 2) {
         const typename E::Precision precision(std::min(2 * bits, full_bits));
         for (int i = 0; i < roots.count; ++i) {
@@ -179,7 +179,7 @@ EnclosedRoot<E> enclose_root(const Polynomial<E>& f, const Polynomial<E>& slope,
     E distance = is_root ? bound : largest_magnitude(value) / largest_magnitude(middle(slope.at(x))) * E(8);
     for (int i = 0; is_root && i < precision_of(x) / 2; ++i) distance = distance / E(2);
     const E low = middle(x - distance), high = middle(x + distance);
-    return {low, high, is_root ? x : between(low, high), true, 1};
+    return {low, high, is_root ? x : enclose_between(low, high), true, 1};
 }
 
 /// Encloses the roots near their approximations. Each root is proved to lie between two points.
@@ -187,7 +187,7 @@ template <class E>
 std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& approximations, EnclosedRoots<E> roots,
                                                    bool are_simple, const E& bound) {
     if (approximations.count != roots.count) return std::nullopt;
-    const Polynomial<E> slope = roots.simple.slope();
+    const Polynomial<E> slope = roots.simple.derivative();
     for (int i = 0; i < roots.count; ++i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
         root = enclose_root(roots.simple, slope, approximations.x[static_cast<std::size_t>(i)], bound);

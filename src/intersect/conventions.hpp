@@ -13,26 +13,29 @@
 
 namespace lostbits::intersect {
 
-/// The position of a ray relative to a primitive in which a property of the contract decides the answer. "On the
-/// surface" means that the ray begins on the surface.
+/// Where a ray begins or ends relative to a primitive, if the answer depends on the contract.
 enum class Situation : std::uint8_t {
     inside,    ///< begins inside
     entering,  ///< begins on the surface and goes in; crosses a flat primitive; goes toward the axis of a tube
     leaving,   ///< begins on the surface and goes out
-    tangent,   ///< begins on the surface, and its line touches the surface there in one point
-    along,     ///< begins on a straight part of the surface (a face, a cap, a side) and runs along it
-    touching,  ///< touches the surface ahead of the origin: a tangent, a face, a rim
-    ending     ///< ends where it enters, or on a surface without an inside
+    touching_at_origin,  ///< begins on the surface, and its line touches the surface there in one point
+    along,               ///< begins on a straight part of the surface (a face, a cap, a side) and runs along it
+    touching_ahead,      ///< touches the surface ahead of the origin: a tangent, a face, a rim
+    ending_at_surface    ///< ends where it enters, or on a surface without an inside
 };
 inline constexpr std::array<std::string_view, 7> situation_names{"inside", "entering", "leaving", "tangent",
                                                                  "along",  "touching", "ending"};
-inline constexpr std::array all_situations{Situation::inside,  Situation::entering, Situation::leaving,
-                                           Situation::tangent, Situation::along,    Situation::touching,
-                                           Situation::ending};
+inline constexpr std::array all_situations{
+    Situation::inside, Situation::entering,       Situation::leaving,          Situation::touching_at_origin,
+    Situation::along,  Situation::touching_ahead, Situation::ending_at_surface};
 
-/// `ahead` is the next point, beyond the origin, at which the ray meets or leaves the primitive. `none` means that no
-/// such ray exists.
-enum class RightAnswer : std::uint8_t { origin, ahead, miss, none };
+/// Answer that a contract asks for.
+enum class RightAnswer : std::uint8_t {
+    origin,  ///< t = 0
+    next,    ///< the next point, beyond the origin, at which the ray meets or leaves the primitive
+    miss,
+    none  ///< no such ray exists
+};
 inline constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss", "-"};
 
 /// True if the answer is 0 for a ray from inside.
@@ -42,10 +45,10 @@ constexpr bool answers_0_inside(Shape shape, Inside inside) {
 
 namespace detail {
 
-/// Answer for a ray that begins on the surface, by the property on the origin. The surface counts for `hit`, and for
-/// `exit` if the ray leaves there (`is_exit`, also true for a flat primitive or a touch); if it does not count, the
+/// Answer for a ray that begins on the surface. It is 0 if `at_origin` is `hit`, and also if it is `exit` and `is_exit`
+/// is true: the ray leaves the primitive there, only touches it, or the primitive is flat. In all other cases the
 /// answer is `otherwise`.
-constexpr RightAnswer at_surface(AtOrigin at_origin, bool is_exit, RightAnswer otherwise) {
+constexpr RightAnswer answer_at_origin(AtOrigin at_origin, bool is_exit, RightAnswer otherwise) {
     return at_origin == AtOrigin::hit || (at_origin == AtOrigin::exit && is_exit) ? RightAnswer::origin : otherwise;
 }
 
@@ -56,19 +59,20 @@ constexpr bool has_straight_parts(Shape shape) {
 
 constexpr RightAnswer right_on_surface(Shape shape, Situation situation, const Convention& convention) {
     const bool exits_miss = convention.inside == Inside::miss && has_inside(shape);
-    const bool is_open = convention.touching == Touching::miss;
-    const bool is_touching = situation == Situation::tangent || situation == Situation::along;
+    const bool touching_misses = convention.touching == Touching::miss;
+    const bool is_touching = situation == Situation::touching_at_origin || situation == Situation::along;
     // A ray that begins where it leaves a box touches it, because the points of a face belong to the box.
-    if (is_open && (is_touching || (shape == Shape::box && situation == Situation::leaving))) return RightAnswer::miss;
+    if (touching_misses && (is_touching || (shape == Shape::box && situation == Situation::leaving)))
+        return RightAnswer::miss;
     // A surface without an inside is only crossed, and a ray along it does not cross it.
     if (situation == Situation::along && !has_inside(shape)) return RightAnswer::miss;
     if (shape == Shape::box && answers_0_inside(shape, convention.inside)) return RightAnswer::origin;
     if (situation == Situation::entering)
-        return at_surface(convention.at_origin, is_flat(shape),
-                          exits_miss || is_flat(shape) ? RightAnswer::miss : RightAnswer::ahead);
+        return answer_at_origin(convention.at_origin, is_flat(shape),
+                                exits_miss || is_flat(shape) ? RightAnswer::miss : RightAnswer::next);
     if (situation == Situation::leaving && exits_miss) return RightAnswer::miss;
-    if (situation == Situation::along) return at_surface(convention.at_origin, false, RightAnswer::ahead);
-    return at_surface(convention.at_origin, true, RightAnswer::miss);
+    if (situation == Situation::along) return answer_at_origin(convention.at_origin, false, RightAnswer::next);
+    return answer_at_origin(convention.at_origin, true, RightAnswer::miss);
 }
 
 }  // namespace detail
@@ -76,23 +80,24 @@ constexpr RightAnswer right_on_surface(Shape shape, Situation situation, const C
 /// The right answer by a convention, if the ray does not meet the primitive again further on (with a tube or a torus it
 /// may).
 constexpr RightAnswer right_answer(Shape shape, Situation situation, const Convention& convention) {
-    const bool is_open = convention.touching == Touching::miss;
+    const bool touching_misses = convention.touching == Touching::miss;
     switch (situation) {
         case Situation::inside:
             if (!has_inside(shape)) return RightAnswer::none;
             if (answers_0_inside(shape, convention.inside)) return RightAnswer::origin;
-            return convention.inside == Inside::miss ? RightAnswer::miss : RightAnswer::ahead;
-        case Situation::touching:
+            return convention.inside == Inside::miss ? RightAnswer::miss : RightAnswer::next;
+        case Situation::touching_ahead:
             if (shape == Shape::plane) return RightAnswer::none;
-            return is_open ? RightAnswer::miss : RightAnswer::ahead;
-        case Situation::ending: return is_open && has_inside(shape) ? RightAnswer::miss : RightAnswer::ahead;
+            return touching_misses ? RightAnswer::miss : RightAnswer::next;
+        case Situation::ending_at_surface:
+            return touching_misses && has_inside(shape) ? RightAnswer::miss : RightAnswer::next;
         case Situation::along:
             if (!detail::has_straight_parts(shape)) return RightAnswer::none;
             break;
         case Situation::leaving:
             if (is_flat(shape)) return RightAnswer::none;
             break;
-        case Situation::tangent:
+        case Situation::touching_at_origin:
             if (is_flat(shape)) return RightAnswer::none;
             break;
         case Situation::entering: break;
@@ -116,7 +121,7 @@ constexpr bool origin_matters(Shape shape, Inside inside) {
 
 /// Throws InputError if the property on the origin is given but changes no answer about a primitive. `prefix` begins
 /// the message.
-inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& prefix) {
+inline void refuse_unused_at_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& prefix) {
     if (at_origin == AtOrigin::hit || !is_primitive(shape) || origin_matters(shape, inside)) return;
     throw InputError(
         prefix + ": at_origin changes no answer about " + with_article(shape) +
@@ -124,9 +129,9 @@ inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const
         "inside = exit or miss");
 }
 
-/// True if a form yields the next crossing when the range of a ray excludes its first one: it yields both roots, or it
-/// takes the range itself. A form of a single root loses the crossings behind that root. A form that counts all points
-/// inside, and a surface that a line crosses once, have no next crossing to lose.
+/// True if no crossing is lost when the range of a ray excludes the first one. So it is for a form that yields both
+/// roots or takes the range itself, for a form whose answer has no roots, and for a surface that a line crosses once. A
+/// form with a single root loses the crossings behind that root.
 constexpr bool yields_next_crossing(const Info& info, Shape shape) {
     return info.ranged || info.roots == Roots::both || info.roots == Roots::none || is_flat(shape) || takes_tmax(shape);
 }

@@ -50,7 +50,7 @@ std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDou
 
 }  // namespace
 
-Interval::Interval(Ends) : bits_(working_bits_), has_ends_(true) { mpfi_init2(value_, working_bits_); }
+Interval::Interval(UninitialisedTag) : bits_(working_bits_), has_ends_(true) { mpfi_init2(value_, working_bits_); }
 Interval::Interval() : Interval(0) {}
 Interval::Interval(int x) : Interval(static_cast<double>(x)) {}
 Interval::Interval(double x) : point_{x, 0}, bits_(working_bits_) {
@@ -59,7 +59,7 @@ Interval::Interval(double x) : point_{x, 0}, bits_(working_bits_) {
     ensure_ends();
     set_undefined(Undefined::never);
 }
-Interval::Interval(mpfr_srcptr x) : Interval(Ends()) {
+Interval::Interval(mpfr_srcptr x) : Interval(UninitialisedTag()) {
     mpfi_set_fr(value_, x);
     set_undefined(Undefined::never);
 }
@@ -103,8 +103,8 @@ void Interval::ensure_ends() const {
     has_ends_ = true;
 }
 
-Interval Interval::unknown(Undefined u) {
-    Interval r{Interval::Ends()};
+Interval Interval::anything(Undefined u) {
+    Interval r{Interval::UninitialisedTag()};
     mpfr_set_inf(&r.value_->left, -1);
     mpfr_set_inf(&r.value_->right, +1);
     r.undefined_ = u;
@@ -112,7 +112,7 @@ Interval Interval::unknown(Undefined u) {
 }
 
 Interval Interval::between(double lower, double upper) {
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_interv_d(r.value_, lower, upper);
     return r;
 }
@@ -120,14 +120,14 @@ Interval Interval::between(double lower, double upper) {
 // An endpoint that is NaN means that some choice of operands is undefined (∞ − ∞, 0·∞), so nothing is known.
 void Interval::set_undefined(Undefined u) {
     undefined_ = u;
-    if (mpfi_nan_p(value_) != 0) *this = unknown(u == Undefined::always ? u : Undefined::maybe);
+    if (mpfi_nan_p(value_) != 0) *this = anything(u == Undefined::always ? u : Undefined::maybe);
     else if (mpfi_bounded_p(value_) == 0 && undefined_ == Undefined::never) undefined_ = Undefined::maybe;
 }
 
 Interval operator+(const Interval& a, const Interval& b) {
     if (Interval::can_compute_as_points(a, b))
         if (const auto sum = exact_sum(a.point_, b.point_)) return Interval(*sum);
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_add(r.value_, a.ends(), b.ends());
     r.set_undefined(combine_undefined(a.undefined_, b.undefined_));
     return r;
@@ -135,7 +135,7 @@ Interval operator+(const Interval& a, const Interval& b) {
 Interval operator-(const Interval& a, const Interval& b) {
     if (Interval::can_compute_as_points(a, b))
         if (const auto difference = exact_sum(a.point_, negated(b.point_))) return Interval(*difference);
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_sub(r.value_, a.ends(), b.ends());
     r.set_undefined(combine_undefined(a.undefined_, b.undefined_));
     return r;
@@ -143,22 +143,22 @@ Interval operator-(const Interval& a, const Interval& b) {
 Interval operator*(const Interval& a, const Interval& b) {
     if (Interval::can_compute_as_points(a, b))
         if (const auto product = exact_product(a.point_, b.point_)) return Interval(*product);
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_mul(r.value_, a.ends(), b.ends());
     r.set_undefined(combine_undefined(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator/(const Interval& a, const Interval& b) {
     const Undefined u = combine_undefined(a.undefined_, b.undefined_);
-    if (mpfi_has_zero(b.ends()) > 0) return Interval::unknown(u == Undefined::always ? u : Undefined::maybe);
-    Interval r{Interval::Ends()};
+    if (mpfi_has_zero(b.ends()) > 0) return Interval::anything(u == Undefined::always ? u : Undefined::maybe);
+    Interval r{Interval::UninitialisedTag()};
     mpfi_div(r.value_, a.ends(), b.ends());
     r.set_undefined(u);
     return r;
 }
 Interval operator-(const Interval& a) {
     if (Interval::can_compute_as_points(a, a)) return Interval(negated(a.point_));
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_neg(r.value_, a.ends());
     r.set_undefined(a.undefined_);
     return r;
@@ -181,16 +181,16 @@ Tri operator<=(const Interval& a, const Interval& b) {
 
 Interval sqrt(const Interval& a) {
     if (mpfr_sgn(a.upper()) < 0)
-        return Interval::unknown(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
+        return Interval::anything(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
     if (mpfr_sgn(a.lower()) >= 0) {
-        Interval r{Interval::Ends()};
+        Interval r{Interval::UninitialisedTag()};
         mpfi_sqrt(r.value_, a.ends());
         r.set_undefined(a.undefined_);
         return r;
     }
     // Encloses the root of the part of the operand that is not negative. The result may be undefined, because the rest
     // of the operand has no root.
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfr_set_zero(&r.value_->left, +1);
     mpfr_sqrt(&r.value_->right, a.upper(), MPFR_RNDU);
     r.set_undefined(combine_undefined(a.undefined_, Undefined::maybe));
@@ -202,7 +202,7 @@ Interval fma(const Interval& a, const Interval& b, const Interval& c) { return a
 Interval square(const Interval& a) {
     if (Interval::can_compute_as_points(a, a))
         if (const auto product = exact_product(a.point_, a.point_)) return Interval(*product);
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_sqr(r.value_, a.ends());
     r.set_undefined(a.undefined_);
     return r;
@@ -210,28 +210,28 @@ Interval square(const Interval& a) {
 
 Interval abs(const Interval& a) {
     if (Interval::can_compute_as_points(a, a)) return Interval(a.point_.hi < 0 ? negated(a.point_) : a.point_);
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_abs(r.value_, a.ends());
     r.set_undefined(a.undefined_);
     return r;
 }
 
 Interval middle(const Interval& a) {
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_mid(&r.value_->left, a.ends());
     mpfr_set(&r.value_->right, &r.value_->left, MPFR_RNDN);
     r.set_undefined(a.undefined_);
     return r;
 }
-Interval between(const Interval& low, const Interval& high) {
-    Interval r{Interval::Ends()};
+Interval enclose_between(const Interval& low, const Interval& high) {
+    Interval r{Interval::UninitialisedTag()};
     mpfr_set(&r.value_->left, low.lower(), MPFR_RNDD);
     mpfr_set(&r.value_->right, high.upper(), MPFR_RNDU);
     r.set_undefined(combine_undefined(low.undefined_, high.undefined_));
     return r;
 }
 Interval largest_magnitude(const Interval& a) {
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_mag(&r.value_->right, a.ends());
     mpfr_set(&r.value_->left, &r.value_->right, MPFR_RNDN);
     r.set_undefined(a.undefined_);
@@ -240,13 +240,13 @@ Interval largest_magnitude(const Interval& a) {
 
 // Real numbers do not have signed zeros, so the result is unknown if b may be zero.
 Interval copysign(const Interval& a, const Interval& b) {
-    if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::unknown();
+    if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::anything();
     return mpfi_is_neg(b.ends()) > 0 ? -abs(a) : abs(a);
 }
 
 Interval select(Tri mask, const Interval& a, const Interval& b) {
     if (!mask.is_unknown()) return mask.is_yes() ? a : b;
-    Interval r{Interval::Ends()};
+    Interval r{Interval::UninitialisedTag()};
     mpfi_union(r.value_, a.ends(), b.ends());
     const bool are_always = a.undefined_ == Undefined::always && b.undefined_ == Undefined::always;
     const bool are_never = a.undefined_ == Undefined::never && b.undefined_ == Undefined::never;

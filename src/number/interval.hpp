@@ -16,9 +16,9 @@ namespace lostbits {
 /// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. Every result has the
 /// thread's current precision (`Interval::Precision`); operands may have any precision.
 ///
-/// A point that two doubles hold stays in that form as long as its sums and products are exact, and allocates nothing.
-/// Its MPFI endpoints are made on demand. Rays through edges and along tangents give exact zeros, which are proved this
-/// way. For a triangle in floats, with t, this takes a sixth of the time that MPFI took.
+/// An interval that is a single number is kept as two doubles as long as they hold it and its sums and products are
+/// exact. It allocates nothing, and its MPFI endpoints are made on demand. This proves the exact zeros of rays through
+/// edges and along tangents. For a triangle in floats, with t, it takes a sixth of the time that MPFI took.
 class Interval {
 public:
     /// Sets the working precision of this thread, in bits, for the lifetime of the scope.
@@ -49,7 +49,8 @@ public:
     Interval& operator=(Interval&& other) noexcept;
     ~Interval();
 
-    static Interval unknown(Undefined u = Undefined::maybe);
+    /// Interval of all reals, whose exact value may be undefined.
+    static Interval anything(Undefined u = Undefined::maybe);
     static Interval between(double lower, double upper);
 
     /// The endpoints of a point are made on demand, so only one thread at a time may use an interval.
@@ -78,8 +79,8 @@ public:
 
     friend Interval sqrt(const Interval& a);
     friend Interval fma(const Interval& a, const Interval& b, const Interval& c);
-    /// The square, whose lower end is 0 if a contains zero. Otherwise the root of x² + y² would be undefined if x and y
-    /// may be zero.
+    /// The square, whose lower end is 0 if a contains zero. The product a·a could have a lower end below 0, and then
+    /// the root of x² + y² might be undefined.
     friend Interval square(const Interval& a);
     friend Interval fma_square(const Interval& a, const Interval& c) { return square(a) + c; }
     friend Interval abs(const Interval& a);
@@ -87,20 +88,23 @@ public:
     /// The smallest interval that holds both a and b if the mask is undecided.
     friend Interval select(Tri mask, const Interval& a, const Interval& b);
 
-    /// Functions for root searches in enclosures. `middle` is a point of an interval, `between` the interval from one
-    /// to another, `largest_magnitude` the largest magnitude in an interval, as a point, and `precision_of` its number
-    /// of bits.
+    // Functions for root searches in enclosures
+
+    /// Point in the middle of an interval.
     friend Interval middle(const Interval& a);
-    friend Interval between(const Interval& low, const Interval& high);
+    /// Interval from the lower end of `low` to the upper end of `high`.
+    friend Interval enclose_between(const Interval& low, const Interval& high);
+    /// Largest magnitude in an interval, as a point.
     friend Interval largest_magnitude(const Interval& a);
+    /// Number of bits of an interval.
     friend int precision_of(const Interval& a) { return static_cast<int>(a.bits_); }
     /// Double nearest to the lower end.
     friend double nearest_double(const Interval& a) { return mpfr_get_d(a.lower(), MPFR_RNDN); }
 
 private:
-    /// Selects the constructor that leaves the endpoints to be set, at the working precision.
-    struct Ends {};
-    explicit Interval(Ends);
+    /// Selects the constructor that does not set the endpoints. They have the working precision.
+    struct UninitialisedTag {};
+    explicit Interval(UninitialisedTag);
     explicit Interval(const DoubleDouble& point) : point_(point), bits_(working_bits_), is_point_(true) {}
     void set_undefined(Undefined u);
     /// True if an operation on a and b may try its result as a point: both are points, and the working precision holds

@@ -16,14 +16,14 @@
 namespace lostbits {
 
 /// Largest number of stored numbers of a primitive: those of its shape, then those of its matrix.
-inline constexpr std::size_t most_stored = most_numbers + Affine<double>::numbers;
+inline constexpr std::size_t max_primitive_numbers = max_shape_numbers + Affine<double>::numbers;
 
 /// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A placement transforms
 /// the primitive to the world. Without a placement, its numbers are in world coordinates.
 template <class S>
 struct Primitive {
     Shape shape = shape_rows.front().shape;
-    std::array<S, most_numbers> numbers = zeros();
+    std::array<S, max_shape_numbers> numbers = zeros();
     std::optional<Placement<S>> placed = {};
 
     Primitive() = default;
@@ -60,11 +60,11 @@ struct Primitive {
 #undef LOSTBITS_LINE
 
 private:
-    static std::array<S, most_numbers> zeros() {
+    static std::array<S, max_shape_numbers> zeros() {
         return []<std::size_t... k>(std::index_sequence<k...>) {
-            return std::array<S, most_numbers>{(static_cast<void>(k), S(0))...};
+            return std::array<S, max_shape_numbers>{(static_cast<void>(k), S(0))...};
         }
-        (std::make_index_sequence<most_numbers>());
+        (std::make_index_sequence<max_shape_numbers>());
     }
 };
 

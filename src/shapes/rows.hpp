@@ -192,6 +192,6 @@ private:
     unsigned bits_ = 0;
 };
 
-inline constexpr std::size_t most_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
+inline constexpr std::size_t max_shape_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
 
 }  // namespace lostbits

@@ -55,7 +55,7 @@ Answer answer_of(const truth::Truth& found, const Given& given,
 template <class S>
 struct Columns {
     std::array<std::vector<S>, 6> ray;
-    std::array<std::vector<S>, most_stored> primitive;
+    std::array<std::vector<S>, max_primitive_numbers> primitive;
     std::vector<S> tmin, tmax;
     truth::ProblemColumns<S> columns;
 
@@ -77,8 +77,8 @@ struct Columns {
         if (!first.is_placed) return;
         columns.matrix = {true, first.is_inverse, placement_of(first.matrix).orientation};
         for (std::size_t k = 0; k < first.matrix.size(); ++k)
-            columns.primitive[most_numbers + k] =
-                put(primitive[most_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
+            columns.primitive[max_shape_numbers + k] =
+                put(primitive[max_shape_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
     }
 };
 

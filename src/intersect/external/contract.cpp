@@ -134,7 +134,7 @@ void require_valid(const Contract& c, const std::string& library) {
 
     require_line(c.title, "title", subject);
     require_line(c.source, "source", subject);
-    if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
+    if (process::FloatingPointState ignored; !process::FloatingPointState::parse_differences(c.state, ignored))
         throw InputError(subject +
                          ": state has an unknown value; leave it out if the processor computes as IEEE 754 asks");
     if (c.bits != 32 && c.bits != 64)
@@ -148,7 +148,7 @@ void require_valid(const Contract& c, const std::string& library) {
     // The properties must not contradict each other.
     require_roots(c, subject);
     require_valid_facing(c.facing, c.shape, subject);
-    require_origin(c.at_origin, inside_of(c), c.shape, subject);
+    refuse_unused_at_origin(c.at_origin, inside_of(c), c.shape, subject);
 }
 
 Info make_info(const Contract& c) {

@@ -23,7 +23,7 @@ struct Contract {
     Facing facing = Facing::both;
     unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE
     /// State of the processor in which the form computes, as loading the library left it
-    /// (`FloatingPoint::differences`). Empty for the state that IEEE 754 asks for.
+    /// (`FloatingPointState::differences`). Empty for the state that IEEE 754 asks for.
     std::string state = {};
 
     friend bool operator==(const Contract&, const Contract&) = default;

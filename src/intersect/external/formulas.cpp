@@ -79,7 +79,8 @@ std::optional<ForeignForm> find_first_root_form(const std::vector<Formula>& form
         const lb_form* const c_form =
             form.contract.bits == 64 ? formula.first_root_forms.f64 : formula.first_root_forms.f32;
         if (formula.intersector.info->name != form.contract.name || c_form == nullptr) continue;
-        ForeignForm first_root_form = build_foreign_form(*c_form, form.provider, process::FloatingPoint::standard());
+        ForeignForm first_root_form =
+            build_foreign_form(*c_form, form.provider, process::FloatingPointState::standard());
         first_root_form.contract = form.contract;
         first_root_form.contract.roots = Roots::first_only;
         first_root_form.contract.inside = formula.intersector.info->inside;

@@ -172,15 +172,15 @@ void end_if_overdue(const char* who, std::chrono::duration<double> duration) {
 
 }  // namespace
 
-ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint& fp_state)
+ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPointState& fp_state)
     : who_(who),
       outer_code_(running_code.load()),
-      state_before_(process::FloatingPoint::current()),
+      state_before_(process::FloatingPointState::current()),
       fp_state_(fp_state) {
     set_up_signal_stack();
     process::give_thread_own_folder();
     running_code = who;
-    fp_state.set();
+    fp_state.apply();
 
     // Takes a free slot for the watching thread, if there is one.
     const auto now = Clock::now().time_since_epoch().count();
@@ -200,8 +200,8 @@ ForeignCodeScope::~ForeignCodeScope() {
                          "close only what it opened, each descriptor by its number");
     restore_limits_sometimes(who_);
 
-    const auto state_after = process::FloatingPoint::current();
-    state_before_.set();
+    const auto state_after = process::FloatingPointState::current();
+    state_before_.apply();
     if (state_after != fp_state_)
         note_change(who_,
                     "changes how the processor computes during a call (" +
@@ -220,7 +220,7 @@ ProbeScope::~ProbeScope() {
 }
 
 ForeignLoadScope::~ForeignLoadScope() {
-    fp_state_.set();
+    fp_state_.apply();
     process::restore_after_loading();
     restore_limits_or_end(running_foreign_code());
     uselocale(LC_GLOBAL_LOCALE);

@@ -16,7 +16,7 @@ namespace lostbits::intersect::external {
 class ForeignCodeScope {
 public:
     explicit ForeignCodeScope(const char* who,
-                              const process::FloatingPoint& fp_state = process::FloatingPoint::standard());
+                              const process::FloatingPointState& fp_state = process::FloatingPointState::standard());
     ~ForeignCodeScope();
     ForeignCodeScope(const ForeignCodeScope&) = delete;
     ForeignCodeScope& operator=(const ForeignCodeScope&) = delete;
@@ -24,7 +24,7 @@ public:
 private:
     int slot_ = -1;
     const char *who_, *outer_code_;
-    process::FloatingPoint state_before_, fp_state_;
+    process::FloatingPointState state_before_, fp_state_;
 };
 
 /// While a guard lives, this thread loads foreign code or calls the function that returns its list. The guard restores
@@ -35,18 +35,18 @@ class ForeignLoadScope {
 public:
     /// `fp_state` is the state that the loading of the library left, if the library is already loaded.
     explicit ForeignLoadScope(const char* who,
-                              const process::FloatingPoint& fp_state = process::FloatingPoint::standard())
+                              const process::FloatingPointState& fp_state = process::FloatingPointState::standard())
         : inside_(who, fp_state), fp_state_(fp_state) {}
     ~ForeignLoadScope();
     ForeignLoadScope(const ForeignLoadScope&) = delete;
     ForeignLoadScope& operator=(const ForeignLoadScope&) = delete;
 
     /// Returns the current floating-point state of this thread.
-    [[nodiscard]] static process::FloatingPoint current_state() { return process::FloatingPoint::current(); }
+    [[nodiscard]] static process::FloatingPointState current_state() { return process::FloatingPointState::current(); }
 
 private:
     ForeignCodeScope inside_;
-    process::FloatingPoint fp_state_;
+    process::FloatingPointState fp_state_;
 };
 
 /// While this object lives, a message about foreign code that ends the program names this probe. The name must outlive

@@ -55,7 +55,8 @@ std::string loader_error(const fs::path& library) {
 
 }  // namespace
 
-ForeignForm build_foreign_form(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
+ForeignForm build_foreign_form(const lb_form& form, const std::string& from,
+                               const process::FloatingPointState& fp_state) {
     ForeignForm result{read_form_contract(form, from), from, {}};
     result.contract.state = fp_state.differences();
     const char* const lasting_name = lasting_text(name_in_messages(result));
@@ -136,7 +137,8 @@ std::string compile_command(const fs::path& source) {
 }  // namespace
 
 Library load_library(const fs::path& library) {
-    static std::map<void*, process::FloatingPoint> states_after_load;  // by handle; a second load runs no initialisers
+    static std::map<void*, process::FloatingPointState>
+        states_after_load;  // by handle; a second load runs no initialisers
     const std::string path = library.string();
     const char* const lasting_path = lasting_text(path);
     if (read_first_bytes(library, 4) != "\177ELF")

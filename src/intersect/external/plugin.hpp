@@ -30,7 +30,7 @@ struct Library {
     void* handle;  ///< handle for `dlsym`
     /// Floating-point environment that the library's initialisation leaves. A program that uses the library computes in
     /// this environment, so the forms of the library are called in it, too.
-    process::FloatingPoint fp_state;
+    process::FloatingPointState fp_state;
 };
 
 /// Loads a library. Throws InputError if the file is not a library.
@@ -48,7 +48,8 @@ const char* lasting_text(const std::string& text);
 
 /// Returns a form as a library states it. `form` must live as long as the library is loaded. `fp_state` is the
 /// floating-point environment of the library. Throws InputError, which begins with `from`, for an invalid contract.
-ForeignForm build_foreign_form(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
+ForeignForm build_foreign_form(const lb_form& form, const std::string& from,
+                               const process::FloatingPointState& fp_state);
 
 /// Loads a library, which stays loaded, and calls it for its forms. Throws InputError if the file is not a library,
 /// exports no `lostbits_forms`, is of another version, or states invalid contracts.

@@ -24,62 +24,66 @@ constexpr FallbackAnswer miss_in(FilterArithmetic arithmetic) { return {false, -
 /// A hit at t. Adding 0 turns −0 into +0.
 constexpr FallbackAnswer hit_in(double t, FilterArithmetic arithmetic) { return {true, t + 0.0, arithmetic}; }
 
-/// The decision and t, if the decision is proved and the error of t is at most 8u t.
-ProvedAnswer proved_answer(const FirstSpanHit<Proving<double>>& first_hit, double u) {
+/// The decision and t, if the decision is proved and the error of t is at most 8 unit_roundoff·t.
+ProvedAnswer proved_answer(const FirstSpanHit<Proving<double>>& first_hit, double unit_roundoff) {
     if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::wider);
     const double t = first_hit.t.word();
-    if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * u * t) return hit_in(t, FilterArithmetic::wider);
+    if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * unit_roundoff * t)
+        return hit_in(t, FilterArithmetic::wider);
     return std::nullopt;
 }
-ProvedAnswer proved_answer(const FirstSpanHit<Ball>& first_hit, double u) {
+ProvedAnswer proved_answer(const FirstSpanHit<Ball>& first_hit, double unit_roundoff) {
     if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::two_words);
     const double t = first_hit.t.hi();
-    if (first_hit.hit.is_yes() && first_hit.t.is_bounded() && first_hit.t.radius() <= 8 * u * t)
+    if (first_hit.hit.is_yes() && first_hit.t.is_bounded() && first_hit.t.radius() <= 8 * unit_roundoff * t)
         return hit_in(t, FilterArithmetic::two_words);
     return std::nullopt;
 }
-ProvedAnswer proved_answer(const FirstSpanHit<Running<TwoWords<double>>>& first_hit, double u) {
+ProvedAnswer proved_answer(const FirstSpanHit<Running<TwoWords<double>>>& first_hit, double unit_roundoff) {
     if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::two_words);
     const double t = first_hit.t.first();
-    if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * u * t) return hit_in(t, FilterArithmetic::two_words);
+    if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * unit_roundoff * t)
+        return hit_in(t, FilterArithmetic::two_words);
     return std::nullopt;
 }
 /// Both ends of t are rounded to double, so that a t that is subnormal, zero or too large has an answer too.
-ProvedAnswer proved_answer(const FirstSpanHit<Interval>& first_hit, double u) {
+ProvedAnswer proved_answer(const FirstSpanHit<Interval>& first_hit, double unit_roundoff) {
     if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::exact);
     if (!first_hit.hit.is_yes() || !first_hit.t.is_bounded()) return std::nullopt;
     const double low = mpfr_get_d(first_hit.t.lower(), MPFR_RNDN), high = mpfr_get_d(first_hit.t.upper(), MPFR_RNDN);
     constexpr double tiny = std::numeric_limits<double>::denorm_min();
-    if (!(low == high || high - low <= 4 * u * low + tiny)) return std::nullopt;
+    if (!(low == high || high - low <= 4 * unit_roundoff * low + tiny)) return std::nullopt;
     return hit_in(low, FilterArithmetic::exact);
 }
 
 template <template <class> class S, class E>
-ProvedAnswer proved_by(const double* numbers, double u) {
+ProvedAnswer proved_by(const double* numbers, double unit_roundoff) {
     const auto number_at = [numbers](std::size_t i) {
         if constexpr (std::constructible_from<E, double>) return E(numbers[i]);
         else return E(TwoWords<double>(numbers[i]));
     };
     const Ray<E> ray{{number_at(0), number_at(1), number_at(2)}, {number_at(3), number_at(4), number_at(5)}};
     return proved_answer(
-        first_span_hit(primitive_from<S, E>([&](std::size_t i) { return number_at(6 + i); }).span(ray)), u);
+        first_span_hit(primitive_from<S, E>([&](std::size_t i) { return number_at(6 + i); }).span(ray)), unit_roundoff);
 }
 
 template <template <class> class S, class E>
 using SpanOf = decltype(std::declval<const S<E>&>().span(std::declval<const Ray<E>&>()));
 
 template <template <class> class S>
-FallbackAnswer decide_by_escalation(const double* numbers, double u) {
-    if (u > 0x1p-53)
-        if (const ProvedAnswer proved_in_double = proved_by<S, Proving<double>>(numbers, u)) return *proved_in_double;
+FallbackAnswer decide_by_escalation(const double* numbers, double unit_roundoff) {
+    if (unit_roundoff > 0x1p-53)
+        if (const ProvedAnswer proved_in_double = proved_by<S, Proving<double>>(numbers, unit_roundoff))
+            return *proved_in_double;
     using Limits = FallbackLimits<SpanOf<S, Ball>>;
     if constexpr (Limits::tries_running_words)
-        if (const ProvedAnswer proved_in_two_words = proved_by<S, Running<TwoWords<double>>>(numbers, u))
+        if (const ProvedAnswer proved_in_two_words = proved_by<S, Running<TwoWords<double>>>(numbers, unit_roundoff))
             return *proved_in_two_words;
-    if (const ProvedAnswer proved_in_two_words = proved_by<S, Ball>(numbers, u)) return *proved_in_two_words;
+    if (const ProvedAnswer proved_in_two_words = proved_by<S, Ball>(numbers, unit_roundoff))
+        return *proved_in_two_words;
     for (long bits = 192; bits <= Limits::enough_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        if (const ProvedAnswer proved_exactly = proved_by<S, Interval>(numbers, u)) return *proved_exactly;
+        if (const ProvedAnswer proved_exactly = proved_by<S, Interval>(numbers, unit_roundoff)) return *proved_exactly;
     }
     return miss_in(FilterArithmetic::exact);  // the numbers are not a valid primitive
 }
@@ -99,11 +103,12 @@ inline constexpr bool is_filtered_by_span<Span<E>> = true;
 
 }  // namespace
 
-FallbackAnswer exact_fallback(Shape shape, const double* numbers, double u) {
+FallbackAnswer exact_fallback(Shape shape, const double* numbers, double unit_roundoff) {
     FallbackAnswer answer = miss_in(FilterArithmetic::exact);
     Primitives::each([&]<template <class> class S>() {
         if constexpr (is_filtered_by_span<SpanOf<S, Ball>>)
-            if (shape == shape_as<S> && are_finite<S>(numbers)) answer = decide_by_escalation<S>(numbers, u);
+            if (shape == shape_as<S> && are_finite<S>(numbers))
+                answer = decide_by_escalation<S>(numbers, unit_roundoff);
     });
     return answer;
 }

@@ -64,7 +64,10 @@ bool is_shader(const fs::path& file) {
 }
 
 Compiler::Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms)
-    : file_(fs::absolute(file).lexically_normal()), language_(language), terms_(terms), folder_("lostbits-function") {
+    : file_(fs::absolute(file).lexically_normal()),
+      language_(language),
+      terms_(terms),
+      temporary_folder_("lostbits-function") {
     if (terms_.headers.empty()) terms_.headers = file_.parent_path();
     program_ = language == SourceLanguage::cpp ? "clang++" : language == SourceLanguage::rust ? "rustc" : "clang";
     require_in_path(program_, language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
@@ -77,27 +80,27 @@ auto Compiler::ir_of_file() -> FileText {
     return {text, text};
 }
 
-std::string Compiler::compile_to_ir(const std::string& text, bool with_optimisation) {
-    const fs::path source = write_source(text), output = folder_.path / "function.ll";
-    process::ProgramArguments arguments = language_ == SourceLanguage::rust ? rust_arguments("lib") : c_arguments();
+std::string Compiler::compile_to_ir(const std::string& text, Optimisation optimisation) {
+    const fs::path source = write_source(text), output = temporary_folder_.path / "function.ll";
+    process::ProgramArguments arguments = language_ == SourceLanguage::rust ? rust_arguments("lib") : clang_arguments();
     if (language_ == SourceLanguage::rust)
-        arguments.insert(arguments.end(),
-                         {"--emit=llvm-ir", "-Cdebuginfo=2", with_optimisation ? "-Copt-level=1" : "-Copt-level=0",
-                          "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
+        arguments.insert(arguments.end(), {"--emit=llvm-ir", "-Cdebuginfo=2",
+                                           optimisation == Optimisation::on ? "-Copt-level=1" : "-Copt-level=0",
+                                           "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
     else arguments.insert(arguments.end(), {"-O0", "-g", "-fno-discard-value-names", "-S", "-emit-llvm"});
     run(std::move(arguments), source, output);
     return read_file(output);
 }
 
-external::Library Compiler::compile_library(const std::string& text, bool without_optimisation) {
-    const fs::path source = write_source(text), output = folder_.path / "function.so";
+external::Library Compiler::compile_library(const std::string& text, Optimisation optimisation) {
+    const fs::path source = write_source(text), output = temporary_folder_.path / "function.so";
     if (language_ == SourceLanguage::rust) {
         process::ProgramArguments arguments = rust_arguments("cdylib");
-        arguments.emplace_back(without_optimisation ? "-Copt-level=0" : "-Copt-level=3");
+        arguments.emplace_back(optimisation == Optimisation::off ? "-Copt-level=0" : "-Copt-level=3");
         run(std::move(arguments), source, output);
     } else {
-        process::ProgramArguments arguments = c_arguments();
-        arguments.insert(arguments.end(), {without_optimisation ? "-O0" : "-O2", "-shared", "-fPIC"});
+        process::ProgramArguments arguments = clang_arguments();
+        arguments.insert(arguments.end(), {optimisation == Optimisation::off ? "-O0" : "-O2", "-shared", "-fPIC"});
         if (language_ == SourceLanguage::llvm) arguments.emplace_back("-xir");
         run(std::move(arguments), source, output, {"-xnone", "-lm"});
     }
@@ -106,34 +109,34 @@ external::Library Compiler::compile_library(const std::string& text, bool withou
 
 std::string Compiler::ir_of_bitcode() {
     require_in_path("llvm-dis", "the Debian package llvm");
-    const fs::path output = folder_.path / "function.ll";
+    const fs::path output = temporary_folder_.path / "function.ll";
     run({"llvm-dis"}, file_, output);
     return read_file(output);
 }
 
 auto Compiler::ir_of_shader() -> FileText {
-    FileText output;
+    FileText result;
     spirv::ShaderLines lines;
     require_in_path("spirv-dis", "the Debian package spirv-tools");
     const bool is_binary = file_.extension() == ".spv";
     if (is_binary) run({"spirv-val"}, file_, {});
 
-    const fs::path code = is_binary ? file_ : spirv_of_shader(output.source, lines);
-    const fs::path text = folder_.path / "function.spvasm";
+    const fs::path code = is_binary ? file_ : spirv_of_shader(result.source, lines);
+    const fs::path text = temporary_folder_.path / "function.spvasm";
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
     const std::string assembly = read_file(text);
-    if (is_binary) output.source = assembly;
+    if (is_binary) result.source = assembly;
 
-    // A binary may name its source file. If that file is beside the binary, places are lines of it.
+    // A binary may name its source file. If that file is beside the binary, positions refer to its lines.
     const fs::path source_file = file_.parent_path() / spirv::source_file_name(assembly);
     if (std::error_code error; is_binary && fs::is_regular_file(source_file, error)) {
         lines.file = source_file.string();
-        output.source = read_file(source_file);
-        std::istringstream in(output.source);
+        result.source = read_file(source_file);
+        std::istringstream in(result.source);
         for (std::string line; std::getline(in, line);) lines.lines.push_back(line);
     }
-    output.ir = spirv::llvm_text_of(assembly, file_.string(), lines, has_opaque_pointers());
-    return output;
+    result.ir = spirv::llvm_text_of(assembly, file_.string(), lines, has_opaque_pointers());
+    return result;
 }
 
 fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& lines) {
@@ -149,13 +152,15 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     arguments.insert(arguments.end(), {"--auto-map-bindings", "--auto-map-locations"});
     if (language == Language::hlsl) arguments.emplace_back("-D");
 
-    // If the program with a token on each line does not compile, the program with the user's lines gives the messages.
-    const fs::path copied_source = folder_.path / file_.filename(), output = folder_.path / "function.spv";
+    // Compiles the program with a token on each line. If that fails, compiles the program with the user's lines, whose
+    // messages name the lines that the user knows.
+    const fs::path copied_source = temporary_folder_.path / file_.filename(),
+                   output = temporary_folder_.path / "function.spv";
     try {
-        write_text(copied_source, spirv::split_program(source, language, lines));
+        write_text(copied_source, spirv::program_with_token_lines(source, language, lines));
         run(arguments, copied_source, output);
     } catch (const InputError&) {
-        write_text(copied_source, spirv::whole_program(source, language));
+        write_text(copied_source, spirv::program_with_user_lines(source, language));
         run(arguments, copied_source, output);
         throw;
     }
@@ -164,7 +169,7 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
 
 /// True if clang writes pointers without the types of their targets.
 bool Compiler::has_opaque_pointers() {
-    const fs::path source = folder_.path / "pointer.c", output = folder_.path / "pointer.ll";
+    const fs::path source = temporary_folder_.path / "pointer.c", output = temporary_folder_.path / "pointer.ll";
     write_text(source, "void f(float* p) { *p = 0; }\n");
     run({program_, "-S", "-emit-llvm"}, source, output);
     return read_file(output).find("ptr ") != std::string::npos;
@@ -174,13 +179,13 @@ fs::path Compiler::write_source(const std::string& text) {
     const std::string ending = language_ == SourceLanguage::c      ? ".c"
                                : language_ == SourceLanguage::llvm ? ".ll"
                                                                    : ".cpp";
-    fs::path source =
-        folder_.path / (language_ == SourceLanguage::rust ? file_.filename().string() : "lostbits_entry" + ending);
+    fs::path source = temporary_folder_.path /
+                      (language_ == SourceLanguage::rust ? file_.filename().string() : "lostbits_entry" + ending);
     write_text(source, text);
     return source;
 }
 
-process::ProgramArguments Compiler::c_arguments() const {
+process::ProgramArguments Compiler::clang_arguments() const {
     process::ProgramArguments arguments{program_, "-w", "-ffp-contract=off"};
     if (language_ == SourceLanguage::llvm) return arguments;
     arguments.insert(arguments.end(),
@@ -198,20 +203,20 @@ process::ProgramArguments Compiler::rust_arguments(const std::string& kind) cons
             "-Ccodegen-units=1",
             "--crate-name=lostbits_function",
             "--crate-type=" + kind,
-            "--remap-path-prefix=" + folder_.path.string() + "=" + file_.parent_path().string()};
+            "--remap-path-prefix=" + temporary_folder_.path.string() + "=" + file_.parent_path().string()};
 }
 
 void Compiler::run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,
-                   const process::ProgramArguments& last_arguments) {
+                   const process::ProgramArguments& trailing_arguments) {
     if (!output.empty()) arguments.insert(arguments.end(), {"-o", output.string()});
     arguments.push_back(source.string());
-    arguments.insert(arguments.end(), last_arguments.begin(), last_arguments.end());
+    arguments.insert(arguments.end(), trailing_arguments.begin(), trailing_arguments.end());
     const std::string subject = file_.string() + ": " + arguments[0];
     process::Child child(arguments,
                          {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
     const process::Child::EndResult result = child.read_to_end();
     if (result.status == 0 && (output.empty() || fs::exists(output))) return;
-    std::string messages = clean_messages(result.output, folder_.path.string());
+    std::string messages = clean_messages(result.output, temporary_folder_.path.string());
     if (WIFSIGNALED(result.status))
         messages += "\nthe compiler crashed (signal " + std::to_string(WTERMSIG(result.status)) + ")";
     throw InputError(subject + " cannot compile it:\n" + messages +

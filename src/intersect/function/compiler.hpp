@@ -1,6 +1,7 @@
 // Compiles users' functions with clang and rustc, which run without a shell in a temporary folder.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -31,12 +32,13 @@ public:
     };
     /// Returns the LLVM IR of a file that holds LLVM IR, bitcode (read by llvm-dis) or a shader.
     FileText ir_of_file();
-    /// Compiles the user's file with `text` appended, and returns the LLVM IR.
-    std::string compile_to_ir(const std::string& text, bool with_optimisation);
-    /// Compiles the user's file with `text` appended into a library. `without_optimisation` is for long functions,
+    enum class Optimisation : std::uint8_t { off, on };
+    /// Compiles the user's file with `text` appended, and returns the LLVM IR. Only rustc optimises it.
+    std::string compile_to_ir(const std::string& text, Optimisation optimisation);
+    /// Compiles the user's file with `text` appended into a library. Long functions are compiled without optimisation,
     /// since the time of an optimising compiler grows with the square of a function's length. The answers have the same
     /// bits.
-    external::Library compile_library(const std::string& text, bool without_optimisation);
+    external::Library compile_library(const std::string& text, Optimisation optimisation);
     [[nodiscard]] const fs::path& file() const { return file_; }
 
 private:
@@ -45,17 +47,17 @@ private:
     fs::path spirv_of_shader(std::string& source, spirv::ShaderLines& lines);
     bool has_opaque_pointers();
     fs::path write_source(const std::string& text);
-    [[nodiscard]] process::ProgramArguments c_arguments() const;
+    [[nodiscard]] process::ProgramArguments clang_arguments() const;
     [[nodiscard]] process::ProgramArguments rust_arguments(const std::string& kind) const;
     void run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,
-             const process::ProgramArguments& last_arguments = {});
+             const process::ProgramArguments& trailing_arguments = {});
     void require_in_path(const std::string& program, const std::string& package) const;
 
     fs::path file_;
     SourceLanguage language_;
     CompileTerms terms_;
     std::string program_;
-    device::TemporaryFolder folder_;
+    device::TemporaryFolder temporary_folder_;
 };
 
 }  // namespace lostbits::intersect::function

@@ -90,11 +90,12 @@ std::string probe_of(SourceLanguage language, const fs::path& file, const std::s
 std::string probed_ir(Compiler& compiler, SourceLanguage language, const OptionParts& parts,
                       const std::string& source) {
     try {
-        return compiler.compile_to_ir(probe_of(language, compiler.file(), parts.function), false);
+        return compiler.compile_to_ir(probe_of(language, compiler.file(), parts.function), Compiler::Optimisation::off);
     } catch (const InputError&) {
         if (mentions(source, parts.function)) throw;
     }
-    const std::string ir_without_name = compiler.compile_to_ir(probe_of(language, compiler.file(), ""), false);
+    const std::string ir_without_name =
+        compiler.compile_to_ir(probe_of(language, compiler.file(), ""), Compiler::Optimisation::off);
     throw InputError(missing_function_message(ir_without_name, parts.file.string(), parts.function, language));
 }
 
@@ -360,7 +361,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     const SourceLanguage language = language_of(parts.file, option);
     auto user_function = std::make_unique<UserFunction>();
     user_function->path = parts.file.string();
-    user_function->name = option.substr(user_function->path.size());
+    user_function->option_suffix = option.substr(user_function->path.size());
     user_function->language = file_language_of(parts.file, language);
     Compiler compiler(parts.file, language, terms);
     const bool is_ir = language == SourceLanguage::llvm;
@@ -382,7 +383,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
         is_ir ? ir_wrapper_of(signature, probe, subject)
               : wrapper_of(signature,
                            language == SourceLanguage::rust ? user_function->source : compiler.file().string());
-    Module module(is_ir ? wrapper : compiler.compile_to_ir(wrapper, true));
+    Module module(is_ir ? wrapper : compiler.compile_to_ir(wrapper, Compiler::Optimisation::on));
     Nodes nodes(signature.bits);
     Walk walk(module, nodes, signature.folder.empty() ? compiler.file().parent_path().string() : signature.folder,
               is_ir ? compiler.file().string() : "");
@@ -412,8 +413,9 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     user_function->written = std::make_unique<table::WrittenForm>(formula, formula);
 
     // Compiles the function for its answers, and compares them with those of the recorded operations.
-    const external::Library library =
-        compiler.compile_library(wrapper, formula->operations.size() > max_optimised_operations);
+    const external::Library library = compiler.compile_library(
+        wrapper, formula->operations.size() > max_optimised_operations ? Compiler::Optimisation::off
+                                                                       : Compiler::Optimisation::on);
     user_function->answers = std::make_unique<external::ForeignIntersector>(
         signature.bits == 32 ? compiled_form<float>(library, signature, user_function->path, subject)
                              : compiled_form<double>(library, signature, user_function->path, subject));

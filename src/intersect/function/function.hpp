@@ -41,8 +41,8 @@ struct UserFunction {
     UserFunction(const UserFunction&) = delete;
     UserFunction& operator=(const UserFunction&) = delete;
 
-    std::string path;  ///< path of the user's file
-    std::string name;  ///< `:NAME` or `:NAME:SIGNATURE`, the rest of the option
+    std::string path;           ///< path of the user's file
+    std::string option_suffix;  ///< `:NAME` or `:NAME:SIGNATURE`, the rest of the option
     FileLanguage language = FileLanguage::other;
     int bits = 32;               ///< bits of the function's number format: 32 or 64
     int line = 0;                ///< line of the function's definition

@@ -19,13 +19,13 @@ namespace {
 struct Deviation {
     std::string_view name;
     std::uint64_t mask, value;
-    bool x87 = false;
+    bool is_x87 = false;
 };
 
 #if defined(__x86_64__) || defined(__i386__)
 
 // Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1, 8.1.5 and 10.2.3.
-constexpr std::uint64_t standard_main = 0x1F80, raised_exceptions = 0x3F;
+constexpr std::uint64_t standard_control = 0x1F80, raised_exceptions = 0x3F;
 constexpr std::uint32_t standard_x87 = 0x033F, x87_bits = 0x0F3F;
 constexpr std::array deviations{
     Deviation{"round_down", 0x6000, 0x2000},         Deviation{"round_up", 0x6000, 0x4000},
@@ -34,15 +34,15 @@ constexpr std::array deviations{
     Deviation{"x87_round_up", 0x0C00, 0x0800, true}, Deviation{"x87_round_to_zero", 0x0C00, 0x0C00, true},
     Deviation{"x87_24_bits", 0x0300, 0x0000, true},  Deviation{"x87_53_bits", 0x0300, 0x0200, true}};
 
-std::uint64_t main_now() noexcept { return _mm_getcsr() & ~static_cast<unsigned>(raised_exceptions); }
-std::uint32_t x87_now() noexcept {
+std::uint64_t read_control() noexcept { return _mm_getcsr() & ~static_cast<unsigned>(raised_exceptions); }
+std::uint32_t read_x87() noexcept {
     std::uint16_t word = 0;
     asm volatile("fnstcw %0" : "=m"(word));
     return word & x87_bits;
 }
 /// Sets the state and clears the raised exceptions, so that none of them traps later.
-void set_main(std::uint64_t bits) noexcept { _mm_setcsr(static_cast<unsigned>(bits)); }
-void set_x87(std::uint32_t bits) noexcept {
+void write_control(std::uint64_t bits) noexcept { _mm_setcsr(static_cast<unsigned>(bits)); }
+void write_x87(std::uint32_t bits) noexcept {
     const auto word = static_cast<std::uint16_t>(bits | 0x0040U);  // a bit that is always set
     asm volatile("fnclex\n\tfldcw %0" : : "m"(word));
 }
@@ -50,75 +50,75 @@ void set_x87(std::uint32_t bits) noexcept {
 #elif defined(__aarch64__)
 
 // Arm Architecture Reference Manual, FPCR: FZ is bit 24, RMode bits 22 and 23.
-constexpr std::uint64_t standard_main = 0;
+constexpr std::uint64_t standard_control = 0;
 constexpr std::uint32_t standard_x87 = 0;
 constexpr std::array deviations{Deviation{"round_up", 0xC00000, 0x400000}, Deviation{"round_down", 0xC00000, 0x800000},
                                 Deviation{"round_to_zero", 0xC00000, 0xC00000},
                                 Deviation{"flush_to_zero", 0x1000000, 0x1000000}};
 
-std::uint64_t main_now() noexcept {
+std::uint64_t read_control() noexcept {
     std::uint64_t bits = 0;
     asm volatile("mrs %0, fpcr" : "=r"(bits));
     return bits;
 }
-void set_main(std::uint64_t bits) noexcept { asm volatile("msr fpcr, %0" : : "r"(bits)); }
-std::uint32_t x87_now() noexcept { return 0; }
-void set_x87(std::uint32_t) noexcept {}
+void write_control(std::uint64_t bits) noexcept { asm volatile("msr fpcr, %0" : : "r"(bits)); }
+std::uint32_t read_x87() noexcept { return 0; }
+void write_x87(std::uint32_t) noexcept {}
 
 #else
 
-constexpr std::uint64_t standard_main = FE_TONEAREST;
+constexpr std::uint64_t standard_control = FE_TONEAREST;
 constexpr std::uint32_t standard_x87 = 0;
 constexpr std::array deviations{Deviation{"round_down", ~0ULL, FE_DOWNWARD}, Deviation{"round_up", ~0ULL, FE_UPWARD},
                                 Deviation{"round_to_zero", ~0ULL, FE_TOWARDZERO}};
 
-std::uint64_t main_now() noexcept { return static_cast<std::uint64_t>(std::fegetround()); }
-void set_main(std::uint64_t bits) noexcept { std::fesetround(static_cast<int>(bits)); }
-std::uint32_t x87_now() noexcept { return 0; }
-void set_x87(std::uint32_t) noexcept {}
+std::uint64_t read_control() noexcept { return static_cast<std::uint64_t>(std::fegetround()); }
+void write_control(std::uint64_t bits) noexcept { std::fesetround(static_cast<int>(bits)); }
+std::uint32_t read_x87() noexcept { return 0; }
+void write_x87(std::uint32_t) noexcept {}
 
 #endif
 
-/// Name of every other difference, such as exceptions that trap.
+/// Name for all differences that have no name of their own. Most of them are exceptions that trap.
 constexpr std::string_view other_difference = "traps";
 
 }  // namespace
 
-FloatingPoint FloatingPoint::current() noexcept {
-    FloatingPoint now;
-    now.main_ = main_now();
-    now.x87_ = x87_now();
+FloatingPointState FloatingPointState::current() noexcept {
+    FloatingPointState now;
+    now.control_ = read_control();
+    now.x87_ = read_x87();
     return now;
 }
 
-FloatingPoint FloatingPoint::standard() noexcept {
-    FloatingPoint state;
-    state.main_ = standard_main;
+FloatingPointState FloatingPointState::standard() noexcept {
+    FloatingPointState state;
+    state.control_ = standard_control;
     state.x87_ = standard_x87;
     return state;
 }
 
-void FloatingPoint::set() const noexcept {
-    const FloatingPoint now = current();
-    if (now.main_ != main_) set_main(main_);
-    if (now.x87_ != x87_) set_x87(x87_);
+void FloatingPointState::apply() const noexcept {
+    const FloatingPointState now = current();
+    if (now.control_ != control_) write_control(control_);
+    if (now.x87_ != x87_) write_x87(x87_);
 }
 
-std::string FloatingPoint::differences() const {
+std::string FloatingPointState::differences() const {
     std::string names;
-    FloatingPoint described_state = standard();
+    FloatingPointState described_state = standard();
     for (const Deviation& deviation : deviations) {
-        const std::uint64_t bits = deviation.x87 ? x87_ : main_,
-                            standard_bits = deviation.x87 ? standard_x87 : standard_main;
+        const std::uint64_t bits = deviation.is_x87 ? x87_ : control_,
+                            standard_bits = deviation.is_x87 ? standard_x87 : standard_control;
         if ((bits & deviation.mask) != deviation.value || (standard_bits & deviation.mask) == deviation.value) continue;
         names += (names.empty() ? "" : ",") + std::string(deviation.name);
-        read(std::string(deviation.name), described_state);
+        parse_differences(std::string(deviation.name), described_state);
     }
     if (described_state != *this) names += (names.empty() ? "" : ",") + std::string(other_difference);
     return names;
 }
 
-bool FloatingPoint::read(const std::string& names, FloatingPoint& state) {
+bool FloatingPointState::parse_differences(const std::string& names, FloatingPointState& state) {
     std::string_view rest = names;
     while (!rest.empty()) {
         const std::string_view name = rest.substr(0, rest.find(','));
@@ -127,10 +127,10 @@ bool FloatingPoint::read(const std::string& names, FloatingPoint& state) {
         for (const Deviation& deviation : deviations) {
             if (deviation.name != name) continue;
             is_known = true;
-            if (deviation.x87)
+            if (deviation.is_x87)
                 state.x87_ = (state.x87_ & ~static_cast<std::uint32_t>(deviation.mask)) |
                              static_cast<std::uint32_t>(deviation.value);
-            else state.main_ = (state.main_ & ~deviation.mask) | deviation.value;
+            else state.control_ = (state.control_ & ~deviation.mask) | deviation.value;
         }
         if (!is_known) return false;
     }
@@ -138,8 +138,8 @@ bool FloatingPoint::read(const std::string& names, FloatingPoint& state) {
 }
 
 void require_standard(const char* what) {
-    const FloatingPoint now = FloatingPoint::current();
-    if (now == FloatingPoint::standard()) return;
+    const FloatingPointState now = FloatingPointState::current();
+    if (now == FloatingPointState::standard()) return;
     throw Error(Exit::internal, std::string(what) + ": this thread does not compute as IEEE 754 asks (" +
                                     now.differences() +
                                     "), so nothing can be proved; some code changed that and did not restore it. To "

@@ -10,26 +10,27 @@ namespace lostbits::intersect::process {
 
 /// The control bits of SSE and of x87, without the raised exceptions. On AArch64 FPCR; on other processors only the
 /// rounding direction.
-class FloatingPoint {
+class FloatingPointState {
 public:
     /// Returns the state of this thread.
-    static FloatingPoint current() noexcept;
+    static FloatingPointState current() noexcept;
     /// Returns the state that IEEE 754 asks for and on which every number here relies: rounding to nearest, subnormal
     /// numbers kept, no traps, and 64 bits of significand on x87.
-    static FloatingPoint standard() noexcept;
+    static FloatingPointState standard() noexcept;
 
     /// Sets this state for this thread.
-    void set() const noexcept;
+    void apply() const noexcept;
     /// Returns the differences from the standard state as the property of a contract, such as
     /// `flush_to_zero,denormals_are_zero`; empty if there are none.
     [[nodiscard]] std::string differences() const;
-    /// The inverse of `differences`. Returns false for an unknown name.
-    static bool read(const std::string& names, FloatingPoint& state);
+    /// Applies differences, as `differences` names them, to `state`. Returns false for an unknown name. The difference
+    /// `traps` changes nothing.
+    static bool parse_differences(const std::string& names, FloatingPointState& state);
 
-    friend bool operator==(const FloatingPoint&, const FloatingPoint&) = default;
+    friend bool operator==(const FloatingPointState&, const FloatingPointState&) = default;
 
 private:
-    std::uint64_t main_ = 0;
+    std::uint64_t control_ = 0;
     std::uint32_t x87_ = 0;
 };
 
@@ -37,13 +38,13 @@ private:
 /// without a contract, such as image libraries and drivers.
 class FloatingPointGuard {
 public:
-    FloatingPointGuard() noexcept : state_before_(FloatingPoint::current()) {}
-    ~FloatingPointGuard() { state_before_.set(); }
+    FloatingPointGuard() noexcept : state_before_(FloatingPointState::current()) {}
+    ~FloatingPointGuard() { state_before_.apply(); }
     FloatingPointGuard(const FloatingPointGuard&) = delete;
     FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
 
 private:
-    FloatingPoint state_before_;
+    FloatingPointState state_before_;
 };
 
 /// Throws Error with Exit::internal, which names `what`, unless the thread has the standard state: an enclosure is not

@@ -13,20 +13,20 @@ namespace lostbits::intersect::process {
 template <class Body>
 void in_parallel(std::size_t first, std::size_t last, const Body& body) {
     tbb::parallel_for(first, last, [&body](std::size_t i) {
-        FloatingPoint::standard().set();
+        FloatingPointState::standard().apply();
         body(i);
     });
-    FloatingPoint::standard().set();
+    FloatingPointState::standard().apply();
 }
 
 /// Calls `body(range)` for parts of `all`, in any order and on several threads.
 template <class Body>
 void in_parallel(const tbb::blocked_range<std::size_t>& all, const Body& body) {
     tbb::parallel_for(all, [&body](const tbb::blocked_range<std::size_t>& range) {
-        FloatingPoint::standard().set();
+        FloatingPointState::standard().apply();
         body(range);
     });
-    FloatingPoint::standard().set();
+    FloatingPointState::standard().apply();
 }
 
 }  // namespace lostbits::intersect::process

@@ -13,7 +13,7 @@ const Interval& smaller(const Interval& a, const Interval& b, mpfr_srcptr (Inter
     return mpfr_less_p((a.*end)(), (b.*end)()) != 0 ? a : b;
 }
 Interval least(const Interval& a, const Interval& b) {
-    return between(smaller(a, b, &Interval::lower), smaller(a, b, &Interval::upper));
+    return enclose_between(smaller(a, b, &Interval::lower), smaller(a, b, &Interval::upper));
 }
 Interval hull(const Interval& a, const Interval& b) { return select(Tri::unknown, a, b); }
 Interval from_zero(const Interval& a) { return hull(Interval(0), a); }
@@ -273,7 +273,8 @@ EnclosedNode enclose_input(double low, double high) {
         for (int k = 0; k < 3; ++k) large = large * large;
         return x > 0 ? large : -large;
     };
-    EnclosedNode r{.is_known = true, .exact = between(to_interval(low), to_interval(high)), .rounding = Interval(0)};
+    EnclosedNode r{
+        .is_known = true, .exact = enclose_between(to_interval(low), to_interval(high)), .rounding = Interval(0)};
     r.computed = r.exact;
     return r;
 }

@@ -12,26 +12,26 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-/// 128 bits hold the product of two doubles, which has 106. The width of an enclosure then results from the box, not
-/// from the precision.
+/// 128 bits hold the product of two doubles, which has 106, so rounding hardly widens an enclosure; the box does.
 constexpr long interval_bits = 128;
 
 /// Intersection of a and b.
 Interval intersection(const Interval& a, const Interval& b) {
-    return between(mpfr_greater_p(a.lower(), b.lower()) != 0 ? a : b, mpfr_less_p(a.upper(), b.upper()) != 0 ? a : b);
+    return enclose_between(mpfr_greater_p(a.lower(), b.lower()) != 0 ? a : b,
+                           mpfr_less_p(a.upper(), b.upper()) != 0 ? a : b);
 }
 
 /// Enclosures of all nodes over a box. Intervals alone are wide for a formula in which an input occurs often. So every
 /// node also has its value m at the middle of the box and slopes s_k, with v = m + Σ s_k (x_k − middle of x_k) without
-/// rounding. The slopes are computed from the same quotients as the errors, taken between v and m. `error_` holds the
-/// whole rounding error of each node.
+/// rounding. The slopes are products of difference quotients (tape_bound.hpp), as the errors are. For the slopes the
+/// quotients compare v with m, in place of v^ with v. `error_` holds the whole rounding error of each node.
 class EnclosedTape {
 public:
     EnclosedTape(const Tape& tape, const std::vector<bool>& needed, const InputBox& box)
         : tape_(tape),
           box_(box),
           nodes_(tape.nodes.size()),
-          exact_(nodes_),
+          unrounded_(nodes_),
           middle_(nodes_),
           slopes_(nodes_.size()),
           error_(nodes_.size()) {
@@ -57,20 +57,20 @@ private:
     void enclose_node(NodeId i) {
         if (tape_[i].op == TapeOp::input) return enclose_input_node(i);
         EnclosedNode& node = nodes_[index_of(i)] = enclose_with(i, nodes_);
-        exact_[index_of(i)] = enclose_with(i, exact_);
+        unrounded_[index_of(i)] = enclose_with(i, unrounded_);
         middle_[index_of(i)] = enclose_with(i, middle_);
         drop_rounding(middle_[index_of(i)]);
         if (node.is_known && !is_decision(tape_[i].op)) narrow_node(i, node);
-        exact_[index_of(i)].is_known = node.is_known;
-        exact_[index_of(i)].exact = node.exact;
-        exact_[index_of(i)].exact_decision = node.exact_decision;
-        drop_rounding(exact_[index_of(i)]);
+        unrounded_[index_of(i)].is_known = node.is_known;
+        unrounded_[index_of(i)].exact = node.exact;
+        unrounded_[index_of(i)].exact_decision = node.exact_decision;
+        drop_rounding(unrounded_[index_of(i)]);
     }
 
     void enclose_input_node(NodeId i) {
         const auto k = index_of(tape_[i].operands[0]);
         const double middle = box_.at(k).is_point() ? box_[k].low : box_[k].low / 2 + box_[k].high / 2;
-        nodes_[index_of(i)] = exact_[index_of(i)] = enclose_input(box_[k].low, box_[k].high);
+        nodes_[index_of(i)] = unrounded_[index_of(i)] = enclose_input(box_[k].low, box_[k].high);
         middle_[index_of(i)] = enclose_input(middle, middle);
         for (const std::size_t f : variable_inputs_) slopes_[index_of(i)].emplace_back(f == k ? 1 : 0);
     }
@@ -112,16 +112,16 @@ private:
 
     /// Leaves the slopes empty if the node may jump, or if the middle or an operand with a nonzero quotient is unknown.
     void set_slopes(NodeId i) {
-        const EnclosedNode& quotients = exact_[index_of(i)];
-        if (!quotients.is_known || !middle_[index_of(i)].is_known || quotients.may_jump) return;
+        const EnclosedNode& exact_node = unrounded_[index_of(i)];
+        if (!exact_node.is_known || !middle_[index_of(i)].is_known || exact_node.may_jump) return;
         const auto operands = tape_.operands_of(i);
         std::vector<Interval> sum(variable_inputs_.size(), Interval(0));
         for (std::size_t k = 0; k < operands.size(); ++k) {
             const auto operand = index_of(operands[k]);
-            if (is_decision(tape_[operands[k]].op) || is_zero(quotients.quotients[k])) continue;
+            if (is_decision(tape_[operands[k]].op) || is_zero(exact_node.quotients[k])) continue;
             if (slopes_[operand].size() != variable_inputs_.size()) return;
             for (std::size_t f = 0; f < variable_inputs_.size(); ++f)
-                sum[f] = sum[f] + quotients.quotients[k] * slopes_[operand][f];
+                sum[f] = sum[f] + exact_node.quotients[k] * slopes_[operand][f];
         }
         slopes_[index_of(i)] = std::move(sum);
     }
@@ -131,12 +131,13 @@ private:
     std::vector<std::size_t> variable_inputs_;  ///< inputs whose range is not a single number
 
     std::vector<EnclosedNode> nodes_;
-    std::vector<EnclosedNode> exact_, middle_;  ///< without rounding, over the box and at its middle
+    std::vector<EnclosedNode> unrounded_, middle_;  ///< without rounding, over the box and at its middle
     std::vector<std::vector<Interval>> slopes_;
     std::vector<Interval> error_;
 };
 
-/// A_i of every node that t depends on. Returns nothing if t depends on a node that is unknown.
+/// Slope of t with respect to each node (A_i in tape_bound.hpp). Returns nothing if t depends on a node that is
+/// unknown.
 std::optional<std::vector<Interval>> slopes_of_t(const Tape& tape, const std::vector<EnclosedNode>& nodes) {
     std::vector<Interval> slope(nodes.size());
     slope[static_cast<std::size_t>(tape.outputs.t)] = Interval(1);
@@ -165,22 +166,26 @@ std::vector<bool> nodes_of_answer(const Tape& tape) {
     return needed;
 }
 
-/// Index of the input whose range is widest relative to its whole range; −1 if no range can be halved.
-int widest(const InputBox& box, const InputBox& whole) {
-    int widest_index = -1;
+/// Returns the index of the input whose range is widest relative to its whole range; −1 if no range can be halved.
+int axis_to_halve(const InputBox& box, const InputBox& whole) {
+    int axis = -1;
     double largest_width = 0;
     for (std::size_t k = 0; k < box.size(); ++k) {
         const double middle = box[k].low / 2 + box[k].high / 2;
         const double width = (box[k].high - box[k].low) / (whole[k].high - whole[k].low);
         if (!(box[k].low < middle && middle < box[k].high) || !(width > largest_width)) continue;
         largest_width = width;
-        widest_index = static_cast<int>(k);
+        axis = static_cast<int>(k);
     }
-    return widest_index;
+    return axis;
 }
 
-/// Score in bits of a box whose bound is unknown. No known bound is too wide by this many bits.
-constexpr double unknown_bits = 64;
+/// Excess in bits of a box whose bound is unknown. Larger than the excess of any known bound.
+constexpr double unknown_excess_bits = 64;
+/// A halving is stale if the bound of a half is larger than this fraction of the bound before.
+constexpr double stale_fraction = 0.98;
+/// One in this many leaves is halved in each round, rounded up.
+constexpr std::size_t leaves_per_halving = 4;
 
 }  // namespace
 
@@ -217,13 +222,14 @@ std::vector<double> TapeBound::node_contributions(const InputBox& box) const {
     return contributions;
 }
 
-BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size_t boxes,
+BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size_t max_leaves,
                                const intersect::process::StopToken& stop) {
     variable_count_ = static_cast<int>(std::ranges::count_if(whole, [](const InputRange& x) { return !x.is_point(); }));
     parts_.push_back({.bound = bound.bound_over(whole)});
     parts_.front().box = std::move(whole);
-    for (std::size_t leaves = 1; leaves < boxes;) {
-        const auto chosen = boxes_to_halve(std::min((leaves + 3) / 4, boxes - leaves));
+    for (std::size_t leaves = 1; leaves < max_leaves;) {
+        const auto chosen =
+            boxes_to_halve(std::min((leaves + leaves_per_halving - 1) / leaves_per_halving, max_leaves - leaves));
         if (chosen.empty()) break;
         halve(chosen, bound, stop);
         leaves += chosen.size();
@@ -233,18 +239,21 @@ BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size
 /// Returns the boxes with the largest scores. The score of a box is its volume times the bits by which its bound
 /// exceeds the smallest bound of all boxes.
 std::vector<std::size_t> BoxSubdivision::boxes_to_halve(std::size_t limit) const {
-    double best = HUGE_VAL;
+    double smallest_error = HUGE_VAL;
     for (const SubBox& p : parts_)
-        if (!p.is_halved() && p.bound.error > 0) best = std::fmin(best, p.bound.error);
+        if (!p.is_halved() && p.bound.error > 0) smallest_error = std::fmin(smallest_error, p.bound.error);
     std::vector<std::pair<double, std::size_t>> candidates;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         const SubBox& p = parts_[i];
         if (p.is_halved() || p.bound.misses || p.bound.error == 0 || p.stale_halvings >= 2 * variable_count_) continue;
-        if (widest(p.box, parts_.front().box) < 0) continue;
-        const double excess_bits = p.bound.error < HUGE_VAL ? 1 + std::log2(p.bound.error / best) : unknown_bits;
-        candidates.emplace_back(-p.volume_fraction * excess_bits, i);
+        if (axis_to_halve(p.box, parts_.front().box) < 0) continue;
+        const double excess_bits =
+            p.bound.error < HUGE_VAL ? 1 + std::log2(p.bound.error / smallest_error) : unknown_excess_bits;
+        candidates.emplace_back(p.volume_fraction * excess_bits, i);
     }
-    std::ranges::sort(candidates);
+    std::ranges::sort(candidates, [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
     candidates.resize(std::min(limit, candidates.size()));
     std::vector<std::size_t> chosen;
     for (const auto& [score, i] : candidates) chosen.push_back(i);
@@ -256,7 +265,7 @@ void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const Ta
     const std::size_t first = parts_.size();
     for (const std::size_t i : parts_to_halve) {
         SubBox& p = parts_[i];
-        p.axis = widest(p.box, parts_.front().box);
+        p.axis = axis_to_halve(p.box, parts_.front().box);
         InputRange& range = p.box[static_cast<std::size_t>(p.axis)];
         p.middle = range.low / 2 + range.high / 2;
 
@@ -277,7 +286,7 @@ void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const Ta
         const double previous_error = p.bound.error;
         p.bound = bound.bound_over(p.box);
         p.bound.error = std::fmin(p.bound.error, previous_error);
-        p.stale_halvings = p.bound.error > 0.98 * previous_error ? p.stale_halvings + 1 : 0;
+        p.stale_halvings = p.bound.error > stale_fraction * previous_error ? p.stale_halvings + 1 : 0;
     });
 }
 

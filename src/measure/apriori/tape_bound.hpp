@@ -71,8 +71,8 @@ struct SubBox {
 
 class BoxSubdivision {
 public:
-    /// Divides `whole` into at most `boxes` boxes, the same ones for any number of threads.
-    BoxSubdivision(const TapeBound& bound, InputBox whole, std::size_t boxes,
+    /// Divides `whole` into at most `max_leaves` boxes, the same ones for any number of threads.
+    BoxSubdivision(const TapeBound& bound, InputBox whole, std::size_t max_leaves,
                    const intersect::process::StopToken& stop);
 
     /// The box that contains these inputs, which lie in the whole box.

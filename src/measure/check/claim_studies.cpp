@@ -171,7 +171,7 @@ void measure(const SubjectClaims<StudySubject>& claims, const ClaimRequest& run)
         tested_form_for(subject_claim.claim,
                         scene);  // throws, with the position of this claim, before the measurement starts
         if (!names.contains(study))
-            names[study] = find_for_claim(subject_claim.claim, [&] { return run.studies->names(study); });
+            names[study] = find_for_claim(subject_claim.claim, [&] { return run.studies->allowed_names(study); });
         require_names(subject_claim, names.at(study));
         claims_by_options[{study, split_options(subject_claim, names.at(study)).run_options}].push_back(subject_claim);
     }

@@ -41,8 +41,8 @@ struct StudyNames {
 class ClaimStudies {
 public:
     virtual ~ClaimStudies() = default;
-    /// Names of a study. Throws InputError for an unknown study.
-    [[nodiscard]] virtual StudyNames names(const std::string& study) const = 0;
+    /// Names of a study that a claim can use. Throws InputError for an unknown study.
+    [[nodiscard]] virtual StudyNames allowed_names(const std::string& study) const = 0;
     /// Rows of the summary of a study. Throws InputError if the study does not take the scene, a form or the value of
     /// an option.
     [[nodiscard]] virtual std::vector<StudyRow> measure(const std::string& study,

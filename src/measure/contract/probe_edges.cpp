@@ -156,7 +156,7 @@ Mesh random_mesh(int bits, rays::Random& random) {
     const Vec<double> y = random.between(0.5, 2) * rays::draw_across(random, x);
     const Vec<double> z = cross((1 / length(x)) * x, y);
     for (Vec<double>& v : mesh.vertices) v = round_to_bits(v.x * x + v.y * y + v.z * z, bits);
-    tidy(mesh, [](std::size_t) { return std::string(); });
+    merge_and_count(mesh, [](std::size_t) { return std::string(); });
     return mesh;
 }
 

@@ -26,7 +26,7 @@ namespace lostbits::measure::contract {
 /// One ray and one primitive, in numbers of the format of the form.
 struct Question {
     Ray<double> ray;
-    std::array<double, most_numbers> primitive;  ///< as in `Primitive::numbers`
+    std::array<double, max_shape_numbers> primitive;  ///< as in `Primitive::numbers`
     double end = std::numeric_limits<double>::infinity();
     double start = 0;
 };

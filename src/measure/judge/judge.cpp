@@ -88,18 +88,18 @@ public:
         constexpr std::size_t most_pieces = 4;
         const auto read_filter = tbb::make_filter<void, std::shared_ptr<Piece>>(
             tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
-                intersect::process::FloatingPoint::standard().set();
+                intersect::process::FloatingPointState::standard().apply();
                 return read_piece(flow);
             });
         const auto prepare_filter = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
             tbb::filter_mode::parallel, [this](std::shared_ptr<Piece> piece) {
-                intersect::process::FloatingPoint::standard().set();
+                intersect::process::FloatingPointState::standard().apply();
                 prepare(*piece);
                 return piece;
             });
         const auto measure_filter = tbb::make_filter<std::shared_ptr<Piece>, void>(
             tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) {
-                intersect::process::FloatingPoint::standard().set();
+                intersect::process::FloatingPointState::standard().apply();
                 measure(*piece);
             });
 

@@ -147,7 +147,8 @@ private:
             const crossing::MeshCrossing* const owner = answer.judgement.crossings_of_hits[k];
             const double t = answer.hits[k].t;
             if (owner != nullptr && request_.contract.has_t && !std::isnan(t))
-                answer.ulps[k] = truth::ulp_error(t, request_.contract.unit ? owner->distance : owner->t, format);
+                answer.ulps[k] =
+                    truth::ulp_error(t, request_.contract.unit_direction ? owner->distance : owner->t, format);
         }
         answer.judgement.crossings_of_hits.clear();  // the crossings do not outlive `judge`
     }

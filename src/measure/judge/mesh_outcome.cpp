@@ -125,7 +125,7 @@ private:
             const MeshCrossing& owner = *surfaces[s].owners.front();
             return contract_.has_t ? std::fabs(truth::scaled_difference(
                                          truth::as_certified(std::isfinite(hits_[i].t) ? hits_[i].t : 0),
-                                         contract_.unit ? owner.distance : owner.t, 0))
+                                         contract_.unit_direction ? owner.distance : owner.t, 0))
                                    : 0;
         };
 

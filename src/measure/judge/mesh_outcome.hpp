@@ -69,7 +69,7 @@ struct ListedHit {
 /// Meaning of the answers where geometry leaves it open.
 struct MeshContract {
     bool has_t = true;
-    bool unit = false;  ///< t is a distance
+    bool unit_direction = false;  ///< directions have length 1, so t is a distance
     /// A ray that only touches the surface, at a fold or a border, may also be listed without this hit.
     bool touching_may_miss = false;
     intersect::Facing facing = intersect::Facing::both;  ///< side from which triangles are hit

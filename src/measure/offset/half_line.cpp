@@ -184,7 +184,7 @@ FarSide find_far_side(const WallSpan<double>& s) {
 /// 2√a (R + r) on a line that meets the ball of radius R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of
 /// x.
 FarSide find_far_side(const QuarticSpan<double>& s) {
-    const ApproximateRoots<double> turns = approximate_roots(s.f.slope(), s.bound);
+    const ApproximateRoots<double> turns = approximate_roots(s.f.derivative(), s.bound);
     if (turns.count < 3) return {};
     const double turn = turns.x[1];
     if (!(turn > s.b) || !(s.f.at(turn) > 0)) return {};

@@ -247,7 +247,7 @@ std::vector<choose::GrowthMargin> find_margins_of_tape(const RepairRequest& requ
         .scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     choice_request.limit = request.limit;
     const tape::TapeForm form(*request.tested_form.form, request.tested_form.format, tape, "mended", "");
-    return find_margins(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays);
+    return find_margins(choice_request, {.form = &form.form(), .format = request.tested_form.format}, few_rays_count);
 }
 
 }  // namespace lostbits::measure::repair

@@ -101,7 +101,7 @@ struct FormWithQuality {
 std::vector<FormWithQuality> rank_catalogue(const RepairRequest& request);
 
 /// Largest number of rays on which `find_margins_of_tape` and probes measure.
-inline constexpr int few_rays = 4096;
+inline constexpr int few_rays_count = 4096;
 
 /// Ranges in which the requirement holds for a form that has the contract of the request's form and the operations of
 /// the tape.

@@ -50,10 +50,10 @@ public:
     /// The values of the old tape's nodes after the change.
     [[nodiscard]] std::vector<int> values_with(const std::map<NodeId, NodeId>& replacements) {
         std::map<NodeId, int> values;
-        for (const auto& [o, n] : replacements) values[o] = value_of_new(n);
+        for (const auto& [old_node, new_node] : replacements) values[old_node] = value_of_new(new_node);
         return shared_.values_of(old_tape_, values);
     }
-    [[nodiscard]] int value_of_new(NodeId n) const { return new_values_[static_cast<std::size_t>(n)]; }
+    [[nodiscard]] int value_of_new(NodeId new_node) const { return new_values_[static_cast<std::size_t>(new_node)]; }
     [[nodiscard]] SharedNodes& shared() { return shared_; }
 
 private:
@@ -106,8 +106,8 @@ private:
     /// Finds a node that does not have the value of its counterpart in the new tape, because an operation that it uses
     /// was replaced for another node.
     [[nodiscard]] NodeId find_wrong_node(const std::vector<int>& changed_values) const {
-        for (const auto& [o, n] : matched_pairs_)
-            if (changed_values[static_cast<std::size_t>(o)] != value_of_new(n)) return o;
+        for (const auto& [old_node, new_node] : matched_pairs_)
+            if (changed_values[static_cast<std::size_t>(old_node)] != value_of_new(new_node)) return old_node;
         return no_node;
     }
     void forbid_below(NodeId wrong_node) {

@@ -42,7 +42,7 @@ struct UnwritableChange : std::runtime_error {
 struct VisibleName {
     std::size_t begin;
     std::string text;
-    int value;
+    int value_index;
 };
 
 /// The part of the text that computes a node.
@@ -67,7 +67,7 @@ public:
             position = text_.find('\n', position);
             if (position != std::string::npos) ++position;
         }
-        if (request.scene) smaller_scene_ = choose::with_smaller_picture(*request.scene, few_rays);
+        if (request.scene) smaller_scene_ = choose::with_smaller_picture(*request.scene, few_rays_count);
         if (smaller_scene_) judge_.emplace(request, *smaller_scene_);
         else judge_.emplace(request);
         locate_nodes();
@@ -132,12 +132,12 @@ private:
 
         // rustc gives the beginning of an expression, so several expressions can have the same place. The last one is
         // the whole expression.
-        const bool is_begin = function_.language == FileLanguage::rust;
+        const bool columns_are_starts = function_.language == FileLanguage::rust;
         for (const auto& [position, nodes] : nodes_by_position) {
-            if (nodes.size() > 1 && !is_begin) continue;
+            if (nodes.size() > 1 && !columns_are_starts) continue;
             const std::size_t offset = line_begin(position.first) + static_cast<std::size_t>(position.second - 1);
             computed_[*std::ranges::max_element(nodes)] = {
-                is_begin ? tokens_.expression_from(offset) : tokens_.expression_at(offset), false};
+                columns_are_starts ? tokens_.expression_from(offset) : tokens_.expression_at(offset), false};
         }
     }
 
@@ -162,14 +162,14 @@ private:
     }
 
     std::string make_diff(const Tape& new_tape, bool shares_values);
-    void write_expression(NodeId o, NodeId n, bool shares_values);
+    void write_expression(NodeId old_node, NodeId new_node, bool shares_values);
     std::string declare_shared_values(NodeId n, const SourceTokens::Statement& statement, bool shares_values);
     void begin_patch(Matcher& matcher, const Tape& new_tape);
     void add_visible_names(const std::map<NodeId, NodeId>& replacements);
     void count_uses(const std::map<NodeId, NodeId>& replacements);
     std::vector<NodeId> nodes_needed_by(NodeId n) const;
-    std::string operand_text(NodeId n, int precedence) const;
-    std::string expression_text(NodeId n, int& precedence) const;
+    std::string operand_text(NodeId n, SourcePrecedence required) const;
+    std::string expression_text(NodeId n, SourcePrecedence& precedence) const;
     [[nodiscard]] const std::string* name_of(NodeId n) const;
     void collect_visible_names(std::size_t offset);
     std::string make_name(NodeId n);
@@ -196,21 +196,21 @@ private:
     Matcher* matcher_ = nullptr;
     const Tape* new_tape_ = nullptr;
     std::vector<VisibleName> visible_names_;
-    /// Names that are visible where the text is written, by their values.
+    /// Names that are visible where the text is written, by the indices of their values in `Matcher::shared`.
     std::map<int, std::string> names_by_value_;
-    std::map<NodeId, int> uses_;
+    std::map<NodeId, int> use_counts_;
     std::set<std::string> used_names_;
     std::vector<TextChange> changes_;
 };
 
 /// Collects the names that can be read at an offset, each with its last value before the offset.
 void Patcher::Writer::collect_visible_names(std::size_t offset) {
-    std::map<std::string, int> last_values;
+    std::map<std::string, int> last_value_indices;
     for (const VisibleName& v : visible_names_)
-        if (v.begin <= offset) last_values[v.text] = v.value;
+        if (v.begin <= offset) last_value_indices[v.text] = v.value_index;
     names_by_value_.clear();
-    for (const auto& [text, value] : last_values) {
-        std::string& name = names_by_value_[value];
+    for (const auto& [text, value_index] : last_value_indices) {
+        std::string& name = names_by_value_[value_index];
         if (name.empty() || text.size() < name.size()) name = text;
     }
 }
@@ -235,21 +235,21 @@ std::vector<NodeId> Patcher::Writer::nodes_needed_by(NodeId n) const {
     return {needed.begin(), needed.end()};
 }
 
-std::string Patcher::Writer::operand_text(NodeId n, int precedence) const {
+std::string Patcher::Writer::operand_text(NodeId n, SourcePrecedence required) const {
     if (const std::string* const name = name_of(n)) return *name;
-    int own_precedence = 4;
-    const std::string text = expression_text(n, own_precedence);
-    return own_precedence < precedence ? "(" + text + ")" : text;
+    SourcePrecedence precedence = SourcePrecedence::call;
+    const std::string text = expression_text(n, precedence);
+    return precedence < required ? "(" + text + ")" : text;
 }
 
 /// Returns an expression for node n; sets `precedence` to that of the expression.
-std::string Patcher::Writer::expression_text(NodeId n, int& precedence) const {
+std::string Patcher::Writer::expression_text(NodeId n, SourcePrecedence& precedence) const {
     const TapeNode& node = (*new_tape_)[n];
     const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
         const std::string digits = digits_in(function_.language, *x, is_wide);
         if (digits.empty()) throw UnwritableChange("it has a number that is not finite");
-        precedence = digits.starts_with('-') ? 3 : 4;
+        precedence = digits.starts_with('-') ? SourcePrecedence::sign : SourcePrecedence::call;
         return digits;
     }
     if (node.op == TapeOp::input) throw UnwritableChange("it needs a number that has no name in the function");
@@ -261,8 +261,9 @@ std::string Patcher::Writer::expression_text(NodeId n, int& precedence) const {
         throw UnwritableChange(
             fmt::format("it needs {}, which the language does not have", lostbits::name_of(node.op)));
     precedence = source_pattern.precedence;
-    return attribution::fill_pattern(source_pattern.pattern,
-                                     [&](std::size_t k, int level) { return operand_text(node.operands[k], level); });
+    return attribution::fill_pattern(source_pattern.pattern, [&](std::size_t k, int level) {
+        return operand_text(node.operands[k], SourcePrecedence{level});
+    });
 }
 
 std::string Patcher::Writer::make_name(NodeId n) {
@@ -282,28 +283,29 @@ std::string Patcher::Writer::make_name(NodeId n) {
 
 /// Counts how often the new expressions use each node.
 void Patcher::Writer::count_uses(const std::map<NodeId, NodeId>& replacements) {
-    uses_.clear();
-    for (const auto& [o, n] : replacements) {
-        collect_visible_names(computed_.at(o).span.begin);
-        ++uses_[n];
-        for (const NodeId i : nodes_needed_by(n))
-            for (const NodeId k : new_tape_->operands_of(i)) ++uses_[k];
+    use_counts_.clear();
+    for (const auto& [old_node, new_node] : replacements) {
+        collect_visible_names(computed_.at(old_node).span.begin);
+        ++use_counts_[new_node];
+        for (const NodeId i : nodes_needed_by(new_node))
+            for (const NodeId k : new_tape_->operands_of(i)) ++use_counts_[k];
     }
 }
 
-/// Replaces the text of old node `o` by an expression of new node `n`. Declares values that the expression needs more
+/// Replaces the text of an old node by an expression of a new node. Declares values that the expression needs more
 /// than once before its statement.
-void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
-    const ComputedText& computed_text = computed_.at(o);
+void Patcher::Writer::write_expression(NodeId old_node, NodeId new_node, bool shares_values) {
+    const ComputedText& computed_text = computed_.at(old_node);
     collect_visible_names(computed_text.span.begin);
     const SourceTokens::Statement statement = tokens_.statement_around(computed_text.span.begin);
-    const std::string declarations = declare_shared_values(n, statement, shares_values);
+    const std::string declarations = declare_shared_values(new_node, statement, shares_values);
 
     // Brackets the expression where the text around it binds more tightly.
-    int precedence = 4;
-    std::string text = name_of(n) != nullptr ? *name_of(n) : expression_text(n, precedence);
-    const int required_precedence =
-        computed_text.is_statement ? -2 : pattern_in(function_.language, old_tape_[o].op, false).precedence;
+    SourcePrecedence precedence = SourcePrecedence::call;
+    std::string text = name_of(new_node) != nullptr ? *name_of(new_node) : expression_text(new_node, precedence);
+    const SourcePrecedence required_precedence =
+        computed_text.is_statement ? SourcePrecedence::choice
+                                   : pattern_in(function_.language, old_tape_[old_node].op, false).precedence;
     if (precedence < required_precedence) text = "(" + text + ")";
 
     if (!declarations.empty()) changes_.push_back({{statement.begin, statement.begin}, declarations});
@@ -321,9 +323,10 @@ std::string Patcher::Writer::declare_shared_values(NodeId n, const SourceTokens:
     std::string declarations;
     for (const NodeId i : nodes_needed_by(n)) {
         const TapeOp op = (*new_tape_)[i].op;
-        if (i == n || uses_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr) continue;
+        if (i == n || use_counts_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr)
+            continue;
 
-        int precedence = 4;
+        SourcePrecedence precedence = SourcePrecedence::call;
         const std::string value = expression_text(i, precedence), name = make_name(i);
         const bool is_boolean = is_decision(op);
         declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +
@@ -370,7 +373,7 @@ void Patcher::Writer::add_visible_names(const std::map<NodeId, NodeId>& replacem
 
 /// Returns the changes as a diff; empty if the changed file does not answer like the tape.
 std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values) {
-    const std::function<bool(NodeId)> can_replace = [this](NodeId o) { return computed_.contains(o); };
+    const std::function<bool(NodeId)> can_replace = [this](NodeId old_node) { return computed_.contains(old_node); };
     Matcher matcher(old_tape_, new_tape, can_replace);
     const auto replacements = matcher.find_replacements();
     if (!replacements) throw UnwritableChange("the operations that change are not whole expressions of the function");
@@ -382,7 +385,7 @@ std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values)
     std::vector<std::pair<NodeId, NodeId>> order(replacements->begin(), replacements->end());
     std::ranges::sort(order, {}, [&](const auto& pair) { return computed_.at(pair.first).span; });
     count_uses(*replacements);
-    for (const auto& [o, n] : order) write_expression(o, n, shares_values);
+    for (const auto& [old_node, new_node] : order) write_expression(old_node, new_node, shares_values);
 
     const std::optional<std::string> changed_file = apply_changes(text_, changes_);
     if (!changed_file || !answers_like_tape(*changed_file, new_tape)) return "";
@@ -396,7 +399,7 @@ bool Patcher::Writer::answers_like_tape(const std::string& text, const Tape& new
     std::ofstream(copy_path, std::ios::binary) << text;
     try {
         const auto patched = intersect::function::load_function(
-            copy_path.string() + function_.name,
+            copy_path.string() + function_.option_suffix,
             {.stop = request_.limit.stop, .headers = std::filesystem::absolute(original_path).parent_path()});
         if (patched->intersector.shape != request_.tested_form.form->shape) return false;
         return has_answers_of_tape({.form = &patched->intersector, .format = request_.tested_form.format}, new_tape,
@@ -413,7 +416,7 @@ Patcher::Patcher(const RepairRequest& request, const Tape& old_tape) {
 
 Patcher::~Patcher() = default;
 
-bool Patcher::has_file() const { return writer_ != nullptr; }
+bool Patcher::can_write() const { return writer_ != nullptr; }
 
 Patch Patcher::make_patch(const Tape& new_tape) { return writer_->make_patch(new_tape); }
 

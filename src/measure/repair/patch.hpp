@@ -26,10 +26,10 @@ public:
     Patcher& operator=(const Patcher&) = delete;
 
     /// True if the form is a function of a file (`--function`).
-    [[nodiscard]] bool has_file() const;
+    [[nodiscard]] bool can_write() const;
     /// Returns a patch with which the function computes what the new tape computes, or the reason why there is none.
-    /// The patched file has been compiled, and its operations followed: on at most `few_rays` rays of the request, they
-    /// give the same bits as the new tape.
+    /// The patched file has been compiled, and its operations followed: on at most `few_rays_count` rays of the
+    /// request, they give the same bits as the new tape.
     [[nodiscard]] Patch make_patch(const Tape& new_tape);
 
 private:

@@ -399,7 +399,8 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
         widen_where_needed(rewritten, result, request, judge, affordable);
 
     measure_probes(result, request, judge, affordable);
-    if (!result.wider_set) result.obstruction = RaySample(request, few_rays).compare_without_rounding(result.tape);
+    if (!result.wider_set)
+        result.obstruction = RaySample(request, few_rays_count).compare_without_rounding(result.tape);
     result.tried = judge.tried();
     measure_held_out(result, request);
     return result;

@@ -9,12 +9,14 @@
 
 namespace lostbits::measure::repair {
 
-/// Pattern of an operation: `$1:2` is the first operand, in parentheses if its precedence is below 2. Choices have
-/// the precedence -2, logic -1, comparisons 0, sums 1, products 2, signs 3, calls 4. The pattern is
+/// How tightly an expression binds. Patterns contain the numbers; `:5` puts every expression but a name in parentheses.
+enum class SourcePrecedence : int { choice = -2, logic = -1, comparison = 0, sum = 1, product = 2, sign = 3, call = 4 };
+
+/// Pattern of an operation: `$1:2` is the first operand, in parentheses if its precedence is below 2. The pattern is
 /// empty if the language has no such operation.
 struct SourcePattern {
     std::string_view pattern;
-    int precedence;
+    SourcePrecedence precedence;
 };
 
 /// Pattern of an operation on floats or doubles.

@@ -15,7 +15,7 @@ namespace lostbits::measure::stability {
 
 using namespace truth;
 
-constexpr std::size_t most_inputs = 6 + most_stored;
+constexpr std::size_t most_inputs = 6 + max_primitive_numbers;
 using Near = number::wide::AffineForm<most_inputs>;
 
 /// Change of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector). If

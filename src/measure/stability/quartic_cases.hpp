@@ -35,7 +35,7 @@ struct CriticalPoints {
     explicit CriticalPoints(const QuarticSpan<E>& s) {
         Polynomial<double> f{{}, 4};
         for (int i = 0; i <= 4; ++i) f.coefficient(i) = value_of(s.f.coefficient(i));
-        points = approximate_roots(f.slope(), value_of(s.bound));
+        points = approximate_roots(f.derivative(), value_of(s.bound));
     }
     [[nodiscard]] std::optional<double> maximum() const {
         return points.count == 3 ? std::optional(points.x[1]) : std::nullopt;

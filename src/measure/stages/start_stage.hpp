@@ -106,7 +106,7 @@ public:
     using Mask = mask_t<P>;
 
     /// All roots lie within ±`length`.
-    RootsFromStart(const Polynomial<E>& g, const P& length) : g_(g), slope_(g.slope()) {
+    RootsFromStart(const Polynomial<E>& g, const P& length) : g_(g), slope_(g.derivative()) {
         const E zero(0);
         g0_positive_ = (g.c[0] > zero).yes();
         g0_negative_ = (g.c[0] < zero).yes();

@@ -80,8 +80,8 @@ private:
         ProblemColumns<double> columns = columns_for(primitive.shape);
         const auto set_columns = [](const Primitive<double>& from, auto& to) {
             for (std::size_t k = 0; k < from.shape_numbers().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
-            for (std::size_t k = most_numbers; from.placed && k < most_stored; ++k)
-                to[k] = std::span(&from.placed->matrix[k - most_numbers], 1);
+            for (std::size_t k = max_shape_numbers; from.placed && k < max_primitive_numbers; ++k)
+                to[k] = std::span(&from.placed->matrix[k - max_shape_numbers], 1);
         };
         set_columns(words, columns.primitive);
         columns.matrix = under_matrix(primitive);
@@ -104,7 +104,7 @@ private:
         }
         const Shape shape = problems_.primitives[begin_].shape;
         const std::size_t numbers = row_of(shape).numbers;
-        std::array<std::vector<double>, 2 * most_numbers> buffers;
+        std::array<std::vector<double>, 2 * max_shape_numbers> buffers;
         for (auto& column : buffers) column.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) {
             const Primitive<S> primitive = problems_.primitives[begin_ + i];
@@ -242,7 +242,7 @@ private:
         set_ray_columns(first_ray_column, rays_.words);
         const auto set_primitive_columns = [&](std::size_t first, const Primitive<double>& numbers) {
             target.set_numbers(first, numbers.numbers);
-            if (numbers.placed) target.set_numbers(first + most_numbers, numbers.placed->matrix);
+            if (numbers.placed) target.set_numbers(first + max_shape_numbers, numbers.placed->matrix);
         };
         set_primitive_columns(first_primitive_column,
                               transformed(primitive, [](const S& x) { return nearest_double(x); }));

@@ -10,7 +10,7 @@
 #include "geometry/joined_span.hpp"
 #include "geometry/quartic_span.hpp"
 #include "geometry/wall_span.hpp"
-#include "measure/truth/perturbable.hpp"
+#include "measure/truth/perturbed_problem.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -74,7 +74,7 @@ double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>
     Polynomial<DualNumber> f = s.f;
     DualNumber power = s.a;
     for (int k = 1, factorial = 1; k <= 4; ++k) {
-        f = f.slope();
+        f = f.derivative();
         factorial *= k;
         const auto c = (power * f.at(s.b) / DualNumber(factorial)).value();
         power = power * s.a;

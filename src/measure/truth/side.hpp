@@ -290,7 +290,7 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
     E x(found.roots[found.root].root);
     if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
         const E f = s.f.at(x);
-        const auto slope_at_root = found.roots.f.slope().at(x.value());
+        const auto slope_at_root = found.roots.f.derivative().at(x.value());
         typename E::Gradient gradient;
         for (const auto& slope : f.gradient()) gradient.push_back(-slope / slope_at_root);
         x = E(x.value(), gradient);

@@ -88,7 +88,7 @@ public:
         return combine(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
     }
     friend AffineForm operator/(const AffineForm& a, const AffineForm& b) {
-        return computes_signs_only ? unknown() : a * inverse(b);
+        return computes_signs_only ? anything() : a * inverse(b);
     }
     AffineForm& operator+=(const AffineForm& b) { return *this = *this + b; }
     AffineForm& operator-=(const AffineForm& b) { return *this = *this - b; }
@@ -96,9 +96,9 @@ public:
 
     friend AffineForm sqrt(const AffineForm& x) {
         if (x.is_constant() && x.centre_.first() == 0 && x.centre_error() == 0) return x;
-        if (computes_signs_only) return unknown();
+        if (computes_signs_only) return anything();
         const double least_centre = x.least_centre(), deviation = x.deviation();
-        if (!(x.centre_.first() > 0 && least_centre > deviation)) return unknown();
+        if (!(x.centre_.first() > 0 && least_centre > deviation)) return anything();
         const double slope = 0.5 / std::sqrt(x.centre_.first()), largest_slope = 0.5 / std::sqrt(least_centre);
         const double rest = largest_slope * (x.rest_ + deviation * deviation / least_centre) +
                             x.centre_error() / least_centre * slope * x.sum();
@@ -115,7 +115,7 @@ public:
     }
     /// The result is unknown if the mask is undecided.
     friend AffineForm select(Tri mask, const AffineForm& a, const AffineForm& b) {
-        return mask.is_yes() ? a : mask.is_no() ? b : unknown();
+        return mask.is_yes() ? a : mask.is_no() ? b : anything();
     }
 
     friend Tri operator<(const AffineForm& a, const AffineForm& b) {
@@ -180,7 +180,7 @@ public:
         result.centre_ = Centre(x.centre_.words());
         return result;
     }
-    friend AffineForm between(const AffineForm& low, const AffineForm& high) {
+    friend AffineForm enclose_between(const AffineForm& low, const AffineForm& high) {
         AffineForm result = middle(AffineForm(0.5) * (low + high));
         const double above = largest_magnitude(high - result).hi(), below = largest_magnitude(result - low).hi();
         result.rest_ = !(above <= below) ? above : below;
@@ -198,14 +198,14 @@ private:
     static constexpr double inflation = 1 + 0x1p-42;
     static constexpr double underflow_bound = 0x1p-500;  ///< above the square root of the loss of a square to underflow
 
-    static AffineForm unknown() {
+    static AffineForm anything() {
         AffineForm x(0);
         x.rest_ = HUGE_VAL;
         return x;
     }
     static AffineForm inverse(const AffineForm& y) {
         const double least_centre = y.least_centre(), deviation = y.deviation();
-        if (!(least_centre > deviation)) return unknown();
+        if (!(least_centre > deviation)) return anything();
         const double q = 1 / y.centre_.first(), largest_inverse = 1 / least_centre * inflation;
         const double rest = largest_inverse * largest_inverse *
                             (y.rest_ + deviation * deviation / (least_centre - deviation) * inflation);
@@ -215,7 +215,7 @@ private:
 
     [[nodiscard]] AffineForm squared() const {
         const double x = largest_centre(), d = deviation(), second_order = d * d / 2;
-        if (!(second_order < HUGE_VAL)) return unknown();
+        if (!(second_order < HUGE_VAL)) return anything();
         const double rest = 2 * x * rest_ + second_order * inflation + 2 * centre_error() * sum();
         return combine(centre_ * centre_ + Centre(TwoWords<double>(second_order)), *this, 2 * centre_.first(),
                        AffineForm(0), 0, rest);

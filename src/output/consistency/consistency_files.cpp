@@ -125,7 +125,7 @@ pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const
             "; reverse and placed have on the ramp by how much more than the exact answers both chords, or both t, "
             "differ";
         spec.scales = {excess_scale()};
-        spec.unit = excess_unit;
+        spec.bar_label = excess_unit;
     }
 
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);

@@ -153,7 +153,7 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
                .width = a.width,
                .height = a.height,
                .scale = scale,
-               .unit = "more bits lost",
+               .bar_label = "more bits lost",
                .legend = widest_legend});
 
     std::vector<Rgb8> row(static_cast<std::size_t>(a.width));

@@ -314,23 +314,23 @@ Canvas heading(std::string_view title, std::span<const std::string> subtitle, in
     return out;
 }
 
-Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
-    const int unit_height = style::line_height(style::text_size) + 4;
-    const int label_half = image_backend().render_text("0", style::text_size).height / 2;
+Canvas colour_bar(const ColourScale& scale, std::string_view label, int height) {
+    const int label_height = style::line_height(style::text_size) + 4;
+    const int tick_label_half = image_backend().render_text("0", style::text_size).height / 2;
     // The frame and half a label stay inside the strip at the lower end.
-    const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
+    const int top = label_height + tick_label_half, bar_height = std::max(height - top - tick_label_half - 1, 2);
 
-    const TextBitmap unit_text = image_backend().render_text(unit, style::text_size);
+    const TextBitmap label_text = image_backend().render_text(label, style::text_size);
     const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
     std::vector<TextBitmap> labels;
-    int width = std::max(unit_text.width, ramp_width + 2);
+    int width = std::max(label_text.width, ramp_width + 2);
     for (const auto& tick : ticks) {
         labels.push_back(image_backend().render_text(tick.label, style::text_size));
         width = std::max(width, 1 + ramp_width + 9 + labels.back().width);
     }
 
     Canvas out(width, height);
-    out.text(0, 0, unit_text, style::ink);
+    out.text(0, 0, label_text, style::ink);
     std::vector<Rgb8> ramp;
     for (int y = 0; y < bar_height; ++y)
         ramp.push_back(scale.colour_at_position(1 - static_cast<double>(y) / (bar_height - 1)));

@@ -152,8 +152,8 @@ private:
 /// Heading of a picture `width` pixels wide: the title, and smaller lines below it.
 [[nodiscard]] Canvas heading(std::string_view title, std::span<const std::string> subtitle, int width);
 
-/// Colour bar with its ticks to the right and its unit above, `height` pixels in total.
-[[nodiscard]] Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height);
+/// Colour bar with its ticks to the right and its label above, `height` pixels in total.
+[[nodiscard]] Canvas colour_bar(const ColourScale& scale, std::string_view label, int height);
 
 /// One class in a legend: its colour, its name and its number of pixels.
 struct LegendEntry {

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t max_columns = 7;
 constexpr int min_cell_width = 164;   // space for most names of forms
 constexpr int line_bar_height = 120;  // height of a line with a bar of its own
-constexpr int unit_height = 18;       // height of the unit over a bar, which reaches above its line
+constexpr int bar_label_height = 18;  // height of the label over a bar, which reaches above its line
 constexpr int block_gap = 10;
 constexpr int column_head = 22;  // the name of the form, if it has one line
 constexpr int name_line = 16;    // every further line of it
@@ -85,9 +85,9 @@ void ContactSheet::draw_colour_bars() {
         const int single_bar_height =
             std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
                        style::min_bar_height, style::max_bar_height);
-        bars_.push_back(
-            colour_bar(scale, spec_.unit,
-                       has_bar_per_line ? std::max(line_bar_height, thumb_height_ + unit_height) : single_bar_height));
+        bars_.push_back(colour_bar(
+            scale, spec_.bar_label,
+            has_bar_per_line ? std::max(line_bar_height, thumb_height_ + bar_label_height) : single_bar_height));
     }
 }
 
@@ -199,11 +199,11 @@ int ContactSheet::page_height(std::size_t columns, const Legend& legend) const {
     const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
               grid = blocks * (block_height_ + block_gap) - block_gap,
               bar = bars_.size() == 1 ? bars_.front().height() : 0;
-    return block_y(0) + (has_two_parts_ ? part_line : 0) + std::max(grid, bar) + legend.height() + style::margin;
+    return block_y(0) + (has_selection_block_ ? part_line : 0) + std::max(grid, bar) + legend.height() + style::margin;
 }
 
 int ContactSheet::block_y(int block) const {
-    const int lines = has_two_parts_ ? std::min(block + 1, 2) * part_line : 0;
+    const int lines = has_selection_block_ ? std::min(block + 1, 2) * part_line : 0;
     return style::margin + heading_.height() + style::gap + lines + block * (block_height_ + block_gap);
 }
 
@@ -296,7 +296,7 @@ void ContactSheet::draw_bars(Canvas& page, std::size_t columns) const {
     const int x = style::margin + grid_width_ + style::gap;
     if (bars_.size() == 1) return page.draw_canvas(x, block_y(0), bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
-        const int y = column_head_height_ - unit_height + static_cast<int>(line) * row_height_;
+        const int y = column_head_height_ - bar_label_height + static_cast<int>(line) * row_height_;
         for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_))
             page.draw_canvas(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
     }
@@ -332,8 +332,8 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     // Forms with equal pictures share a column.
     const Legend classes(legend, content_width_);
     auto columns = group_columns(order);
-    has_two_parts_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
-    if (has_two_parts_) move_most_different_first(columns);
+    has_selection_block_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
+    if (has_selection_block_) move_most_different_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
         column_head_height_ += name_line;
         block_height_ += name_line;
@@ -341,7 +341,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
 
     Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
     page.draw_canvas(style::margin, style::margin, heading_);
-    if (has_two_parts_) draw_parts(page, columns.size());
+    if (has_selection_block_) draw_parts(page, columns.size());
     draw_grid(page, columns);
     draw_bars(page, columns.size());
     page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));

@@ -31,8 +31,8 @@ public:
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
 
-    /// Adds whole rows of the field, starting at row `y_begin`; each row once. Throws std::logic_error for a part of a
-    /// row or a row outside the field.
+    /// Adds whole rows of the field, starting at row `y_begin`; each row once. Throws std::logic_error for an
+    /// incomplete row or a row outside the field.
     void add_rows(int y_begin, std::span<const Rgb8> samples);
 
     /// True once every row was added.
@@ -49,7 +49,7 @@ private:
 
     int field_width_, field_height_, width_, height_;
     Shrink shrink_;
-    int factor_ = 0;  // factor of enlargement; 0: the field is shrunk
+    int factor_ = 0;  ///< factor of enlargement; 0: the field is shrunk
     int added_rows_ = 0;
     /// Pixel into which a column of the field falls, its weight there, and its weight in the next pixel.
     struct Overlap {
@@ -57,8 +57,8 @@ private:
         std::uint64_t weight, next_weight;
     };
     static std::vector<Overlap> overlaps(std::int64_t field, std::int64_t thumbnail);
-    std::vector<Overlap> across_, down_;
-    std::vector<std::uint64_t> row_sums_, sums_;
+    std::vector<Overlap> column_overlaps_, row_overlaps_;
+    std::vector<std::uint64_t> row_sums_, pixel_sums_;
     std::vector<Rgb8> pixels_;
 };
 
@@ -70,7 +70,7 @@ struct SheetSpec {
     std::vector<std::string> formats = {};  ///< down
     int field_width = 0, field_height = 0;  ///< size of every cell, in samples
     std::vector<ColourScale> scales = {};   ///< empty, or one for all cells, or one for each line of cells
-    std::string unit = {};                  ///< label over a colour bar
+    std::string bar_label = {};             ///< label over a colour bar
     bool shows_categories = false;          ///< colours stand for categories, so they are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
     bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
@@ -133,14 +133,14 @@ private:
     void draw_zoom(Canvas& page, int x, int y, const Cell& cell) const;
 
     SheetSpec spec_;
-    std::vector<Cell> cells_;  // by format
+    std::vector<Cell> cells_;  ///< the forms of the first format, then those of the next
     int thumb_width_, thumb_height_;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, column_head_height_ = 0, row_height_ = 0,
         block_height_ = 0;
     int content_width_ = 0, grid_width_ = 0;
-    bool has_two_parts_ = false;  ///< the first block has the six forms that differ most
+    bool has_selection_block_ = false;  ///< the first block has the six forms that differ most
     Canvas heading_{0, 0};
-    std::vector<Canvas> bars_;  // one per scale
+    std::vector<Canvas> bars_;  ///< one for each scale
     std::unique_ptr<FigureWriter> figure_writer_;
 };
 

@@ -9,10 +9,13 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int min_width = 384;             // a field with fewer samples across is enlarged
-constexpr int max_enlarged_height = 2048;  // but to at most this many pixels down
+/// A field with fewer samples across is enlarged.
+constexpr int min_width = 384;
+/// An enlarged field has at most this many pixels down.
+constexpr int max_enlarged_height = 2048;
 
-int choose_factor(int width, int height) {
+/// Factor by which a field is enlarged.
+int enlargement_for(int width, int height) {
     if (width >= min_width) return 1;
     return std::max(1, std::min((min_width + width - 1) / width, max_enlarged_height / height));
 }
@@ -23,28 +26,28 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
 
     // Sizes of the field with its frame, and of the bar beside it.
-    enlargement_ = choose_factor(spec_.width, spec_.height);
+    enlargement_ = enlargement_for(spec_.width, spec_.height);
     field_width_ = spec_.width * enlargement_;
     field_height_ = spec_.height * enlargement_;
     body_height_ = field_height_ + 2;  // the frame
-    int content = field_width_ + 2;
+    int content_width = field_width_ + 2;
     if (spec_.scale) {
-        bar_ = colour_bar(*spec_.scale, spec_.unit,
+        bar_ = colour_bar(*spec_.scale, spec_.bar_label,
                           std::clamp(body_height_, style::min_bar_height, style::max_bar_height));
-        content += style::gap + bar_.width();
+        content_width += style::gap + bar_.width();
         body_height_ = std::max(body_height_, bar_.height());
     }
-    content = std::max(content, style::min_content_width);
-    page_width_ = content + 2 * style::margin;
+    content_width = std::max(content_width, style::min_content_width);
+    page_width_ = content_width + 2 * style::margin;
 
     // The head of the page is drawn now, and the foot at the end.
-    const Canvas head = heading(spec_.title, spec_.subtitle, content);
-    legend_.emplace(spec_.legend, content);
+    const Canvas head = heading(spec_.title, spec_.subtitle, content_width);
+    legend_.emplace(spec_.legend, content_width);
     caption_lines_ =
-        static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, FontWeight::regular, content).size());
+        static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, FontWeight::regular, content_width).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
-    top_ = Canvas(page_width_, head_height);
-    top_.draw_canvas(style::margin, style::margin, head);
+    head_ = Canvas(page_width_, head_height);
+    head_.draw_canvas(style::margin, style::margin, head);
 
     auto kinds = file::figure_kinds(path);
     const bool has_png = std::erase(kinds, "png") > 0;
@@ -53,7 +56,7 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
 
     // A PNG is written row by row, beginning with the head and the upper line of the frame.
     png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
-    png_->write_rows(top_.height(), top_.pixels());
+    png_->write_rows(head_.height(), head_.pixels());
     bar_pixels_ = bar_.pixels();
     const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
     write_body_row(frame_row);
@@ -80,7 +83,7 @@ void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
 
 void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     const auto width = static_cast<std::size_t>(spec_.width);
-    if (samples.size() % width != 0) throw std::logic_error("heatmap: a part of a row");
+    if (samples.size() % width != 0) throw std::logic_error("heatmap: an incomplete row");
     if (samples.size() / width > static_cast<std::size_t>(spec_.height - written_rows_)) {
         throw std::logic_error("heatmap: more rows than the field has");
     }
@@ -92,8 +95,8 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
 }
 
 int HeatmapWriter::foot_height() const {
-    const int legend = legend_->height() > 0 ? style::gap + legend_->height() : 0;
-    return legend + caption_height() + style::margin;
+    const int legend_height = legend_->height() > 0 ? style::gap + legend_->height() : 0;
+    return legend_height + caption_height() + style::margin;
 }
 
 int HeatmapWriter::caption_height() const {
@@ -101,7 +104,7 @@ int HeatmapWriter::caption_height() const {
 }
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
-    if (written_rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
+    if (written_rows_ != spec_.height) throw std::logic_error("heatmap: rows are missing");
 
     Canvas foot(page_width_, foot_height());
     const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
@@ -122,13 +125,13 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
 }
 
 void HeatmapWriter::save_other_files(const Canvas& foot) {
-    Canvas page(page_width_, top_.height() + body_height_ + foot.height());
-    page.draw_canvas(0, 0, top_);
-    const PixelBox box{style::margin + 1, top_.height() + 1, field_width_, field_height_};
+    Canvas page(page_width_, head_.height() + body_height_ + foot.height());
+    page.draw_canvas(0, 0, head_);
+    const PixelBox box{style::margin + 1, head_.height() + 1, field_width_, field_height_};
     page.frame(box.x, box.y, box.width, box.height, style::line);
     page.field(box, spec_.width, std::move(field_));
-    page.draw_canvas(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
-    page.draw_canvas(0, top_.height() + body_height_, foot);
+    page.draw_canvas(box.x + field_width_ + 1 + style::gap, head_.height(), bar_);
+    page.draw_canvas(0, head_.height() + body_height_, foot);
     other_figure_writer_->save(page);
 }
 

@@ -21,7 +21,7 @@ struct HeatmapSpec {
     std::vector<std::string> subtitle;
     int width = 0, height = 0;         ///< size of the field, in samples
     std::optional<ColourScale> scale;  ///< missing if the map has only categories
-    std::string unit;                  ///< label over the colour bar: `lost bits`
+    std::string bar_label;             ///< label over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, with the widest count that it may get
     /// Space for the lines above the legend, whose text is known only at the end; empty: no space.
     std::string widest_caption = {};
@@ -36,7 +36,7 @@ public:
     HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec);
 
     /// Writes the next whole rows of the field, from top to bottom. Throws EnvironmentError (a full disk), and
-    /// std::logic_error for a part of a row or for too many rows.
+    /// std::logic_error for an incomplete row or for too many rows.
     void write_rows(std::span<const Rgb8> samples);
 
     /// Writes the caption if the spec has space for one; a last line that is too long gets smaller letters or is
@@ -54,14 +54,14 @@ private:
     int enlargement_ = 1;
     int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
     int caption_lines_ = 0;
-    int written_rows_ = 0;  // rows of the field that were passed to `write_rows`
-    int body_y_ = 0;        // rows of the body that were written
-    Canvas top_{0, 0}, bar_{0, 0};
+    int written_rows_ = 0;  ///< rows of the field that were passed to `write_rows`
+    int body_y_ = 0;        ///< rows of the body that were written
+    Canvas head_{0, 0}, bar_{0, 0};
     std::optional<Legend> legend_;
     std::vector<Rgb8> page_row_, bar_pixels_;
-    std::unique_ptr<PngWriter> png_;                     // null if the run writes no PNG
-    std::unique_ptr<FigureWriter> other_figure_writer_;  // files of the other kinds, written at the end
-    std::vector<Rgb8> field_;                            // the whole field, for the other kinds
+    std::unique_ptr<PngWriter> png_;                     ///< null if the run writes no PNG
+    std::unique_ptr<FigureWriter> other_figure_writer_;  ///< files of the other kinds, written at the end
+    std::vector<Rgb8> field_;                            ///< the whole field, for the other kinds
 };
 
 }  // namespace lostbits::output::image

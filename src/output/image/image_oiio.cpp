@@ -132,7 +132,7 @@ public:
             pixels.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows))
             throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " pixels for " +
                                    std::to_string(rows) + " rows of " + std::to_string(width_) + ", and " +
-                                   std::to_string(height_ - next_row_) + " rows are lacking");
+                                   std::to_string(height_ - next_row_) + " rows are missing");
         if (rows == 0) return;
         check(out_->write_scanlines(next_row_, next_row_ + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
         next_row_ += rows;

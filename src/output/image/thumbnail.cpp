@@ -33,7 +33,7 @@ Thumbnail::Thumbnail(int field_width, int field_height, Shrink shrink)
 void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
     const auto width = static_cast<std::size_t>(field_width_);
     const auto rows = samples.size() / width;
-    if (samples.size() % width != 0) throw std::logic_error("thumbnail: a part of a row");
+    if (samples.size() % width != 0) throw std::logic_error("thumbnail: an incomplete row");
     if (y_begin < 0 || y_begin > field_height_ || rows > static_cast<std::size_t>(field_height_ - added_rows_) ||
         rows > static_cast<std::size_t>(field_height_ - y_begin)) {
         throw std::logic_error("thumbnail: rows outside the field");
@@ -43,9 +43,9 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
         const auto count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
         pixels_.resize(count);
         if (factor_ == 0 && shrink_ == Shrink::average) {
-            sums_.assign(3 * count, 0);
-            across_ = overlaps(field_width_, width_);
-            down_ = overlaps(field_height_, height_);
+            pixel_sums_.assign(3 * count, 0);
+            column_overlaps_ = overlaps(field_width_, width_);
+            row_overlaps_ = overlaps(field_height_, height_);
         }
     }
 
@@ -95,7 +95,7 @@ void Thumbnail::average_row(int y, std::span<const Rgb8> samples) {
     }();
     row_sums_.assign(3 * (out_width + 1), 0);
     for (std::size_t x = 0; x < samples.size(); ++x) {
-        const Overlap& overlap = across_[x];
+        const Overlap& overlap = column_overlaps_[x];
         const Rgb8 sample = samples[x];
         std::uint64_t* const out = row_sums_.data() + 3 * overlap.pixel;
         const std::array<std::uint64_t, 3> light{light_of_byte[sample.r], light_of_byte[sample.g],
@@ -105,11 +105,11 @@ void Thumbnail::average_row(int y, std::span<const Rgb8> samples) {
         for (std::size_t c = 0; c < 3; ++c) out[c + 3] += overlap.next_weight * light[c];
     }
 
-    const Overlap& overlap = down_[static_cast<std::size_t>(y)];
+    const Overlap& overlap = row_overlaps_[static_cast<std::size_t>(y)];
     for (const auto& [pixel, weight] :
          {std::pair(overlap.pixel, overlap.weight), std::pair(overlap.pixel + 1, overlap.next_weight)}) {
         if (weight == 0) continue;
-        std::uint64_t* const out = sums_.data() + 3 * out_width * pixel;
+        std::uint64_t* const out = pixel_sums_.data() + 3 * out_width * pixel;
         for (std::size_t i = 0; i < 3 * out_width; ++i) out[i] += weight * row_sums_[i];
     }
 }
@@ -134,13 +134,13 @@ void Thumbnail::average_sums() {
         return srgb_byte(static_cast<std::uint16_t>((sum + weight / 2) / weight));
     };
     for (std::size_t p = 0; p < pixels_.size(); ++p) {
-        pixels_[p] = {average(sums_[3 * p]), average(sums_[3 * p + 1]), average(sums_[3 * p + 2])};
+        pixels_[p] = {average(pixel_sums_[3 * p]), average(pixel_sums_[3 * p + 1]), average(pixel_sums_[3 * p + 2])};
     }
-    sums_ = {};
+    pixel_sums_ = {};
 }
 
 const std::vector<Rgb8>& Thumbnail::pixels() const {
-    if (!is_complete()) throw std::logic_error("thumbnail: rows are lacking");
+    if (!is_complete()) throw std::logic_error("thumbnail: rows are missing");
     return pixels_;
 }
 

@@ -102,7 +102,7 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
              .forms = sheet.forms,
              .formats = sheet.lines,
              .scales = std::move(scales),
-             .unit = is_only_file ? "lost bits" : std::string(sheet.paint.metric().unit),
+             .bar_label = is_only_file ? "lost bits" : std::string(sheet.paint.metric().unit),
              .shows_categories = !sheet.paint.scale(),
              .note_lines = cell_note_lines,
              .collapses = !is_only_file,

@@ -175,7 +175,7 @@ pixel::Sheet OffsetPresentation::sheet(const OffsetStudy& study, const std::file
                      "with its share of rays that go wrong"},
         .forms = {"smallest safe"},
         .scales = {*make_safe_offset_look().scale},
-        .unit = safe_unit,
+        .bar_label = safe_unit,
         .shows_categories = true};
 
     // A column for each strategy, and a line for each row and side.

@@ -46,7 +46,7 @@ void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
                             .width = scene.width,
                             .height = scene.height,
                             .scale = column.look->scale,
-                            .unit = column.look->unit,
+                            .bar_label = column.look->unit,
                             .legend = column.look->widest_legend(scene.pixels()),
                             .widest_caption = column.widest_caption};
     spec.subtitle.insert(spec.subtitle.end(), column.subtitle.begin(), column.subtitle.end());

@@ -143,7 +143,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
     const int field_width = layout.offsets.back() + layout.cell_width;
     const int field_height = static_cast<int>(spec.rows.size()) * cell_height;
     const Canvas bar =
-        spec.scale ? image::colour_bar(*spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
+        spec.scale ? image::colour_bar(*spec.scale, spec.bar_label, std::max(field_height, 160)) : Canvas(0, 0);
     const int content_width =
         labels.row_width + cell_label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
@@ -295,7 +295,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     const AxisRange x = axis_range(spec.x_axis, x_edges), y = axis_range(spec.y_axis, y_edges);
     PlotFrame frame{0, 0, field_extent(spec.x.size(), least_width), field_extent(spec.y.size(), least_height)};
     const PlotAxes axes(x, y, frame.width, frame.height);
-    const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
+    const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.bar_label, frame.height + 2) : Canvas(0, 0);
     const int right_space = std::max(axes.right_margin(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
     const int content_width = axes.left_margin() + frame.width + 1 + right_space;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);

@@ -29,7 +29,7 @@ struct MatrixPlotSpec {
     std::vector<MatrixCell> cells = {};  ///< row by row, over all groups
     std::vector<image::LegendEntry> legend;
     std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
-    std::string unit = {};                         ///< text above the bar
+    std::string bar_label = {};                    ///< text above the bar
 };
 
 /// Draws a matrix of coloured cells. Throws std::invalid_argument if there are no cells, or if their number is not rows
@@ -51,7 +51,7 @@ struct PlanePlotSpec {
     std::vector<double> x, y;                   ///< the rising parameters of columns (to the right) and rows (upwards)
     std::vector<PlaneCell> cells;               ///< row by row, the row of y[0] first
     std::optional<image::ColourScale> scale;    ///< required if a cell shows its value
-    std::string unit;                           ///< text above the colour bar: `lost bits`
+    std::string bar_label;                      ///< text above the colour bar: `lost bits`
     std::vector<image::LegendEntry> legend;     ///< the outcomes that occur
     std::string hatching_meaning = "no value";  ///< meaning of hatched cells
 };

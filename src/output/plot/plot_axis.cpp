@@ -13,16 +13,16 @@ using image::TextBitmap;
 
 namespace {
 
-/// A range narrower than this, relative to its ends, has no round values that a double can tell apart.
-constexpr double least_extent = 1e-12;
+/// A range narrower than this, relative to its larger end, has no round values that a double can tell apart.
+constexpr double min_relative_extent = 1e-12;
 /// Values below this size count as 0, because steps between subnormal numbers are not round.
-constexpr double least_size = 1e-300;
+constexpr double smallest_nonzero = 1e-300;
 /// Fraction of a log axis between 0 and its low end.
-constexpr double below_low_end = 0.08;
-/// An axis shows at least this fraction of all possible values, so that differences of a hundredth of them look small.
-constexpr double least_fraction = 1.0 / 12;
+constexpr double zero_gap = 0.08;
+/// An axis shows at least this fraction of all possible values, so that tiny differences are not magnified.
+constexpr double min_shown_fraction = 1.0 / 12;
 /// From this fraction on, the axis shows all possible values.
-constexpr double near_limit = 0.75;
+constexpr double show_all_from = 0.75;
 
 /// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `tick_budget` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int tick_budget) {
@@ -67,21 +67,21 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     double hi = -lo;
     for (const double value : values) {
         if (!std::isfinite(value) || !can_show(value) || (shows_zero_ && value == 0)) continue;
-        lo = std::min(lo, scale_value(value));
-        hi = std::max(hi, scale_value(value));
+        lo = std::min(lo, to_axis_scale(value));
+        hi = std::max(hi, to_axis_scale(value));
     }
     if (lo > hi) lo = hi = 0;
 
     // A missing end follows from the data. A linear axis that comes near 0 starts there.
     if (!is_log() && !axis.low && lo > 0 && lo < hi / 4) lo = 0;
-    lo_ = axis.low ? scale_value(*axis.low) : lo;
-    hi_ = axis.high ? scale_value(*axis.high) : limit_ ? fit_high_end(hi) : hi;
+    lo_ = axis.low ? to_axis_scale(*axis.low) : lo;
+    hi_ = axis.high ? to_axis_scale(*axis.high) : limit_ ? fit_high_end(hi) : hi;
     widen(axis.low.has_value(), axis.high.has_value());
 }
 
 double AxisRange::fit_high_end(double highest) const noexcept {
-    const double extent = *limit_ - lo_, shown_extent = std::max(highest - lo_, extent * least_fraction);
-    return shown_extent >= extent * near_limit ? *limit_ : lo_ + shown_extent;
+    const double extent = *limit_ - lo_, shown_extent = std::max(highest - lo_, extent * min_shown_fraction);
+    return shown_extent >= extent * show_all_from ? *limit_ : lo_ + shown_extent;
 }
 
 std::optional<double> AxisRange::limit_position() const noexcept {
@@ -91,8 +91,8 @@ std::optional<double> AxisRange::limit_position() const noexcept {
 
 void AxisRange::widen(bool is_low_fixed, bool is_high_fixed) {
     const double size = std::max(std::fabs(lo_), std::fabs(hi_));
-    if (size > least_size && hi_ / 2 - lo_ / 2 > size * least_extent) return;
-    const double widening = is_log() || size <= least_size ? 1 : size / 10;
+    if (size > smallest_nonzero && hi_ / 2 - lo_ / 2 > size * min_relative_extent) return;
+    const double widening = is_log() || size <= smallest_nonzero ? 1 : size / 10;
     constexpr double largest_double = std::numeric_limits<double>::max();
     if (is_high_fixed && !is_low_fixed) {
         lo_ = std::max(hi_ - widening, -largest_double);
@@ -108,22 +108,22 @@ bool AxisRange::can_show(double value) const noexcept {
     return is_log() ? value > 0 || (shows_zero_ && value == 0) : !std::isnan(value);
 }
 
-double AxisRange::scale_value(double value) const noexcept {
+double AxisRange::to_axis_scale(double value) const noexcept {
     return scale_ == AxisSpec::Scale::linear ? value
            : scale_ == AxisSpec::Scale::log2 ? std::log2(value)
                                              : std::log10(value);
 }
 
-double AxisRange::scaled_position(double scaled_value) const noexcept {
+double AxisRange::position_on_axis(double scaled_value) const noexcept {
     // Halve first, because hi - lo may overflow.
     const double position = std::clamp((scaled_value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
-    return shows_zero_ ? below_low_end + (1 - below_low_end) * position : position;
+    return shows_zero_ ? zero_gap + (1 - zero_gap) * position : position;
 }
 
 double AxisRange::position(double value) const noexcept {
     if (std::isinf(value)) return value > 0 ? 1 : 0;
     if (shows_zero_ && value == 0) return 0;
-    return scaled_position(scale_value(value));
+    return position_on_axis(to_axis_scale(value));
 }
 
 std::vector<AxisRange::Tick> AxisRange::short_range_ticks(int tick_budget) const {
@@ -134,7 +134,7 @@ std::vector<AxisRange::Tick> AxisRange::short_range_ticks(int tick_budget) const
     // steps would crowd at the upper end.
     const double low = is_log2 ? std::exp2(lo_) : std::pow(10, lo_),
                  high = is_log2 ? std::exp2(hi_) : std::pow(10, hi_);
-    if (low >= 1e-3 && high <= 1e5 && high <= 5 * low && high - low > high * least_extent) {
+    if (low >= 1e-3 && high <= 1e5 && high <= 5 * low && high - low > high * min_relative_extent) {
         const auto values = round_values(low, high, tick_budget);
         const auto labels = tick_labels(values);
         for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({position(values[i]), labels[i]});
@@ -145,7 +145,7 @@ std::vector<AxisRange::Tick> AxisRange::short_range_ticks(int tick_budget) const
     const auto exponents = round_values(lo_, hi_, tick_budget);
     const auto labels = tick_labels(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i)
-        ticks.push_back({scaled_position(exponents[i]), power_label(exponents[i], labels[i])});
+        ticks.push_back({position_on_axis(exponents[i]), power_label(exponents[i], labels[i])});
     return ticks;
 }
 
@@ -175,7 +175,7 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int tick_budget) const {
     std::vector<Tick> ticks;
     const auto labels = tick_labels(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        ticks.push_back({scaled_position(exponents[i]), power_label(exponents[i], labels[i])});
+        ticks.push_back({position_on_axis(exponents[i]), power_label(exponents[i], labels[i])});
     }
 
     // Minor ticks between decades, if there are not too many.
@@ -183,7 +183,7 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int tick_budget) const {
     for (double decade = std::floor(lo_); decade <= hi_; decade += 1) {
         for (int m = 2; m < 10; ++m) {
             const double s = decade + std::log10(m);
-            if (s > lo_ && s < hi_) ticks.push_back({scaled_position(s), {}});
+            if (s > lo_ && s < hi_) ticks.push_back({position_on_axis(s), {}});
         }
     }
     return ticks;
@@ -199,7 +199,7 @@ std::vector<AxisRange::Tick> AxisRange::ticks(int tick_budget) const {
     const auto values = round_values(lo_, hi_, tick_budget);
     const auto labels = tick_labels(values);
     std::vector<Tick> ticks;
-    for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({scaled_position(values[i]), labels[i]});
+    for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({position_on_axis(values[i]), labels[i]});
     label_limit(ticks, tick_budget);
     return ticks;
 }
@@ -246,7 +246,7 @@ double PlotFrame::pixel_y(double position) const noexcept {
     return pad > 0 ? y + pad + 0.5 + (1 - position) * (height - 2 * pad - 1) : y + (1 - position) * height;
 }
 
-std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int tick_budget) {
+std::vector<PlotAxes::Tick> PlotAxes::render_ticks(const AxisRange& range, int tick_budget) {
     std::vector<Tick> ticks;
     for (const auto& [position, label] : range.ticks(tick_budget)) {
         ticks.push_back({position, label.empty() ? TextBitmap{}
@@ -256,20 +256,20 @@ std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int tick_bu
 }
 
 PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height)
-    : x_ticks_(render(x, width / tick_pitch_x)), y_ticks_(render(y, height / tick_pitch_y)) {
+    : x_ticks_(render_ticks(x, width / tick_pitch_x)), y_ticks_(render_ticks(y, height / tick_pitch_y)) {
     // Margins for the labels of the ticks.
-    int widest = 0;
-    int highest = 0;
+    int widest_label = 0;
+    int tallest_label = 0;
     for (const auto& tick : y_ticks_) {
-        widest = std::max(widest, tick.label.width);
+        widest_label = std::max(widest_label, tick.label.width);
         top_margin_ = std::max(top_margin_, tick.label.height / 2 + 2);
     }
     for (const auto& tick : x_ticks_) {
-        highest = std::max(highest, tick.label.height);
+        tallest_label = std::max(tallest_label, tick.label.height);
         right_margin_ = std::max(right_margin_, tick.label.width / 2 + 2);
     }
-    left_margin_ = std::max(1 + tick_length + label_gap + widest, right_margin_);
-    bottom_margin_ = 1 + tick_length + label_gap + highest;
+    left_margin_ = std::max(1 + tick_length + label_gap + widest_label, right_margin_);
+    bottom_margin_ = 1 + tick_length + label_gap + tallest_label;
 
     // Margins for the titles.
     if (!x.title().empty()) {
@@ -297,14 +297,14 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
     canvas.frame(frame.x, frame.y, frame.width, frame.height, image::style::line);
 
     // Ticks and labels.
-    const int foot = frame.y + frame.height + 1;
-    const int label_y = foot + tick_length + label_gap;
-    int highest = 0;
+    const int bottom = frame.y + frame.height + 1;
+    const int label_y = bottom + tick_length + label_gap;
+    int tallest_label = 0;
     for (const auto& tick : x_ticks_) {
         const int x = static_cast<int>(std::floor(frame.pixel_x(tick.position)));
-        canvas.fill(x, foot, 1, tick.label.width > 0 ? tick_length : minor_length, image::style::soft_ink);
+        canvas.fill(x, bottom, 1, tick.label.width > 0 ? tick_length : minor_length, image::style::soft_ink);
         canvas.text(x - tick.label.width / 2, label_y, tick.label, image::style::ink);
-        highest = std::max(highest, tick.label.height);
+        tallest_label = std::max(tallest_label, tick.label.height);
     }
     for (const auto& tick : y_ticks_) {
         const int y = static_cast<int>(std::floor(frame.pixel_y(tick.position)));
@@ -316,7 +316,7 @@ void PlotAxes::draw(image::Canvas& canvas, const PlotFrame& frame) const {
     }
 
     // Titles.
-    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + highest + title_gap, x_title_,
+    canvas.text(frame.x + (frame.width - x_title_.width) / 2, label_y + tallest_label + title_gap, x_title_,
                 image::style::ink);
     canvas.text(frame.x - left_margin_, frame.y + (frame.height - y_title_.height) / 2, y_title_, image::style::ink);
 }

@@ -58,8 +58,8 @@ public:
     [[nodiscard]] bool is_log() const noexcept { return scale_ != AxisSpec::Scale::linear; }
 
 private:
-    [[nodiscard]] double scale_value(double value) const noexcept;
-    [[nodiscard]] double scaled_position(double scaled_value) const noexcept;
+    [[nodiscard]] double to_axis_scale(double value) const noexcept;
+    [[nodiscard]] double position_on_axis(double scaled_value) const noexcept;
     [[nodiscard]] std::string power_label(double exponent, const std::string& text) const;
     void widen(bool is_low_fixed, bool is_high_fixed);
     [[nodiscard]] double fit_high_end(double highest) const noexcept;
@@ -113,7 +113,7 @@ private:
         double position;
         image::TextBitmap label;
     };
-    static std::vector<Tick> render(const AxisRange& range, int tick_budget);
+    static std::vector<Tick> render_ticks(const AxisRange& range, int tick_budget);
 
     std::vector<Tick> x_ticks_, y_ticks_;
     image::TextBitmap x_title_, y_title_;

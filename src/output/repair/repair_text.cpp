@@ -104,7 +104,7 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairS
     if (margins.empty()) return "";
     const auto ray_count =
         summary.request.scene
-            ? measure::choose::with_smaller_picture(*summary.request.scene, measure::repair::few_rays).pixels()
+            ? measure::choose::with_smaller_picture(*summary.request.scene, measure::repair::few_rays_count).pixels()
             : summary.request.rays->sample.rays.size();
     std::string text =
         fmt::format("  How far it holds on {} of the {} as {}:\n", text::count_with_noun(ray_count, "ray"),
@@ -342,7 +342,7 @@ RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
 
     // Patches are made only for a function of a user's file.
     measure::repair::Patcher patcher(request, repair.tape);
-    if (!patcher.has_file()) return summary;
+    if (!patcher.can_write()) return summary;
     for (const Proposal& proposal : list_proposals(summary))
         summary.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.make_patch(proposal.tape)
                                                                                : measure::repair::Patch());

@@ -148,7 +148,7 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
         .subtitle = {fmt::format("Right: {}. {}.", right_meaning(request.file), cell_numbers_meaning)},
         .legend = {{"right", case_right_colour, {}}},
         .scale = scale.bar(),
-        .unit = scale.unit()};
+        .bar_label = scale.unit()};
     const std::vector<std::size_t> row_order = add_case_columns(spec, request, touching);
     add_outcomes_to_legend(spec, cases, row_order);
 

@@ -223,7 +223,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .y = plane.y,
          .cells = drawn.cells,
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
-         .unit = "lost bits",
+         .bar_label = "lost bits",
          .legend = map::outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
          .hatching_meaning = drawn.has_withheld_cells ? gap_text() : "no value"});
 }
@@ -253,7 +253,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
                .field_width = static_cast<int>(plane.x.size()),
                .field_height = static_cast<int>(plane.y.size()),
                .scales = {scale.bar()},
-               .unit = scale.unit(),
+               .bar_label = scale.unit(),
                .note_lines = 2});
 
     for (std::size_t r = 0; r < planes.size(); ++r) {

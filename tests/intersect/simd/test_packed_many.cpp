@@ -14,7 +14,7 @@ namespace {
 template <class S>
 struct Drawn {
     std::array<S, 6> ray;
-    std::array<std::vector<S>, most_numbers> column;
+    std::array<std::vector<S>, max_shape_numbers> column;
     std::vector<S> t;
 };
 
@@ -38,7 +38,7 @@ Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
         if (random.one_in(6))
             primitive.shape_numbers()[static_cast<std::size_t>(
                 random.between(0, static_cast<long>(primitive.shape_numbers().size()) - 1))] = draw_any<S>(random);
-        for (std::size_t c = 0; c < most_numbers; ++c) d.column[c].push_back(primitive.numbers[c]);
+        for (std::size_t c = 0; c < max_shape_numbers; ++c) d.column[c].push_back(primitive.numbers[c]);
         d.t.push_back(draw_end<S>(random));
     }
     return d;
@@ -57,7 +57,7 @@ Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const
     for (std::size_t i = 0; i < n; ++i) {
         Scene<S> scene;
         scene.primitive.shape = shape;
-        for (std::size_t c = 0; c < most_numbers; ++c) scene.primitive.numbers[c] = d.column[c][i];
+        for (std::size_t c = 0; c < max_shape_numbers; ++c) scene.primitive.numbers[c] = d.column[c][i];
         scene.add(d.ray);
         scene.tmax.push_back(d.t[i]);
         const Answers<S> a = run(row, scene);
@@ -70,7 +70,7 @@ Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const
 /// The first n primitives, columns that end where a page ends, answers with a margin that stays.
 template <class S>
 Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
-    std::array<std::unique_ptr<const Cornered<S>>, most_numbers> columns;
+    std::array<std::unique_ptr<const Cornered<S>>, max_shape_numbers> columns;
     intersect::simd::PrimitiveArrays<S> primitives;
     for (std::size_t c = 0; c < row_of(shape).numbers; ++c) {
         columns[c] = std::make_unique<const Cornered<S>>(std::span(d.column[c]).first(n));

@@ -267,7 +267,7 @@ std::shared_ptr<const scene::rays::MeshColumns> mesh_of(Draw& draw, int power, c
     };
     add_grid(0, 0), add_grid(0, 1), add_grid(0.5, 2);
     for (std::size_t i = 0; i < 20; ++i) mesh->faces.push_back(mesh->faces[7 * i]);
-    scene::triangle::tidy(*mesh, [](std::size_t i) { return std::to_string(i); });
+    scene::triangle::merge_and_count(*mesh, [](std::size_t i) { return std::to_string(i); });
     const auto inputs = format.precision == binary32.precision ? scene::file::Inputs::shared : scene::file::Inputs::own;
     return std::make_shared<const scene::rays::MeshColumns>(mesh, std::nullopt, inputs);
 }

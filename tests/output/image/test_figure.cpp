@@ -110,7 +110,7 @@ TEST_CASE("the files of a picture are of the kinds that the run asks for, and re
                                                    .width = 3,
                                                    .height = 2,
                                                    .scale = ColourScale("viridis", backend().ramp("viridis", 8), 0, 24),
-                                                   .unit = "lost bits",
+                                                   .bar_label = "lost bits",
                                                    .legend = {{"false hit", outcome_colours[2], "6 (100%)"}},
                                                    .widest_caption = "mean 3.2"});
         for (int row = 0; row < 2; ++row) heatmap.write_rows(std::vector<Rgb8>(3, {1, 2, 3}));

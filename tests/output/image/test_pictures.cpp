@@ -64,7 +64,7 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
                                              .width = width,
                                              .height = height,
                                              .scale = viridis(),
-                                             .unit = "lost bits",
+                                             .bar_label = "lost bits",
                                              .legend = legend_of("1 (100.0%)")});
         const auto half = static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
         map.write_rows(std::span(field).first(half));
@@ -98,7 +98,7 @@ TEST_CASE("text in a heatmap is never cut off, however long", "[heatmap]") {
              .width = 16,
              .height = 16,
              .scale = viridis(),
-             .unit = "relative error of the hit point",
+             .bar_label = "relative error of the hit point",
              .legend = legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend")});
         map.write_rows(std::vector<Rgb8>(256, Rgb8{1, 2, 3}));
         map.finish(legend_of("123456789012345 (100.0%), and a remark that is far too long for a legend, even longer"));
@@ -148,7 +148,7 @@ TEST_CASE("the legend shows only what occurs, and a colour bar where there is a 
                          .width = 8,
                          .height = 8,
                          .scale = {},
-                         .unit = "lost bits",
+                         .bar_label = "lost bits",
                          .legend = legend_of("64")};
         if (bar) spec.scale = viridis();
         HeatmapWriter map(folder / "m.png", std::move(spec));
@@ -176,7 +176,7 @@ TEST_CASE("a heatmap is complete or absent, and its bytes are reproducible", "[h
                            .width = 4,
                            .height = 3,
                            .scale = viridis(),
-                           .unit = "bits",
+                           .bar_label = "bits",
                            .legend = legend_of("9")};
     const auto field = numbered(4, 3);
     {
@@ -214,7 +214,7 @@ PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, 
                .field_width = 64,
                .field_height = 32,
                .scales = {viridis()},
-               .unit = "lost bits"});
+               .bar_label = "lost bits"});
     std::vector<std::thread> workers;
     for (unsigned t = 0; t < threads; ++t) {
         workers.emplace_back([&, t] {
@@ -261,7 +261,7 @@ TEST_CASE("each row of a contact sheet has its own colour bar where formats diff
                                           .field_width = 64,
                                           .field_height = 64,
                                           .scales = std::move(scales),
-                                          .unit = "bits"});
+                                          .bar_label = "bits"});
         page.finish({});
         return backend().read_png(folder / name);
     };
@@ -286,7 +286,7 @@ TEST_CASE("forms that are alike in every format share a column, and a headline t
                                              .field_width = 160,
                                              .field_height = 160,
                                              .scales = {},
-                                             .unit = "",
+                                             .bar_label = "",
                                              .collapses = collapses});
         for (std::size_t form = 0; form < 8; ++form) {
             page.add_rows(form, 0, 0, std::vector<Rgb8>(160 * 160, Rgb8{1, 2, 3}));
@@ -319,7 +319,7 @@ TEST_CASE("the forms that differ most come first: the best, the worst, and the m
                                           .field_width = 160,
                                           .field_height = 160,
                                           .scales = {},
-                                          .unit = "",
+                                          .bar_label = "",
                                           .collapses = true});
     // Neighbours among the first five are nearly alike, the others are far apart.
     const auto colour = [](std::size_t form) {
@@ -350,7 +350,7 @@ TEST_CASE("a cell enlarges the samples around a pixel in the corner that is fart
                                           .field_width = 160,
                                           .field_height = 160,
                                           .scales = {},
-                                          .unit = "",
+                                          .bar_label = "",
                                           .zooms = true});
     std::vector<Rgb8> field(160 * 160, Rgb8{1, 2, 3});
     field[20 * 160 + 30] = {250, 0, 7};
@@ -389,7 +389,7 @@ TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", 
                          .field_width = 64,
                          .field_height = 64,
                          .scales = {},
-                         .unit = ""};
+                         .bar_label = ""};
     ContactSheet sheet(folder / "s.png", spec);
     sheet.add_rows(0, 0, 0, std::vector<Rgb8>(64 * 64, Rgb8{1, 2, 3}));
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));

@@ -97,7 +97,7 @@ TEST_CASE("legend and colour bar are beside the cells, and long names and many r
     CHECK(count_of(image, outcome_colours[2]) > 50);
     const auto ramp = backend().ramp("viridis", 256);
     spec.scale.emplace("viridis", ramp, 0, 24);
-    spec.unit = "lost bits";
+    spec.bar_label = "lost bits";
     const auto wide = plotted(folder, spec);
     CHECK(wide.width > image.width);
     CHECK(count_of(wide, ramp.back()) > 0);
@@ -179,7 +179,7 @@ TEST_CASE("values have ramp colours, outcomes their own, and other cells are hat
     auto spec = plane(2, 2);
     const auto ramp = backend().ramp("viridis", 256);
     spec.scale.emplace("viridis", ramp, 0, 24);
-    spec.unit = "lost bits";
+    spec.bar_label = "lost bits";
     spec.cells = {{0.0}, {std::numeric_limits<double>::infinity()}, {5.0, image::outcome_colours[3]}, {12.0}};
     const auto image = plotted(folder, spec);
     const std::int64_t cell = 280 * 210;

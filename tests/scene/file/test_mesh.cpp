@@ -28,7 +28,7 @@ using scene::triangle::Mesh;
 namespace {
 
 Mesh tidied(Mesh mesh) {
-    scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
+    scene::triangle::merge_and_count(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
     return mesh;
 }
 

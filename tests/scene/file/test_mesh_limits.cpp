@@ -226,7 +226,7 @@ TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
     }
     std::atomic<bool> asked{true};
     Mesh mesh = ball;
-    CHECK_THROWS_AS(tidy(
+    CHECK_THROWS_AS(merge_and_count(
                         mesh, [](std::size_t) { return std::string(); }, intersect::process::StopToken(asked)),
                     Interrupted);
 }

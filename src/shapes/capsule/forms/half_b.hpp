@@ -19,13 +19,13 @@ struct CapsuleHalfB {
         const T v2 = square(v), r2 = square(capsule.radius);
         const auto solve = [](const T& a, const T& h, const T& c) {
             const T disc = named("disc", square(h) - a * c);
-            return PartHit<T>{disc < T(0), plain_half_roots<T>(a, h, sqrt(disc))};
+            return PartRoots<T>{disc < T(0), plain_half_roots<T>(a, h, sqrt(disc))};
         };
         const auto solve_ball = [&](const Vec<T>& centre_to_origin) {
             return solve(square(d), named("h_ball", dot(centre_to_origin, d)),
                          named("c_ball", square(centre_to_origin) - r2));
         };
-        const PartHit<T> side = solve(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
+        const PartRoots<T> side = solve(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
         return choose_parts<T>(side, solve_ball(f), solve_ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
                                named("v.d", dot(v, d)), v2);
     }

@@ -19,13 +19,13 @@ struct CapsulePerpendicular {
         const Vec<T> n = cross(v, d), m = cross(v, f);
         const T v2 = square(v), r2 = square(capsule.radius), a = named("a", square(n)), d2 = square(d);
         const T disc = named("disc", v2 * (r2 * a - square(dot(f, n))));
-        const PartHit<T> side{
+        const PartRoots<T> side{
             disc < T(0), unified_roots<T>(a, named("h'", -dot(m, n)), named("c", square(m) - r2 * v2), sqrt(disc))};
         const auto solve_ball = [&](const Vec<T>& centre_to_origin) {
             const T minus_b = named("b'", -dot(centre_to_origin, d));
             const T delta = named("delta", r2 - square(Vec<T>(centre_to_origin + (minus_b / d2) * d)));
             const T c = named("c_ball", square(centre_to_origin) - r2);
-            return PartHit<T>{delta < T(0), unified_roots<T>(d2, minus_b, c, sqrt(d2 * delta))};
+            return PartRoots<T>{delta < T(0), unified_roots<T>(d2, minus_b, c, sqrt(d2 * delta))};
         };
         return choose_parts<T>(side, solve_ball(f), solve_ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
                                named("v.d", dot(v, d)), v2);

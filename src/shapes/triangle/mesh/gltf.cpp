@@ -227,7 +227,7 @@ private:
             settings_.stop.check();
             const auto p = elements.at<float, 3>(i);
             for (const float x : p)
-                if (const auto fault = coordinate_error(x, settings_.vertex_format); !fault.empty())
+                if (const auto fault = reason_to_refuse_coordinate(x, settings_.vertex_format); !fault.empty())
                     accessor.fail(fmt::format("vertex {}, at byte {} of its buffer, {}", i,
                                               elements.offset + i * elements.stride, fault));
             vertices.emplace_back(p[0], p[1], p[2]);

@@ -33,7 +33,8 @@ auto comparison_by(const Key& key, StopToken stop) {
 /// Returns the edges of all faces, ordered by their ends. One bucket for each lower end holds the
 /// edges, and each bucket is sorted, since a vertex has few edges.
 std::vector<EdgeOfFace> sorted_edges(const Mesh& mesh, StopToken stop) {
-    std::vector<std::size_t> ends(mesh.vertices.size() + 1);  // end of each bucket; while filling, its next index
+    // While a bucket is filled, its end is the index of its next edge.
+    std::vector<std::size_t> bucket_ends(mesh.vertices.size() + 1);
     const auto for_each_edge_of_face = [&mesh](const auto& visit) {
         for (std::size_t f = 0; f < mesh.faces.size(); ++f)
             for (std::size_t k = 0; k < 3; ++k) {
@@ -41,15 +42,15 @@ std::vector<EdgeOfFace> sorted_edges(const Mesh& mesh, StopToken stop) {
                 visit(EdgeOfFace{std::min(start, end), std::max(start, end), static_cast<std::uint32_t>(f)});
             }
     };
-    for_each_edge_of_face([&](const EdgeOfFace& edge) { ++ends[edge.low + 1]; });
-    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    for_each_edge_of_face([&](const EdgeOfFace& edge) { ++bucket_ends[edge.low + 1]; });
+    std::partial_sum(bucket_ends.begin(), bucket_ends.end(), bucket_ends.begin());
 
     std::vector<EdgeOfFace> edges(3 * mesh.faces.size());
-    for_each_edge_of_face([&](const EdgeOfFace& edge) { edges[ends[edge.low]++] = edge; });
+    for_each_edge_of_face([&](const EdgeOfFace& edge) { edges[bucket_ends[edge.low]++] = edge; });
 
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-        std::sort(edges.begin() + static_cast<std::ptrdiff_t>(v == 0 ? 0 : ends[v - 1]),
-                  edges.begin() + static_cast<std::ptrdiff_t>(ends[v]),
+        std::sort(edges.begin() + static_cast<std::ptrdiff_t>(v == 0 ? 0 : bucket_ends[v - 1]),
+                  edges.begin() + static_cast<std::ptrdiff_t>(bucket_ends[v]),
                   comparison_by([](const EdgeOfFace& edge) { return std::pair(edge.high, edge.face); }, stop));
     return edges;
 }
@@ -94,8 +95,6 @@ void merge_vertices(Mesh& mesh, StopToken stop) {
     for (Face& face : mesh.faces)
         for (std::uint32_t& v : face) v = new_index[representative[v]];
 }
-
-bool has_no_area(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
 
 /// Returns the smallest number that a format rounds to infinity: half an ulp above its largest number.
 double overflow_threshold(const FloatFormat& format) {
@@ -151,20 +150,20 @@ void count_edges(Mesh& mesh, StopToken stop) {
 
 }  // namespace
 
-std::string_view coordinate_error(double x, const FloatFormat& vertex_format) {
+std::string_view reason_to_refuse_coordinate(double x, const FloatFormat& vertex_format) {
     if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // vertex_format is binary32 or wider
     if (!std::isfinite(x)) return "is not finite; a vertex has finite numbers";
     if (std::fabs(x) < overflow_threshold(vertex_format)) return {};
     return "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = \"own\"";
 }
 
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face, StopToken stop) {
+void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face, StopToken stop) {
     merge_vertices(mesh, stop);
     std::size_t kept_count = 0;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         stop.check();
         const auto& [a, b, c] = mesh.faces[f];
-        if (has_no_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
+        if (on_one_line(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
             if (mesh.removed_face_count++ == 0) mesh.first_removed_face = describe_face(f);
             continue;
         }
@@ -189,9 +188,10 @@ Mesh join_meshes(std::vector<Mesh> meshes) {
     Mesh result = std::move(meshes.front());
     for (std::size_t i = 1; i < meshes.size(); ++i) {
         const Mesh& next = meshes[i];
-        const auto first = static_cast<std::uint32_t>(result.vertices.size());
+        const auto vertex_offset = static_cast<std::uint32_t>(result.vertices.size());
         result.vertices.insert(result.vertices.end(), next.vertices.begin(), next.vertices.end());
-        for (const auto& [a, b, c] : next.faces) result.faces.push_back({first + a, first + b, first + c});
+        for (const auto& [a, b, c] : next.faces)
+            result.faces.push_back({vertex_offset + a, vertex_offset + b, vertex_offset + c});
         result.borders.insert(result.borders.end(), next.borders.begin(), next.borders.end());
         for (const auto member : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
                                   &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
@@ -209,7 +209,7 @@ std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format) {
         return p;
     };
     return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& f) {
-        return has_no_area(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
+        return on_one_line(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
     }));
 }
 

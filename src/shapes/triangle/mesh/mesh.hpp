@@ -44,8 +44,8 @@ struct Mesh {
     std::vector<Face> faces;
     std::size_t removed_face_count = 0;  ///< faces without area
     std::string first_removed_face;      ///< describes the first face without area; empty if every face has one
-    MeshEdges edges;                     ///< counts over all faces; filled by `tidy`
-    /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; filled by `tidy`.
+    MeshEdges edges;                     ///< counts over all faces; filled by `merge_and_count`
+    /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; filled by `merge_and_count`.
     std::vector<std::uint8_t> borders;
 
     [[nodiscard]] Triangle<double> triangle(std::size_t face) const { return corners_of(faces[face], vertices); }
@@ -63,8 +63,8 @@ struct Mesh {
 /// Merges vertices with the same coordinates (0 and −0 are the same), so that faces which meet share their edge.
 /// Removes faces whose corners lie on one line, and fills `edges` and `borders`. `describe_face(face)` describes a face
 /// of the mesh as it was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face,
-          intersect::process::StopToken stop = {});
+void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face,
+                     intersect::process::StopToken stop = {});
 
 /// An edge that two faces share.
 struct SharedEdge {
@@ -91,7 +91,7 @@ struct MeshSettings {
 };
 
 /// Returns why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty if it can.
-std::string_view coordinate_error(double x, const FloatFormat& vertex_format);
+std::string_view reason_to_refuse_coordinate(double x, const FloatFormat& vertex_format);
 
 /// Reads a `[[mesh]]`: `make` with the keys of that mesh, or `file`, relative to `folder`. Throws InputError with a
 /// position.

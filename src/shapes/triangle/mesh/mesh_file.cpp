@@ -37,7 +37,7 @@ Mesh read_mesh_file(const std::filesystem::path& path, const MeshSettings& setti
     };
     if (parsed_mesh.mesh.faces.empty())
         throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
-    tidy(parsed_mesh.mesh, describe_face, settings.stop);
+    merge_and_count(parsed_mesh.mesh, describe_face, settings.stop);
     if (parsed_mesh.mesh.faces.empty())
         throw InputError(path.string() + ": none of its faces has an area; " + parsed_mesh.mesh.first_removed_face +
                          " is the first");

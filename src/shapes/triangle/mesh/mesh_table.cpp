@@ -87,7 +87,7 @@ Mesh read_named_file(toml::TableReader& table, const std::filesystem::path& fold
 Mesh make_from_table(toml::TableReader& table, const MeshSettings& settings) {
     table.node("make", R"("icosphere", "grid", "tube" or "fan", or write file = "name.obj" in its place)");
     Mesh mesh = MeshTable(table).make();
-    tidy(
+    merge_and_count(
         mesh, [](std::size_t face) { return "face " + std::to_string(face); }, settings.stop);
     if (mesh.faces.empty())
         table.fail_at("make",

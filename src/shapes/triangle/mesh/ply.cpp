@@ -190,7 +190,7 @@ public:
     }
     double coordinate(const PlyProperty& property) {
         const double x = next(property, property.type);
-        if (const auto fault = coordinate_error(x, vertex_format_); !fault.empty())
+        if (const auto fault = reason_to_refuse_coordinate(x, vertex_format_); !fault.empty())
             fail(fmt::format("{} of a vertex is {}, which {}", property.name, x, fault));
         return x;
     }

@@ -82,7 +82,7 @@ void read_facet(MeshBytes& bytes, std::uint32_t index, const FloatFormat& vertex
     float numbers[9];
     std::memcpy(numbers, facet.data() + normal_size, sizeof numbers);
     for (std::size_t k = 0; k < 9; ++k)
-        if (const auto fault = coordinate_error(numbers[k], vertex_format); !fault.empty())
+        if (const auto fault = reason_to_refuse_coordinate(numbers[k], vertex_format); !fault.empty())
             throw InputError(fmt::format("{}: byte {}: facet {} has a vertex that {}", bytes.name(),
                                          begin + normal_size + 4 * k, index, fault));
 

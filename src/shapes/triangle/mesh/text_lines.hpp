@@ -71,7 +71,7 @@ public:
     template <class T>
     T coordinate(std::string_view number_name, const FloatFormat& vertex_format) {
         const T x = number<T>(number_name);
-        if (const auto fault = coordinate_error(static_cast<double>(x), vertex_format); !fault.empty())
+        if (const auto fault = reason_to_refuse_coordinate(static_cast<double>(x), vertex_format); !fault.empty())
             fail(std::string(number_name) + " is " +
                  text::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) + ", which " +
                  std::string(fault));

@@ -19,6 +19,8 @@ namespace lostbits::measure::truth {
 
 /// Factor that covers the roundings of a bound itself, a few dozen u.
 inline constexpr double rounding_factor = 1 + 0x1p-40;
+/// Factor that covers the roundings of a bound computed from lengths of vectors, with margin.
+inline constexpr double length_rounding_factor = 1 + 0x1p-30;
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 inline constexpr int exponent_of_zero = -1000000;
 /// Largest loss of a product that underflows.
@@ -26,8 +28,8 @@ inline constexpr double underflow_loss = std::numeric_limits<double>::denorm_min
 
 /// Number with a bound of its error.
 using BoundedDouble = Bounded<double>;
-/// Number with a derivative for each number of a problem of any shape.
-using DualNumber = Dual<BoundedDouble, 6 + most_stored>;
+/// Number with its derivatives by all inputs of a problem of any shape.
+using DualNumber = Dual<BoundedDouble, 6 + max_primitive_numbers>;
 
 inline double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
 inline double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
@@ -63,11 +65,9 @@ struct ValueInterval {
     }
 };
 
-/// Numbers of a problem (of the origin, the direction, the primitive and its matrix) and the error bound of each. The
-/// units of the numbers make the largest length and the largest component of d about 1. The primitive's directions have
-/// a unit of their own. Under a matrix A there are two more units: for the primitive's lengths, and for A (the quotient
-/// of the result's and the source's unit of length). So no number is above 1, and nothing overflows. The bounds include
-/// the losses of small numbers to underflow.
+/// Numbers of a problem (of the origin, the direction, the primitive and its matrix) and the error bound of each. Each
+/// number is divided by its unit, a power of two (`UnitKind`), so the largest numbers are about 1 and nothing
+/// overflows. The bounds include the losses of small numbers to underflow.
 class ProblemNumbers {
 public:
     template <class S>
@@ -78,7 +78,7 @@ public:
           shape_(s.shape),
           is_normwise_(perturbation == Perturbed::normwise),
           is_distance_(length == Length::distance) {
-        const auto number = [&](std::size_t i) {
+        const auto exact_number = [&](std::size_t i) {
             return i < direction_begin   ? r.origin[static_cast<int>(i)]
                    : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
                    : i < matrix_begin_   ? s.numbers[i - primitive_begin]
@@ -89,9 +89,9 @@ public:
             std::fill_n(&is_direction_[primitive_begin + k], key.count(), key.kind == Key::Kind::direction);
         });
 
-        choose_units(number, format);
-        scale_numbers<S>(number);
-        bound_errors(number, format);
+        choose_units(exact_number, format);
+        scale_numbers<S>(exact_number);
+        bound_errors(exact_number, format);
     }
 
     [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
@@ -127,18 +127,18 @@ public:
         return sum * rounding_factor;
     }
 
-    /// Bound of |f(x')|. If t is a root of f, `bound_change` is a bound. Where t is not a root of f (the range begins
-    /// at t, or the ray meets another face), the part of the enclosure of f(x') past 0 is also a bound, often 0. The
-    /// smaller bound is returned.
+    /// Bound of how far f(x') may lie beyond 0, seen from f(x). If t is a root of f, this bounds |f(x')|. If f(x) is
+    /// not 0 (the range begins at t, or the ray meets another face), only the part beyond 0 can move t, and the bound
+    /// is often 0. Returns the smaller of two bounds: `bound_change`, and the part of the enclosure of f(x') beyond 0.
     [[nodiscard]] double bound_at_root(const DualNumber& f) const {
         const BoundedDouble& enclosure = f.value();
         return std::min(bound_change(f),
                         std::max(0.0, enclosure.error() * rounding_factor - std::fabs(enclosure.value())));
     }
 
-    /// Bound of |t' − t| by a ball of radius R that holds the primitive. The ray meets the primitive at X = o + t d,
-    /// and with errors at X' = o' + t' d'. Both points lie within the ball, apart from how far the primitive itself
-    /// moves:
+    /// Bound of |t' − t| by a ball that holds the primitive. The ray meets the primitive at X = o + t d, and with
+    /// errors at X' = o' + t' d'. So |X' − X| is at most the diameter of the ball plus the distance by which the
+    /// errors move the primitive:
     ///
     ///     |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|
     ///
@@ -160,7 +160,7 @@ public:
         if (!(d > 0)) return unbounded;
         const double unit_direction_error =
             is_distance_ ? 2 * direction_error / (2 * d + direction_error) : direction_error;
-        return (largest_separation + std::fabs(t.value()) * unit_direction_error) * (1 + 0x1p-30) /
+        return (largest_separation + std::fabs(t.value()) * unit_direction_error) * length_rounding_factor /
                (is_distance_ ? 1 : d);
     }
 
@@ -172,12 +172,17 @@ protected:
     [[nodiscard]] bool is_distance() const { return is_distance_; }
 
 private:
-    static constexpr std::size_t capacity = primitive_begin + most_stored;
+    static constexpr std::size_t capacity = primitive_begin + max_primitive_numbers;
     static constexpr std::size_t linear_part_size = 9;  ///< numbers of a matrix before its translation
 
-    /// Units of the numbers. `length` and `direction` are those of the world, and `object_length` is that of a
-    /// primitive under a matrix.
-    enum class UnitKind : std::uint8_t { length, direction, object_length, linear_part, object_direction };
+    /// Units of the numbers.
+    enum class UnitKind : std::uint8_t {
+        length,         ///< lengths of the world, and those of a primitive without a matrix
+        direction,      ///< components of the ray's direction
+        object_length,  ///< lengths of a primitive under a matrix
+        linear_part,    ///< numbers of the matrix before its translation: unit of the result's lengths / the source's
+        object_direction,  ///< directions of the primitive
+    };
     static constexpr std::size_t unit_kinds = 5;
 
     [[nodiscard]] UnitKind unit_kind(std::size_t i) const {
@@ -195,11 +200,11 @@ private:
     /// Sets each unit to the exponent of the largest number that has it. Without a matrix, units near 1 are 1, and the
     /// unit of zeros is 2^emin.
     template <class Number>
-    void choose_units(const Number& number, const FloatFormat& format) {
+    void choose_units(const Number& exact_number, const FloatFormat& format) {
         units_.fill(exponent_of_zero);
         for (std::size_t i = 0; i < count_; ++i) {
             int& exponent = unit(unit_kind(i));
-            exponent = std::max(exponent, binary_exponent(number(i)));
+            exponent = std::max(exponent, binary_exponent(exact_number(i)));
         }
         if (placed_) {
             set_units_of_matrix();
@@ -212,18 +217,18 @@ private:
     }
     /// Divides each number by its unit. S is the type of the stored numbers.
     template <class S, class Number>
-    void scale_numbers(const Number& number) {
+    void scale_numbers(const Number& exact_number) {
         for (std::size_t i = 0; i < count_; ++i) {
-            numbers_[i] = scaled(number(i), -unit_of(i));
-            if (S(ldexp(S(numbers_[i]), unit_of(i))) != number(i))
+            numbers_[i] = scaled(exact_number(i), -unit_of(i));
+            if (S(ldexp(S(numbers_[i]), unit_of(i))) != exact_number(i))
                 rounding_error_[i] = std::fabs(numbers_[i]) * 0x1p-53 + underflow_loss;
         }
     }
     /// Bounds the error of each input, by its own size or by that of its vector, and the total error.
     template <class Number>
-    void bound_errors(const Number& number, const FloatFormat& format) {
+    void bound_errors(const Number& exact_number, const FloatFormat& format) {
         for (std::size_t i = 0; i < count_; ++i) {
-            const int exponent = std::max(binary_exponent(number(i)), format.emin);
+            const int exponent = std::max(binary_exponent(exact_number(i)), format.emin);
             input_error_[i] = scaled(1, exponent - format.precision - unit_of(i)) + underflow_loss;
         }
         if (is_normwise_)
@@ -275,7 +280,7 @@ class PerturbedProblem : public ProblemNumbers {
     }
     /// Sets the numbers of a primitive and its matrix to what `number` returns for their indices.
     template <class T, class Number>
-    void fill(Primitive<T>& target, const Number& number) const {
+    void fill_primitive(Primitive<T>& target, const Number& number) const {
         for (std::size_t i = primitive_begin; i < matrix_begin_; ++i) target.numbers[i - primitive_begin] = number(i);
         if (!placed_) return;
         target.placed = transformed(*placed_, [](int) { return T(0); });
@@ -290,7 +295,7 @@ public:
     explicit PerturbedProblem(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
         const auto number = [&](std::size_t i) { return DualNumber::input(perturbed(i), i, count_); };
         ray = make_ray(number);
-        fill(primitive, number);
+        fill_primitive(primitive, number);
         if (!is_distance()) return;
         const DualNumber length = sqrt(square(ray.direction));
         ray.direction = {ray.direction.x / length, ray.direction.y / length, ray.direction.z / length};
@@ -310,7 +315,7 @@ public:
         const auto number = [&](std::size_t i) { return stored(i); };
         const Ray<BoundedDouble> stored_ray = make_ray(number);
         Primitive<BoundedDouble> stored_primitive(shape());
-        fill(stored_primitive, number);
+        fill_primitive(stored_primitive, number);
         return visit_shape(stored_primitive, [&]<template <class> class Of>() {
             return visit_in_object_space<Of>(stored_ray, stored_primitive, act);
         });
