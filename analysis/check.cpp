@@ -207,7 +207,7 @@ std::vector<std::filesystem::path> input_files(const CheckOptions& options, cons
 }
 
 /// Throws InputError if a shard gets options for files that only the whole run can write.
-void check_shard_options(const CheckOptions& options) {
+void require_shard_options(const CheckOptions& options) {
     if (options.shard.empty()) return;
     if (options.report.empty())
         throw InputError("--shard " + options.shard +
@@ -224,8 +224,8 @@ void check_shard_options(const CheckOptions& options) {
 }
 
 /// Throws InputError for options that do not go with --profile timing or --measure, for shards and for files.
-void check_options(const CheckOptions& options) {
-    check_shard_options(options);
+void require_compatible_options(const CheckOptions& options) {
+    require_shard_options(options);
     shell::require_different_files(
         {{"--junit", options.junit}, {"--export-csv", options.csv}, {"--export-json", options.json}},
         {"--report", options.report});
@@ -302,7 +302,7 @@ void print_counts(const std::vector<Claim>& claims, const std::vector<ClaimResul
 }
 
 Exit run(const CheckOptions& options, const CommonOptions& common) {
-    check_options(options);
+    require_compatible_options(options);
     const auto data = selection::data_folder(common.data);
     const auto claims = load_claims(options, data);
     const selection::ThreadLimit limit(common.threads);

@@ -155,7 +155,7 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
     const auto formats =
         options.formats.empty() ? std::vector{dump.format()} : selection::select_formats(options.formats);
     auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
-    selection::refuse_generators(candidates, "judge");
+    selection::require_no_generators(candidates, "judge");
     const auto handling_forms =
         selection::tested_forms_handling({candidates, options.forms, common.quiet}, options.file, can_test);
     if (handling_forms.empty())
@@ -190,7 +190,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     if (!findings) return std::nullopt;
     if (division.joins()) {
         writer.append(std::move(findings->worst));
-        measure::judge::check_whole(dump, request, findings->result);
+        measure::judge::require_ray_count(dump, request, findings->result);
     }
     *request.stages = findings->stages;
     return std::move(findings->result);

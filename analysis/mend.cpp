@@ -47,7 +47,7 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", options.format,
                                      options.form, selection::formats_text(*forms.front())));
-    selection::refuse_generators(forms, "mend");
+    selection::require_no_generators(forms, "mend");
 
     // For primitives that matrices place, the form gets the usual transform.
     const auto* form = forms.front();
@@ -177,7 +177,7 @@ scene::file::Scene load_subject_scene(const MendOptions& options, const std::fil
     selection::SceneOptions choice = options.changes;
     choice.names = options.subjects;
     scene::file::Scene scene = selection::load_one_scene(choice, data);
-    selection::refuse_generated_rays({scene}, "mend");
+    selection::require_no_generated_rays({scene}, "mend");
     return scene;
 }
 
@@ -199,14 +199,14 @@ struct MendSubject {
 };
 
 /// Throws InputError for options that do not fit the subject, and for names of files that cannot be written.
-void check_options(const MendOptions& options) {
+void require_compatible_options(const MendOptions& options) {
     if (!options.emit.empty()) require_code_name(options.emit, options.out);
     if (!options.out.empty()) require_folder(options.out);
-    selection::refuse_misplaced_options(options.rays, options.subjects,
-                                        {{"--size", !options.changes.size.empty()},
-                                         {"--variant", !options.changes.variant.empty()},
-                                         {"--set", !options.changes.set.empty()}},
-                                        "mending");
+    selection::require_no_misplaced_options(options.rays, options.subjects,
+                                            {{"--size", !options.changes.size.empty()},
+                                             {"--variant", !options.changes.variant.empty()},
+                                             {"--set", !options.changes.set.empty()}},
+                                            "mending");
 }
 
 /// Throws InputError if --emit asks for a shader that cannot compute the form.
@@ -275,7 +275,7 @@ private:
 };
 
 Exit run(const MendOptions& options, const CommonOptions& common) {
-    check_options(options);
+    require_compatible_options(options);
     MendSubject subject(options, common);
     RepairRequest request = make_request(options, subject, common.stop);
     const selection::ThreadLimit limit(common.threads);

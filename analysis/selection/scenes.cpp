@@ -138,8 +138,8 @@ bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>
     return std::ranges::all_of(subjects, is_file);
 }
 
-void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
-                              const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
+void require_no_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
+                                  const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
     std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !options.answer_format.empty()},
                                                            {"--skip", options.skip != 0}};
     for (const RayFileOption& option : ray_file_options())

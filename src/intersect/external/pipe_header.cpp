@@ -95,7 +95,7 @@ void set_flags(Contract& contract, const std::string& value, const std::string& 
 
 /// Throws if the header says why the program cannot serve: EnvironmentError if a line begins with `missing=`, else
 /// InputError.
-void throw_refusal(const std::vector<std::string>& lines, const PipeOptions& options) {
+void require_not_refused(const std::vector<std::string>& lines, const PipeOptions& options) {
     std::string refusal;
     bool is_environment = false;
     for (const std::string_view line : lines) {
@@ -192,7 +192,7 @@ std::vector<Contract> read_greeting(const LineSource& source, const PipeOptions&
         if (bytes > 100'000) source.fail("sent more than 100000 bytes of header; an empty line must end it");
     }
     lines.pop_back();
-    throw_refusal(lines, options);
+    require_not_refused(lines, options);
     return read_pipe_header(lines, options.message_prefix);
 }
 

@@ -149,7 +149,7 @@ bool client_has_ended(int input) {
 }
 
 /// Throws the error of a failed write, unless the client has ended and so expects no answer.
-void throw_unless_client_ended(int input) {
+void require_client_ended(int input) {
     const int write_error = errno;
     if (!client_has_ended(input))
         throw EnvironmentError(std::string("cannot write to the process that asks for answers: ") +
@@ -173,7 +173,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     const std::string header = make_pipe_header(contracts);
     signal(SIGPIPE, SIG_IGN);  // a failed write returns an error instead of ending the process
     if (!write_all(output, header.data(), header.size())) {
-        throw_unless_client_ended(input);
+        require_client_ended(input);
         return true;
     }
 
@@ -190,7 +190,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
         const std::optional<BatchColumns> columns = read_batch(input, request, form.contract, buffers);
         if (!columns) return true;
         if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers)) {
-            throw_unless_client_ended(input);
+            require_client_ended(input);
             return true;
         }
     }

@@ -95,7 +95,7 @@ struct JudgeResult {
 std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request);
 
 /// Throws InputError if the file has no rays, or another number of rays than the picture.
-void check_whole(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
+void require_ray_count(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
 
 /// Reads the dump to its end, or to the end of its pieces. Memory does not grow with the file, and the results do not
 /// depend on the number of threads: the pieces depend only on the rays, and are added in order. Throws InputError, with

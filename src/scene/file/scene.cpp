@@ -66,7 +66,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
     require_limits_when_rounded(primitive, table, numbers);
 
     primitive.placed = read_transform(table, numbers);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return primitive;
 }
 
@@ -82,7 +82,7 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     range.tmin = number("tmin", range.tmin);
     range.tmax = number("tmax", range.tmax);
     table.read("open_ends", range.open_ends, open_ends_names);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     if (range.tmin < 0) table.fail_at("tmin", "is below 0, but a ray only looks ahead; write 0 or more");
     if (!range.holds_any())
         table.fail_at(table.has("tmax") ? "tmax" : "tmin",
@@ -153,7 +153,7 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
             table.fail_at("name", "is \"" + variant.name +
                                       "\", which is also the name of another variant; give each its own name");
         table.table("set");
-        table.reject_unknown_keys();
+        table.require_known_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
         variant.changes = toml::overrides_in(*node.find("set"));
         variants_.push_back(std::move(variant));
@@ -257,7 +257,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
 
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
-    file.reject_unknown_keys();
+    file.require_known_keys();
 
     if (scene.shapes().empty())
         toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());

@@ -71,7 +71,7 @@ private:
     void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);
-    void check_primitives(toml::TableReader& file, const toml::TableReader& axis_table) const;
+    void require_valid_primitives(toml::TableReader& file, const toml::TableReader& axis_table) const;
 
     std::vector<FloatRange> ranges_;
 };

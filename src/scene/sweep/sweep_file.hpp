@@ -85,9 +85,9 @@ public:
 private:
     void apply_changes(const SweepChanges& changes);
     void apply_steps(const SweepChanges& changes);
-    void reject_changes_of_axes(const SweepChanges& changes) const;
+    void require_no_changes_of_axes(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
-    void check_both_ends();
+    void read_both_ends();
     [[nodiscard]] std::vector<rays::RayGroup> rays_of_distribution(const std::vector<toml::Override>& changes) const;
     [[nodiscard]] std::vector<rays::RayGroup> rays_of_scene(const std::vector<toml::Override>& changes) const;
 

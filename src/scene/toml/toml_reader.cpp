@@ -225,7 +225,7 @@ void TableReader::reject(std::string_view key, std::string_view why) {
         if (entry.key == key) fail(entry.key_where, path_to(key) + ' ' + std::string(why));
 }
 
-void TableReader::reject_unknown_keys() const {
+void TableReader::require_known_keys() const {
     for (const Node::Entry& entry : table_->entries) {
         if (std::find(requested_keys_.begin(), requested_keys_.end(), entry.key) != requested_keys_.end()) continue;
         fail(entry.key_where, "unknown key " + path_to(text::excerpt(entry.key)) + "; " +

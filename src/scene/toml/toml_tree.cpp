@@ -177,7 +177,7 @@ namespace {
 
 /// Fails for a very long key: toml++ 3.3 recurses once for each part of a dotted key, and overflows the stack on a key
 /// of 50000 parts.
-void reject_long_keys(const std::string& text, const std::string& source) {
+void require_no_long_keys(const std::string& text, const std::string& source) {
     constexpr int most_parts = 256;
     int line = 1, dots = 0;
     for (const char c : text) {
@@ -198,7 +198,7 @@ Node read_toml(const std::filesystem::path& path, intersect::process::StopToken 
     std::string text;
     file.read(text, most_bytes + 1);
     if (text.size() > most_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
-    reject_long_keys(text, start.source);
+    require_no_long_keys(text, start.source);
     return parse(text, start.source);
 }
 
