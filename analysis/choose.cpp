@@ -274,7 +274,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     opened_rays.options.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
 
     // Reads the files once. What follows uses a sample of their rays.
-    const measure::choose::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.options, request);
+    const measure::choose::FileRays rays = judge_and_sample(*opened_rays.dump, opened_rays.options, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
     return choose(request, writer, result_folder, progress, common);

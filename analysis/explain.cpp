@@ -55,6 +55,7 @@ auto select_one(const char* option, const std::string& value, const char* noun, 
     return selected.front();
 }
 
+/// Throws InputError for an option that names one ray, and if no scene or sweep is given.
 void require_several_rays(const selection::RayOptions& ray) {
     const std::array ray_options{std::pair{"--pixel", !ray.pixel.empty()}, std::pair{"--worst", ray.worst},
                                  std::pair{"--ray", !ray.ray.empty()}, std::pair{"--case", !ray.named_case.empty()}};

@@ -63,7 +63,7 @@ std::optional<metric::Bounds> quantile_bounds(const Claim& claim, const ClaimCol
 std::vector<double> position_on_axes(const SubjectClaim<SweepSubject>& subject_claim,
                                      const scene::sweep::SweepFile& sweep) {
     const auto& [claim, subject, result] = subject_claim;
-    const auto* const part = subject.part_if<SweepSubject::At>();
+    const auto* const part = subject.part_if<SweepSubject::SweepPosition>();
     std::vector<double> position = part ? part->values : std::vector<double>{};
     if (position.size() != sweep.axes.size()) {
         scene::toml::fail(claim.where, "sweep \"" + subject.name + "\" has " +

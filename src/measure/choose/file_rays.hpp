@@ -48,6 +48,6 @@ struct FileOptions {
 
 /// Reads the dump to its end, for the forms, requirement and limit of the request. Throws InputError as
 /// `judge::run_judge` does.
-FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request);
+FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request);
 
 }  // namespace lostbits::measure::choose

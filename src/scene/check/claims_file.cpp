@@ -156,7 +156,7 @@ void read_expect(TableReader table, Claim& claim) {
         toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
 
     const auto* const sweep = claim.subject_if<SweepSubject>();
-    const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::Along>(),
+    const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::WholeSweep>(),
                is_every_float = sweep && sweep->part_if<SweepSubject::EveryFloat>();
     if (!claim.onset.empty()) read_onset(table, is_whole_sweep, is_every_float, claim);
     else if (is_whole_sweep)

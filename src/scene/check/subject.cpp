@@ -138,7 +138,7 @@ Subject read_sweep(TableReader& table, Claim& claim, std::string name) {
     SweepSubject sweep{.name = std::move(name)};
     read_row(table, claim);
     const bool has_position = table.has("at");
-    if (has_position) sweep.part = SweepSubject::At{read_at(table)};
+    if (has_position) sweep.part = SweepSubject::SweepPosition{read_at(table)};
     const std::string case_name = table.optional_string("case").value_or("");
     if (has_position) table.reject("case", needs_cases);
     if (!case_name.empty()) sweep.part = SweepSubject::Case{case_name};

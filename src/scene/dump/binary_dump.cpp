@@ -224,7 +224,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
             type = find_item_type(type_name);
             if (!type)
                 throw InputError(fmt::format("--columns: {}: \"{}\" is not a type of numbers; write {}", name,
-                                             type_name, known_item_types));
+                                             type_name, item_type_advice));
         }
 
         if (name.empty())

@@ -107,8 +107,8 @@ std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& o
         std::size_t k = 0;
         for (const TableReader& table : file.tables(shape_row.name)) {
             constexpr int last_line = std::numeric_limits<int>::max();
-            const toml::Where where =
-                count == 0 ? toml::Where{"", last_line, 0} : original_list->items[std::min(k++, count - 1)].where;
+            const toml::SourcePosition where = count == 0 ? toml::SourcePosition{"", last_line, 0}
+                                                          : original_list->items[std::min(k++, count - 1)].where;
             tables.push_back({shape_row.shape, table, {where.line, where.column}});
         }
     }
@@ -132,7 +132,7 @@ bool is_plain_name(std::string_view name) {
 }
 
 Override size_override(const std::pair<int, int>& size) {
-    const toml::Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
+    const toml::SourcePosition where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
     return {"size", Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where),
             where};
 }

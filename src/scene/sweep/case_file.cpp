@@ -137,7 +137,7 @@ std::vector<CaseFile::PrimitiveSpec> CaseFile::read_primitive_specs(TableReader&
     for (const ShapeRow& shape_row : shape_rows) {
         for (TableReader& table : case_table.tables(shape_row.plural)) {
             PrimitiveSpec spec = read_primitive_spec(table, shape_row);
-            const toml::Where where = table.where();
+            const toml::SourcePosition where = table.where();
             by_position.emplace_back(std::pair(where.line, where.column), std::move(spec));
         }
     }
@@ -256,7 +256,7 @@ std::vector<Shape> CaseFile::shapes() const {
     return found;
 }
 
-std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::Where& where) const {
+std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::SourcePosition& where) const {
     std::vector<std::string> names;
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < cases_.size(); ++i) {

@@ -217,7 +217,7 @@ std::uint64_t ExhaustiveFile::floats() const {
     return sum;
 }
 
-void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where& where) {
+void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::SourcePosition& where) {
     const auto index_in_ranges = [&](const Real& x) {
         const auto exact = exact_float(x);
         if (!exact) toml::fail(where, "a number is not representable in binary32; " + nearest_text(x));

@@ -208,7 +208,7 @@ void SweepFile::apply_steps(const SweepChanges& changes) {
                              ": --steps: its axis tries every float between its ends and has no steps to choose; leave "
                              "out --steps, or bring the ends closer together with --set 'axis[0].to=VALUE'");
         const long long steps = changes.steps[changes.steps.size() > 1 ? a : 0];
-        const toml::Where where{"--steps " + std::to_string(steps), 0, 0};
+        const toml::SourcePosition where{"--steps " + std::to_string(steps), 0, 0};
         toml::apply_override(root_, {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
     }
 }

@@ -23,7 +23,7 @@ struct Axis : AxisName {
         std::string path;   ///< in the scene, or in the table of the ray distribution
         double factor = 1;  ///< the path is set to base + factor · value
         double base = 0;
-        toml::Where where = {};
+        toml::SourcePosition where = {};
     };
     std::vector<Target> targets;
 

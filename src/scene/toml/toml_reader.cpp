@@ -98,7 +98,7 @@ std::string TableReader::path_to(std::string_view key) const {
     return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
 }
 
-Where TableReader::where(std::string_view key) const {
+SourcePosition TableReader::where(std::string_view key) const {
     const Node* node = table_->find(key);
     return node == nullptr ? table_->where : node->where;
 }

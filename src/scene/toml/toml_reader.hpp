@@ -108,8 +108,8 @@ public:
     void require_known_keys() const;
 
     /// Position of the value, or of the table if the key is missing.
-    [[nodiscard]] Where where(std::string_view key) const;
-    [[nodiscard]] Where where() const { return table_->where; }
+    [[nodiscard]] SourcePosition where(std::string_view key) const;
+    [[nodiscard]] SourcePosition where() const { return table_->where; }
     /// Path of a key, as in `camera.eye`.
     [[nodiscard]] std::string path_to(std::string_view key) const;
     /// Throws InputError `file:line:col: path.key message`.

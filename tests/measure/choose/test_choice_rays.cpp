@@ -90,13 +90,13 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     request.scene = nullptr;
     const FileOptions options{.id = "rays", .primitives = scene::rays::shared_primitives(scene)};
     const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
-    const FileRays one = judge_rays(*whole, options, request);
+    const FileRays one = judge_and_sample(*whole, options, request);
     CHECK(one.rays == rays.size());
     CHECK_FALSE(one.answers);
     std::vector<std::unique_ptr<scene::dump::Dump>> parts;
     parts.push_back(opened(written(folder, "first", columns_of(rays, 0, 1000)), false));
     parts.push_back(opened(written(folder, "second", columns_of(rays, 1000, rays.size())), false));
-    const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), options, request);
+    const FileRays two = judge_and_sample(*scene::dump::join_dumps(std::move(parts)), options, request);
     CHECK(two.rays == rays.size());
     for (std::size_t r = 0; r < 2; ++r) {
         require_same(one.quality[r], expected[r]);
@@ -125,7 +125,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
     }
     const auto dump = opened(written(folder, "long", columns), true);
     ChoiceRequest request = requirement_of(8, {test::row("sphere.schoolbook", "f32")});
-    const FileRays judged = judge_rays(*dump, {.id = "long"}, request);
+    const FileRays judged = judge_and_sample(*dump, {.id = "long"}, request);
     CHECK(judged.rays == rays);
     CHECK(judged.quality.front().hits == rays);
     const auto& sample = judged.sample;
