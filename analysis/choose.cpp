@@ -275,7 +275,7 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
 
     // Reads the files once. What follows uses a sample of their rays.
     const measure::choose::FileRays rays = judge_and_sample(*opened_rays.dump, opened_rays.options, request);
-    if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
+    if (!common.quiet) selection::note_rounded(rays.typed_file_names, rays.rounded_count, rays.format);
     request.rays = &rays;
     return choose(request, writer, result_folder, progress, common);
 }

@@ -67,12 +67,12 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
     // that is one digit short is therefore not reported.
     const bool is_short = result.inexact_decimals > 10 && result.most_digits + 1 < digits_for(format);
-    if (is_wide && result.answers > 10 && result.float_answers == result.answers &&
+    if (is_wide && result.nonzero_answer_count > 10 && result.float_answers == result.nonzero_answer_count &&
         !(is_short && result.most_digits < digits_for(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
                    "{}; if the answers were computed in float, add --answer-format f32\n",
-                   file, result.answers, format.name);
+                   file, result.nonzero_answer_count, format.name);
     else if (is_short)
         fmt::print(
             stderr,
@@ -295,7 +295,7 @@ output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options
 
 void print_judgement(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
                      const Format& format, bool verbose) {
-    selection::note_rounded(options.file, result.rounded, format);
+    selection::note_rounded(options.file, result.rounded_count, format);
     note_digits(options.file, format, result);
     fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file, format.name);
     print_results(request, result, options.by);

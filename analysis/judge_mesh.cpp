@@ -146,7 +146,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     progress.finish();
 
     if (!common.quiet) {
-        selection::note_rounded(options.file, result.rounded, dump.format());
+        selection::note_rounded(options.file, result.rounded_count, dump.format());
         fmt::print("{} of {}, read as {}\n",
                    text::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), options.file,
                    dump.format().name);

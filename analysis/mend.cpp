@@ -142,7 +142,7 @@ public:
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
         rays_ = judge(request, measure::repair::list_comparable_forms(request.tested_form));
-        if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
+        if (!common_.quiet) selection::note_rounded(rays_.typed_file_names, rays_.rounded_count, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;

@@ -250,7 +250,7 @@ void print_table(const measure::evaluate::MapStudy& request,
         cells.insert(cells.end(), {std::to_string(summary.count(measure::answer::Outcome::agree_hit)),
                                    lost_bits_cell(summary, lost_bits, 0.5), lost_bits_cell(summary, lost_bits, 0.99)});
         table.add(std::move(cells));
-        is_withheld |= summary.agreement().agreed > 0 && !summary.agreement().is_enough();
+        is_withheld |= summary.agreement().agreed_count > 0 && !summary.agreement().is_enough();
     }
     table.print();
     if (is_withheld)

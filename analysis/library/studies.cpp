@@ -46,11 +46,11 @@ std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& 
     return result;
 }
 
-/// The only chosen form in a format. Throws InputError, which begins with `context`, if there are several, or if the
-/// operations of its form are not known.
-const TestedForm& only_tested_form(const CallSelection& chosen, const std::string& context) {
+/// The only chosen form in a format. Throws InputError, which begins with `message_prefix`, if there are several, or if
+/// the operations of its form are not known.
+const TestedForm& only_tested_form(const CallSelection& chosen, const std::string& message_prefix) {
     if (chosen.tested_forms.size() != 1)
-        throw InputError(context + ", and " + std::to_string(chosen.tested_forms.size()) +
+        throw InputError(message_prefix + ", and " + std::to_string(chosen.tested_forms.size()) +
                          " pairs of form and format are chosen; name one form and one format");
     const TestedForm& tested_form = chosen.tested_forms.front();
     if (!tested_form.form->is_template())

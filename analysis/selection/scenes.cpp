@@ -199,7 +199,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     result.dump = scene::dump::join_dumps(std::move(dumps));
 
     // Changes by the command line.
-    result.options = {.id = result.id,
+    result.options = {.result_name = result.id,
                       .primitives = shared_primitives(options, target_scene, result.dump->format()),
                       .contract = answer_contract(options, *result.dump)};
     if (target_scene) result.options.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);

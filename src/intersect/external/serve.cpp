@@ -79,14 +79,14 @@ void mark_unwritten_in(const BatchColumns& columns, std::size_t rays) {
 
 /// Writes the answer into the columns. Returns the error text if the form fails, else an empty text.
 std::string answer_in_place(const ForeignForm& form, const PipeRequest& request, const BatchColumns& columns) {
-    if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.rays);
-    else mark_unwritten_in<float>(columns, request.rays);
+    if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.ray_count);
+    else mark_unwritten_in<float>(columns, request.ray_count);
     try {
-        form.answer({.size = request.rays,
+        form.answer({.size = request.ray_count,
                      .rays = columns[BatchColumn::rays],
                      .ends = columns[BatchColumn::ends],
                      .primitives = columns[BatchColumn::primitives],
-                     .primitive_stride = request.primitives == 1 ? 0 : row_of(form.contract.shape).numbers,
+                     .primitive_stride = request.primitive_count == 1 ? 0 : row_of(form.contract.shape).numbers,
                      .near_far = columns[BatchColumn::near_far],
                      .hit = hits_in(columns),
                      .own = nullptr,
@@ -99,8 +99,9 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
 
 bool is_valid_request(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
     return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 &&
-           request.form_index < forms.size() && (request.primitives == 1 || request.primitives == request.rays) &&
-           (request.ends == 0 || request.ends == request.rays);
+           request.form_index < forms.size() &&
+           (request.primitive_count == 1 || request.primitive_count == request.ray_count) &&
+           (request.end_count == 0 || request.end_count == request.ray_count);
 }
 
 /// The memory of the columns: shared with the client, or our own. The client is the process that asks for answers.

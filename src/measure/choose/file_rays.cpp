@@ -65,7 +65,7 @@ FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, c
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape =
         dump.layout().primitive() ? *dump.layout().primitive() : options.representatives().front().shape;
-    const judge::FileForm answers(options.id, shape, contract);
+    const judge::FileForm answers(options.result_name, shape, contract);
     if (dump.layout().has_answers()) {
         judge_request.file_answers_form = &answers.form();
         judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
@@ -80,8 +80,11 @@ FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, c
             if (form_index == 0) sampler.add(chunk);
         });
 
-    FileRays rays{
-        .id = options.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
+    FileRays rays{.result_name = options.result_name,
+                  .typed_file_names = dump.name(),
+                  .format = dump.format(),
+                  .ray_count = result.rays,
+                  .rounded_count = result.rounded_count};
     for (std::size_t form_index = 0; form_index < judge_request.tested_forms.size(); ++form_index) {
         const FormQuality quality =
             to_quality(result.summaries[form_index], judge_request.tested_forms[form_index], request.requirement);

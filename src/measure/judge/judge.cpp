@@ -236,12 +236,12 @@ private:
     /// Counts the rays of a chunk, and what its numbers tell of their format.
     void add_counts(const Chunk& chunk) {
         result_.rays += chunk.size();
-        result_.rounded += chunk.rounded;
+        result_.rounded_count += chunk.rounded_count;
         result_.most_digits = std::max(result_.most_digits, chunk.digits);
         result_.inexact_decimals += chunk.decimals;
         for (const double t : chunk.t) {
-            const bool are_all_floats = result_.float_answers == result_.answers;
-            result_.answers += t != 0;
+            const bool are_all_floats = result_.float_answers == result_.nonzero_answer_count;
+            result_.nonzero_answer_count += t != 0;
             result_.float_answers += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
                                                 (are_all_floats && scene::dump::is_float_in_decimal(t)));
         }
@@ -325,8 +325,8 @@ void JudgeResult::append(JudgeResult&& next) {
     else
         for (std::size_t r = 0; r < summaries.size(); ++r) summaries[r].append(std::move(next.summaries.at(r)));
     rays += next.rays;
-    rounded += next.rounded;
-    answers += next.answers;
+    rounded_count += next.rounded_count;
+    nonzero_answer_count += next.nonzero_answer_count;
     float_answers += next.float_answers;
     most_digits = std::max(most_digits, next.most_digits);
     inexact_decimals += next.inexact_decimals;

@@ -70,8 +70,8 @@ using ShowJudged =
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row
     std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;  ///< number of values in the file that its format cannot represent
-    std::uint64_t answers = 0;  ///< number of answers of the file whose t is not 0
+    std::uint64_t rounded_count = 0;         ///< number of values in the file that its format cannot represent
+    std::uint64_t nonzero_answer_count = 0;  ///< number of answers of the file whose t is not 0
     /// Number of these answers whose t is a binary32 number or, as long as all earlier ones count here, the decimal of
     /// one. If there are many answers and all count here, they were computed in binary32.
     std::uint64_t float_answers = 0;

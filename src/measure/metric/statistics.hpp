@@ -197,21 +197,24 @@ private:
 inline constexpr double least_agreement = 0.1;
 
 struct Agreement {
-    std::uint64_t agreed;     ///< rays whose error is measured: form and truth agree on the hit
-    std::uint64_t true_hits;  ///< rays that truly hit
+    std::uint64_t agreed_count;    ///< rays whose error is measured: form and truth agree on the hit
+    std::uint64_t true_hit_count;  ///< rays that truly hit
 
     /// Fraction of the true hits that agree; NaN if no ray truly hits.
-    [[nodiscard]] double agreed_fraction() const { return truth::fraction(agreed, true_hits); }
+    [[nodiscard]] double agreed_fraction() const { return truth::fraction(agreed_count, true_hit_count); }
     /// True if a quantile over the agreed hits may stand for the form.
     [[nodiscard]] bool is_enough() const {
-        return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
+        return agreed_count > 0 &&
+               static_cast<double>(agreed_count) >= least_agreement * static_cast<double>(true_hit_count);
     }
     /// Text beside a quantile: `of 55 agreed hits`.
-    [[nodiscard]] std::string of_agreed_hits() const { return "of " + text::count_with_noun(agreed, "agreed hit"); }
+    [[nodiscard]] std::string of_agreed_hits() const {
+        return "of " + text::count_with_noun(agreed_count, "agreed hit");
+    }
     /// Text in place of a withheld quantile: `55 of 16384 hits agree`.
     [[nodiscard]] std::string too_few() const {
-        return std::to_string(agreed) + " of " + text::count_with_noun(true_hits, "hit") +
-               (agreed == 1 ? " agrees" : " agree");
+        return std::to_string(agreed_count) + " of " + text::count_with_noun(true_hit_count, "hit") +
+               (agreed_count == 1 ? " agrees" : " agree");
     }
 };
 

@@ -69,8 +69,8 @@ LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
 LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, is_unit, true_t, other_t, hit, t)
 LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
-LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, float_answers, most_digits,
-                inexact_decimals, first_samples, groups)
+LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded_count, nonzero_answer_count, float_answers,
+                most_digits, inexact_decimals, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
 LOSTBITS_FIELDS(measure::check::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
                 further_measured, bounds, seconds)
