@@ -36,8 +36,8 @@ struct CheckOptions {
     std::vector<std::string> filters;
     std::string junit, csv, json, report, annotations = "none", shard;
     std::string profile = "results";
-    bool strict = false, measure = false;
-    int seeds = 0;
+    bool strict = false, prints_numbers_only = false;
+    int further_draws = 0;
 
     [[nodiscard]] bool is_timing() const { return profile == "timing"; }
     [[nodiscard]] bool writes_files() const {
@@ -207,13 +207,13 @@ std::vector<std::filesystem::path> input_files(const CheckOptions& options, cons
 }
 
 /// Throws InputError if a shard gets options for files that only the whole run can write.
-void check_shard_options(const CheckOptions& options) {
+void require_shard_options(const CheckOptions& options) {
     if (options.shard.empty()) return;
     if (options.report.empty())
         throw InputError("--shard " + options.shard +
                          ": needs a folder for the shards; add --report DIR, and join them by `lostbits merge DIR -o "
                          "REPORT`");
-    if (options.is_timing() || options.measure || !options.junit.empty() || !options.csv.empty() ||
+    if (options.is_timing() || options.prints_numbers_only || !options.junit.empty() || !options.csv.empty() ||
         !options.json.empty() || options.annotations != "none")
         throw InputError(
             "--shard " + options.shard +
@@ -224,8 +224,8 @@ void check_shard_options(const CheckOptions& options) {
 }
 
 /// Throws InputError for options that do not go with --profile timing or --measure, for shards and for files.
-void check_options(const CheckOptions& options) {
-    check_shard_options(options);
+void require_compatible_options(const CheckOptions& options) {
+    require_shard_options(options);
     shell::require_different_files(
         {{"--junit", options.junit}, {"--export-csv", options.csv}, {"--export-json", options.json}},
         {"--report", options.report});
@@ -234,7 +234,7 @@ void check_options(const CheckOptions& options) {
             "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
             "--annotations: claims about time never fail a check, and no report shows them; leave "
             "out --profile timing, or the other options");
-    if (options.measure && options.writes_files())
+    if (options.prints_numbers_only && options.writes_files())
         throw InputError(
             "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
             "claims; leave out --measure, or the other options");
@@ -294,15 +294,16 @@ bool fails(const Claim& claim, const ClaimResult& result, bool is_strict) {
 
 void print_counts(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     const auto counts = output::check::count_verdicts(claims, results);
-    const std::size_t agreed = counts.all.confirmed(), skipped = counts.all.skipped;
-    // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
-    fmt::print("{} confirmed, {} failed{}\n", text::count_with_noun(agreed, "verdict"),
-               claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
-    if (agreed > 0) fmt::print("{}\n", counts.text());
+    const std::size_t agreeing_count = counts.all.agreeing_count(), skipped = counts.all.skipped;
+    // "Confirmed" means that the verdict still holds, and the verdict may be that the statement is wrong. So the second
+    // line counts them by verdict.
+    fmt::print("{} confirmed, {} failed{}\n", text::count_with_noun(agreeing_count, "verdict"),
+               claims.size() - agreeing_count - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
+    if (agreeing_count > 0) fmt::print("{}\n", counts.text());
 }
 
 Exit run(const CheckOptions& options, const CommonOptions& common) {
-    check_options(options);
+    require_compatible_options(options);
     const auto data = selection::data_folder(common.data);
     const auto claims = load_claims(options, data);
     const selection::ThreadLimit limit(common.threads);
@@ -316,14 +317,14 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
 
     const study::StudiesByName studies;
     const measure::check::ClaimRequest request{
-        .data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies};
+        .data_dir = data, .stop = common.stop, .further_draws = options.further_draws, .studies = &studies};
     const auto measured = measure_claims(claims, request, run_division.division);
     finish_run(run_division, common);
     if (!measured) return Exit::done;
 
     const auto& results = *measured;
-    if (options.is_timing() && !options.measure) return report_times(claims, results);
-    if (options.measure) {
+    if (options.is_timing() && !options.prints_numbers_only) return report_times(claims, results);
+    if (options.prints_numbers_only) {
         print_measured_numbers(claims, results);
         return Exit::done;
     }
@@ -333,7 +334,7 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
         print(claims[i], results[i], options, common.verbose);
         any_fails |= fails(claims[i], results[i], options.strict);
     }
-    if (options.seeds > 0 && !common.quiet) print_spreads(claims, results);
+    if (options.further_draws > 0 && !common.quiet) print_spreads(claims, results);
     write_reports(options, claims, results, request);
     complete_folder(folder);
     if (!common.quiet) print_counts(claims, results);
@@ -368,11 +369,12 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     // Claims to measure, and how they are judged.
     command.add("--profile", options->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
-    command.add("--seeds", options->seeds,
+    command.add("--seeds", options->further_draws,
                 "Also measure each claim about random rays on this many further draws, and show the spread",
                 shell::whole_number_between(0, 1000));
     command.add("--strict", options->strict, "Also fail for claims of severity warn");
-    command.add("--measure", options->measure, "Print the measured number of each claim, without judging it");
+    command.add("--measure", options->prints_numbers_only,
+                "Print the measured number of each claim, without judging it");
     command.set_action([options, &common] { return run(*options, common); });
 }
 

@@ -151,8 +151,8 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const ChooseOptio
             "of them",
             formats.front().name));
     auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
-    selection::refuse_generators(candidates, "choose");
-    selection::refuse_contracted(candidates, "choose");
+    selection::require_no_generators(candidates, "choose");
+    selection::require_no_contracted_forms(candidates, "choose");
     auto timed_forms = selection::select_timed_forms(id, {candidates, options.forms, quiet}, can_test);
     selection::note_unmeasured(options.forms, timed_forms, quiet);
     return timed_forms;
@@ -219,7 +219,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     const auto data = selection::data_folder(common.data);
     const auto scene = selection::load_one_scene(
         {{options.subjects.front()}, options.size, options.variant, options.set, common.stop}, data);
-    selection::refuse_generated_rays({scene}, "choose");
+    selection::require_no_generated_rays({scene}, "choose");
     ChoiceRequest request = make_request(options, common.stop);
     request.scene = &scene;
     request.tested_forms =
@@ -274,8 +274,8 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     opened_rays.options.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
 
     // Reads the files once. What follows uses a sample of their rays.
-    const measure::choose::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.options, request);
-    if (!common.quiet) selection::warn_of_rounded_values(rays.name, rays.rounded, rays.format);
+    const measure::choose::FileRays rays = judge_and_sample(*opened_rays.dump, opened_rays.options, request);
+    if (!common.quiet) selection::warn_of_rounded_values(rays.typed_file_names, rays.rounded_count, rays.format);
     request.rays = &rays;
     return choose(request, writer, result_folder, progress, common);
 }
@@ -283,12 +283,12 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
 Exit run(const ChooseOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const bool is_for_files = selection::are_ray_files(options, options.subjects);
-    selection::refuse_misplaced_options(options, options.subjects,
-                                        {{"--size", !options.size.empty()},
-                                         {"--variant", !options.variant.empty()},
-                                         {"--set", !options.set.empty()},
-                                         {"--mend", options.mend}},
-                                        "a choice");
+    selection::require_no_misplaced_options(options, options.subjects,
+                                            {{"--size", !options.size.empty()},
+                                             {"--variant", !options.variant.empty()},
+                                             {"--set", !options.set.empty()},
+                                             {"--mend", options.mend}},
+                                            "a choice");
     const selection::ThreadLimit limit(common.threads);
     return is_for_files ? choose_for_files(options, common) : choose_for_scene(options, common);
 }

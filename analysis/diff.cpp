@@ -127,7 +127,7 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_options, const CommonOptions& common) {
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(options.a, options.b, compare_options);
-    diff::refuse_unknown_columns(compare_options, compared_columns(results));
+    diff::require_known_columns(compare_options, compared_columns(results));
 
     const bool is_same = std::ranges::all_of(results, &FileResult::same);
     const bool compares_files = fs::is_regular_file(options.a) && fs::is_regular_file(options.b);
@@ -152,7 +152,7 @@ Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const Compar
     const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.compares_pictures);
     auto names = compared_columns(difference.other_files);
     names.insert(difference.rows.names.begin(), difference.rows.names.end());
-    diff::refuse_unknown_columns(compare_options, names);
+    diff::require_known_columns(compare_options, names);
 
     // Draws before anything is printed: a map without pixels is an error.
     std::unique_ptr<output::file::ResultFolder> result_folder;
@@ -213,7 +213,7 @@ bool compares_folders(const DiffOptions& options) {
 }
 
 /// Throws InputError for options that do not go together, or not with what is compared.
-void check_options(const DiffOptions& options, const MapSides& sides) {
+void require_compatible_options(const DiffOptions& options, const MapSides& sides) {
     if (options.b.empty() && !sides.compares_two_forms())
         throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " +
                          options.a + ": -i FORM -i FORM");
@@ -238,7 +238,7 @@ Exit run(const DiffOptions& options, const CommonOptions& common) {
     compare_options.ignored = options.ignored;
     if (common.verbose) compare_options.max_listed = UINT64_MAX;
     const MapSides sides = parse_sides(options);
-    check_options(options, sides);
+    require_compatible_options(options, sides);
     print_incomplete(options);
     const bool compares_maps = !options.strict && compares_folders(options);
     return compares_maps ? run_on_maps(options, sides, compare_options, common)

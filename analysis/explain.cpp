@@ -55,7 +55,8 @@ auto select_one(const char* option, const std::string& value, const char* noun, 
     return selected.front();
 }
 
-void refuse_ray(const selection::RayOptions& ray) {
+/// Throws InputError for an option that names one ray, and if no scene or sweep is given.
+void require_several_rays(const selection::RayOptions& ray) {
     const std::array ray_options{std::pair{"--pixel", !ray.pixel.empty()}, std::pair{"--worst", ray.worst},
                                  std::pair{"--ray", !ray.ray.empty()}, std::pair{"--case", !ray.named_case.empty()}};
     for (const auto& [option, is_given] : ray_options)
@@ -108,7 +109,7 @@ scene::sweep::SweepFile open_sweep(const selection::RayOptions& ray, const std::
                          ": has no axes, but --ranges takes the ranges from a step of a sweep along axes; name one, or "
                          "a scene, and give other ranges by --input-range NAME=LOW..HIGH");
     const selection::SweepChangeOptions changes{ray.size, ray.steps, ray.set};
-    selection::check_changes(changes, kind, ray.subject);
+    selection::require_allowed_changes(changes, kind, ray.subject);
     return {file, data, selection::read_changes(changes), stop};
 }
 
@@ -132,7 +133,7 @@ StepRays rays_at_step(const scene::sweep::SweepFile& sweep, const std::string& p
 /// Prints the bound on the error over ranges. Throws InputError for options that name a ray, and for malformed ranges.
 Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_options,
                     const measure::evaluate::TestedForm& tested_form, bool json, const CommonOptions& common) {
-    refuse_ray(ray);
+    require_several_rays(ray);
 
     // Each input may have one range from the command line.
     RangesRequest request{.format = tested_form.format, .boxes = static_cast<std::size_t>(range_options.boxes)};

@@ -67,12 +67,12 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
     // that is one digit short is therefore not reported.
     const bool is_short = result.inexact_decimals > 10 && result.most_digits + 1 < digits_for(format);
-    if (is_wide && result.answers > 10 && result.float_answers == result.answers &&
+    if (is_wide && result.nonzero_answer_count > 10 && result.float_answers == result.nonzero_answer_count &&
         !(is_short && result.most_digits < digits_for(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
                    "{}; if the answers were computed in float, add --answer-format f32\n",
-                   file, result.answers, format.name);
+                   file, result.nonzero_answer_count, format.name);
     else if (is_short)
         fmt::print(
             stderr,
@@ -155,7 +155,7 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
     const auto formats =
         options.formats.empty() ? std::vector{dump.format()} : selection::select_formats(options.formats);
     auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
-    selection::refuse_generators(candidates, "judge");
+    selection::require_no_generators(candidates, "judge");
     const auto handling_forms =
         selection::tested_forms_handling({candidates, options.forms, common.quiet}, options.file, can_test);
     if (handling_forms.empty())
@@ -190,7 +190,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     if (!findings) return std::nullopt;
     if (division.joins()) {
         writer.append(std::move(findings->worst));
-        measure::judge::check_whole(dump, request, findings->result);
+        measure::judge::require_ray_count(dump, request, findings->result);
     }
     *request.stages = findings->stages;
     return std::move(findings->result);
@@ -295,7 +295,7 @@ output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options
 
 void print_judgement(const JudgeOptions& options, const JudgeRequest& request, const JudgeResult& result,
                      const Format& format, bool verbose) {
-    selection::warn_of_rounded_values(options.file, result.rounded, format);
+    selection::warn_of_rounded_values(options.file, result.rounded_count, format);
     note_digits(options.file, format, result);
     fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file, format.name);
     print_results(request, result, options.by);

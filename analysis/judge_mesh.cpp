@@ -25,7 +25,7 @@ using selection::JudgeOptions;
 namespace {
 
 /// Throws InputError for an option of `judge` that answers of this kind do not have.
-void refuse_options(const JudgeOptions& options, AnswerKind kind, const std::string& column) {
+void require_options_of_kind(const JudgeOptions& options, AnswerKind kind, const std::string& column) {
     const selection::RayFileOptions defaults;
 
     // Options that are only about first hits.
@@ -114,7 +114,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
                     scene::dump::Dump& dump, const CommonOptions& common) {
     const scene::dump::Layout& layout = dump.layout();
     const AnswerKind kind = layout.answers();
-    refuse_options(options, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
+    require_options_of_kind(options, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
     measure::judge::MeshAnswersRequest request{.mesh = require_mesh(scene, options, dump.format()),
                                                .contract = {.has_t = layout.has(scene::dump::slot::t),
                                                             .unit_direction = options.direction == "unit",
@@ -146,7 +146,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     progress.finish();
 
     if (!common.quiet) {
-        selection::warn_of_rounded_values(options.file, result.rounded, dump.format());
+        selection::warn_of_rounded_values(options.file, result.rounded_count, dump.format());
         fmt::print("{} of {}, read as {}\n",
                    text::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), options.file,
                    dump.format().name);

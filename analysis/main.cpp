@@ -235,7 +235,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(advice));
     common.typed_command = selection::typed_command(program);
     selection::find_in_data(program.given_commands().back(), common.data);
-    selection::refuse_other_kinds(program, selection::data_folder(common.data));
+    selection::require_argument_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::find_isa(common.isa)) intersect::simd::set_isa(*isa);
     return run_given_command(program, common);
 }

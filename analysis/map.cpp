@@ -84,7 +84,7 @@ PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std
     auto scene_forms = selection::filter_tested_forms(tested_forms, [&](Shapes forms) { return scene.accepts(forms); });
     PlannedScene planned{study::map_study(scene, std::move(scene_forms), metrics, metric_set, options.scenes.stop), {}};
     if (options.bits_needed > 0) {
-        selection::refuse_generators(tested_forms, "--bits");
+        selection::require_no_generators(tested_forms, "--bits");
         planned.bits_needed.emplace(BitsNeededStudy{.scene = scene,
                                                     .tested_forms = forms_of_any_width(planned.map.tested_forms),
                                                     .bits = options.bits_needed,

@@ -47,7 +47,7 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", options.format,
                                      options.form, selection::formats_text(*forms.front())));
-    selection::refuse_generators(forms, "mend");
+    selection::require_no_generators(forms, "mend");
 
     // For primitives that matrices place, the form gets the usual transform.
     const auto* form = forms.front();
@@ -142,7 +142,8 @@ public:
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
         rays_ = judge(request, measure::repair::list_comparable_forms(request.tested_form));
-        if (!common_.quiet) selection::warn_of_rounded_values(rays_.name, rays_.rounded, rays_.format);
+        if (!common_.quiet)
+            selection::warn_of_rounded_values(rays_.typed_file_names, rays_.rounded_count, rays_.format);
         request.rays = &rays_;
         request.quality_on_all_rays = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
@@ -164,7 +165,7 @@ private:
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
         measure::choose::ChoiceRequest choice_request{.tested_forms = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
-        return judge_rays(*opened_.dump, opened_.options, choice_request);
+        return judge_and_sample(*opened_.dump, opened_.options, choice_request);
     }
 
     const MendOptions& options_;
@@ -177,7 +178,7 @@ scene::file::Scene load_subject_scene(const MendOptions& options, const std::fil
     selection::SceneOptions choice = options.changes;
     choice.names = options.subjects;
     scene::file::Scene scene = selection::load_one_scene(choice, data);
-    selection::refuse_generated_rays({scene}, "mend");
+    selection::require_no_generated_rays({scene}, "mend");
     return scene;
 }
 
@@ -199,14 +200,14 @@ struct MendSubject {
 };
 
 /// Throws InputError for options that do not fit the subject, and for names of files that cannot be written.
-void check_options(const MendOptions& options) {
+void require_compatible_options(const MendOptions& options) {
     if (!options.emit.empty()) require_code_name(options.emit, options.out);
     if (!options.out.empty()) require_folder(options.out);
-    selection::refuse_misplaced_options(options.rays, options.subjects,
-                                        {{"--size", !options.changes.size.empty()},
-                                         {"--variant", !options.changes.variant.empty()},
-                                         {"--set", !options.changes.set.empty()}},
-                                        "mending");
+    selection::require_no_misplaced_options(options.rays, options.subjects,
+                                            {{"--size", !options.changes.size.empty()},
+                                             {"--variant", !options.changes.variant.empty()},
+                                             {"--set", !options.changes.set.empty()}},
+                                            "mending");
 }
 
 /// Throws InputError if --emit asks for a shader that cannot compute the form.
@@ -275,7 +276,7 @@ private:
 };
 
 Exit run(const MendOptions& options, const CommonOptions& common) {
-    check_options(options);
+    require_compatible_options(options);
     MendSubject subject(options, common);
     RepairRequest request = make_request(options, subject, common.stop);
     const selection::ThreadLimit limit(common.threads);

@@ -306,7 +306,7 @@ void plan_requested_sections(PlannedReport& planned, const ReportOptions& option
 }
 
 /// Throws NothingSelected for a report without maps and sweeps, and InputError for a scene that is given twice.
-void check_subjects(const PlannedReport& planned) {
+void require_valid_subjects(const PlannedReport& planned) {
     if (planned.maps.empty() && planned.sweeps.empty())
         throw NothingSelected(
             "report: no selected form handles any of the selected scenes and sweeps; leave out -i, or name forms for "
@@ -339,7 +339,7 @@ PlannedReport plan_report(const ReportOptions& options, const std::filesystem::p
     for (const Claim& c : claims) {
         if (is_chosen(c, options, planned)) planned.claims.push_back(c);
     }
-    check_subjects(planned);
+    require_valid_subjects(planned);
     return planned;
 }
 

@@ -83,8 +83,8 @@ std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOpt
                                                       void (*require_scene)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
-    selection::refuse_generated_rays(scenes, command);
-    selection::refuse_generators(tested_forms, command);
+    selection::require_no_generated_rays(scenes, command);
+    selection::require_no_generators(tested_forms, command);
     for (const Scene& scene : scenes) require_scene(scene);
     const auto handling_forms = selection::drop_unhandled(
         scenes, {tested_forms, shared.forms, common.quiet},
@@ -120,7 +120,7 @@ RunDivision divide_run(const std::string& shard_value, const std::string& out,
     const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_inputs(files, common),
                                         share};
     if (common.shards_to_join) {
-        common.shards_to_join->check_inputs(head.inputs);
+        common.shards_to_join->require_same_inputs(head.inputs);
         return {.division = shard::Division(common.shards_to_join), .out = out};
     }
     const auto folder = std::filesystem::path(out) / shard::folder_name(share);
@@ -250,7 +250,7 @@ void print_table(const measure::evaluate::MapStudy& request,
         add_wrong_cells(cells, summary);
         cells.insert(cells.end(), {lost_bits_cell(summary, lost_bits, 0.5), lost_bits_cell(summary, lost_bits, 0.99)});
         table.add(std::move(cells));
-        is_withheld |= summary.agreement().agreed > 0 && !summary.agreement().is_enough();
+        is_withheld |= summary.agreement().agreed_count > 0 && !summary.agreement().is_enough();
     }
     table.print();
     if (is_withheld)

@@ -131,7 +131,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
 using selection::ShapePredicate;
 
 /// Throws InputError for options that a sweep along axes does not take.
-void check_axes_options(const scene::sweep::SweepFile& sweep, const SweepOptions& options) {
+void require_axes_options(const scene::sweep::SweepFile& sweep, const SweepOptions& options) {
     const char* const no_seeds_reason = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
                                         : sweep.axes.size() != 1
                                             ? "has two axes; more seeds repeat the onset of a sweep along one axis"
@@ -172,7 +172,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
     if (!options.worst && is_search)
         throw InputError(path.string() +
                          ":1:1: this file has a table for a search, which only --worst uses; add --worst");
-    selection::check_changes(options, kind, path.stem().string());
+    selection::require_allowed_changes(options, kind, path.stem().string());
 
     // Each kind has its own file, which is read here for its errors too.
     const auto accepts_only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
@@ -183,7 +183,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
                    Shapes forms) { return file.accepts(forms); };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(options), stop);
-        check_axes_options(sweep, options);
+        require_axes_options(sweep, options);
         return [sweep](Shapes forms) { return sweep.accepts(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(options).set);

@@ -146,7 +146,7 @@ std::vector<FileResult> compare_all(const std::string& a, const std::string& b, 
     return {{a, compare_files(a, b, kind_a, options), ""}};
 }
 
-void refuse_unknown_columns(const CompareOptions& options, const std::set<std::string>& names) {
+void require_known_columns(const CompareOptions& options, const std::set<std::string>& names) {
     const auto check = [&](const char* option, const std::string& pattern) {
         if (std::ranges::any_of(names,
                                 [&](const std::string& name) { return output::diff::names_column(pattern, name); }))

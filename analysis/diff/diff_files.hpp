@@ -56,7 +56,7 @@ struct FilePair {
                                                   const output::diff::CompareOptions& options);
 
 /// Throws InputError for a tolerance or an ignored column that names no column: it would have no effect.
-void refuse_unknown_columns(const output::diff::CompareOptions& options, const std::set<std::string>& names);
+void require_known_columns(const output::diff::CompareOptions& options, const std::set<std::string>& names);
 
 /// Prints the largest differences of each column, then a line per difference. With `verbose` also files without
 /// differences, and columns that agree within a tolerance.

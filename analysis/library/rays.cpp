@@ -211,7 +211,7 @@ std::unique_ptr<lostbits_result> make_answers_result(const lostbits_rays& rays, 
 }
 
 /// A certified number as a sum of two doubles.
-std::pair<double, double> to_two_doubles(const measure::truth::Certified& t) {
+std::pair<double, double> to_two_doubles(const measure::truth::CertifiedNumber& t) {
     const int exponent = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
     return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
 }

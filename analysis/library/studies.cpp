@@ -46,11 +46,11 @@ std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& 
     return result;
 }
 
-/// The only chosen form in a format. Throws InputError, which begins with `context`, if there are several, or if the
-/// operations of its form are not known.
-const TestedForm& only_tested_form(const CallSelection& chosen, const std::string& context) {
+/// The only chosen form in a format. Throws InputError, which begins with `message_prefix`, if there are several, or if
+/// the operations of its form are not known.
+const TestedForm& only_tested_form(const CallSelection& chosen, const std::string& message_prefix) {
     if (chosen.tested_forms.size() != 1)
-        throw InputError(context + ", and " + std::to_string(chosen.tested_forms.size()) +
+        throw InputError(message_prefix + ", and " + std::to_string(chosen.tested_forms.size()) +
                          " pairs of form and format are chosen; name one form and one format");
     const TestedForm& tested_form = chosen.tested_forms.front();
     if (!tested_form.form->is_template())
@@ -92,8 +92,8 @@ std::unique_ptr<lostbits_result> make_study_result(const scene::file::Scene& sce
     CallSelection chosen(&given);
     std::erase_if(chosen.tested_forms,
                   [](const TestedForm& tested_form) { return !Adapter::can_measure(*tested_form.form); });
-    selection::refuse_generators(chosen.tested_forms, Adapter::name);
-    selection::refuse_generated_rays({scene}, Adapter::name);
+    selection::require_no_generators(chosen.tested_forms, Adapter::name);
+    selection::require_no_generated_rays({scene}, Adapter::name);
     Adapter::require(scene);
     chosen.keep_forms_for("scene " + scene.id, [&scene](Shapes shapes) {
         return selection::are_primitives(shapes) && scene.accepts(shapes);
@@ -148,8 +148,8 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                          " are placed by matrices; only the command `lostbits mend` takes those");
     const TestedForm& tested_form = only_tested_form(chosen, "mend repairs one form in one format");
     if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
-    selection::refuse_generators({tested_form.form}, "mend");
-    selection::refuse_generated_rays({scene}, "mend");
+    selection::require_no_generators({tested_form.form}, "mend");
+    selection::require_no_generated_rays({scene}, "mend");
 
     measure::repair::RepairRequest request{
         .scene = &scene, .tested_form = tested_form, .requirement = requirement, .two_words = two_words};

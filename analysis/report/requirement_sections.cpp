@@ -90,8 +90,8 @@ PlannedMend parse_mend(const std::string& text, const std::string& size, const s
         {candidates, {form}, true}, scene.id,
         [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); });
     if (tested_forms.size() != 1) parsed.refuse(form + " is not one form for the primitives of that scene");
-    selection::refuse_generators({tested_forms.front().form}, "mend");
-    selection::refuse_generated_rays({scene}, "mend");
+    selection::require_no_generators({tested_forms.front().form}, "mend");
+    selection::require_no_generated_rays({scene}, "mend");
     PlannedMend planned{std::move(scene), parsed.requirement, tested_forms.front()};
     // Refuses a form that filters here, before anything is measured.
     static_cast<void>(measure::repair::record_tape({.scene = &planned.scene, .tested_form = planned.tested_form}));

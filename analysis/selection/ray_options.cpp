@@ -203,7 +203,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
     }
 
     const SweepChangeOptions changes{options.size, options.steps, options.set};
-    if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
+    if (kind == SweepKind::cases || kind == SweepKind::axes) require_allowed_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         tested_form = tested_form_for_primitives(tested_form, "the file of cases " + file.id,

@@ -138,8 +138,8 @@ bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>
     return std::ranges::all_of(subjects, is_file);
 }
 
-void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
-                              const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
+void require_no_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
+                                  const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
     std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !options.answer_format.empty()},
                                                            {"--skip", options.skip != 0}};
     for (const RayFileOption& option : ray_file_options())
@@ -199,7 +199,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     result.dump = scene::dump::join_dumps(std::move(dumps));
 
     // Changes by the command line.
-    result.options = {.id = result.id,
+    result.options = {.result_name = result.id,
                       .primitives = shared_primitives(options, target_scene, result.dump->format()),
                       .contract = answer_contract(options, *result.dump)};
     if (target_scene) result.options.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);

@@ -65,8 +65,8 @@ bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>
 /// Throws InputError for an option of files with a scene, for an option of scenes with files, and for several scenes.
 /// `scene_options` has the options of scenes, each with true if it was given. `command` names the work in
 /// messages, such as `a choice`.
-void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
-                              const std::vector<std::pair<const char*, bool>>& scene_options, const char* command);
+void require_no_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
+                                  const std::vector<std::pair<const char*, bool>>& scene_options, const char* command);
 
 /// Several files of rays as one, ready to be read.
 struct OpenedRays {

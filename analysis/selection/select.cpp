@@ -45,7 +45,7 @@ std::string name_advice(const std::string& name, const std::vector<std::string>&
     return text::did_you_mean(name, names_of_group.empty() ? names : names_of_group);
 }
 
-[[noreturn]] void refuse_unknown_format(const std::string& name, const char* option) {
+[[noreturn]] void fail_unknown_format(const std::string& name, const char* option) {
     if (name.size() > 1 && name.front() == 'p' && name.find_first_not_of("0123456789", 1) == std::string::npos)
         throw InputError(fmt::format("{} {}: unknown format; in pN, N is the number of significand bits, from 2 to 53",
                                      option, name));
@@ -309,7 +309,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
     std::vector<Format> formats;
     const auto add = [&formats, option](const std::string& name) {
         const auto format = find_format(name);
-        if (!format) refuse_unknown_format(name, option);
+        if (!format) fail_unknown_format(name, option);
         add_once(formats, *format);
     };
     for (const std::string& name : names) {
@@ -320,8 +320,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
         }
         const auto first = find_format(name.substr(0, dots)), last = find_format(name.substr(dots + 2));
         const bool are_widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
-        if (!are_widths || first->parameters.precision > last->parameters.precision)
-            refuse_unknown_format(name, option);
+        if (!are_widths || first->parameters.precision > last->parameters.precision) fail_unknown_format(name, option);
         for (int p = first->parameters.precision; p <= last->parameters.precision; ++p) add("p" + std::to_string(p));
     }
     return formats;

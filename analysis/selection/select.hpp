@@ -156,13 +156,13 @@ private:
 };
 
 /// Throws InputError for a form with a ray generator, in a command that gives forms the rays of the camera.
-void refuse_generators(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
-void refuse_generators(const std::vector<measure::evaluate::TestedForm>& tested_forms, const char* command);
+void require_no_generators(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
+void require_no_generators(const std::vector<measure::evaluate::TestedForm>& tested_forms, const char* command);
 /// Throws InputError for FORM+fma, whose time cannot be measured.
-void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& tested_forms, const char* command);
+void require_no_contracted_forms(const std::vector<measure::evaluate::TestedForm>& tested_forms, const char* command);
 
 /// Throws InputError for a scene whose rays are made in each format, in a command that rounds exact rays.
-void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
+void require_no_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 
 /// Prints on stderr which lengths of the scene vanish or overflow in a format and, if a form marches, which constants
 /// of its march do.

@@ -306,7 +306,7 @@ Forms select_composed(const std::string& pattern, const char* option) {
     return composed;
 }
 
-void refuse_generators(const Forms& forms, const char* command) {
+void require_no_generators(const Forms& forms, const char* command) {
     for (const Intersector* const form : forms)
         if (scene::rays::generator_of(*form))
             throw InputError(fmt::format(
@@ -315,11 +315,11 @@ void refuse_generators(const Forms& forms, const char* command) {
                 "the @ and the ray generator",
                 form->info->name, command));
 }
-void refuse_generators(const std::vector<TestedForm>& tested_forms, const char* command) {
-    refuse_generators(forms_in(tested_forms, [](const Intersector&) { return true; }), command);
+void require_no_generators(const std::vector<TestedForm>& tested_forms, const char* command) {
+    require_no_generators(forms_in(tested_forms, [](const Intersector&) { return true; }), command);
 }
 
-void refuse_contracted(const std::vector<TestedForm>& tested_forms, const char* command) {
+void require_no_contracted_forms(const std::vector<TestedForm>& tested_forms, const char* command) {
     const auto contracted = [](const Intersector& form) {
         return measure::tape::is_contracted(intersect::bounding_box::innermost_form(form));
     };
@@ -334,7 +334,7 @@ void refuse_contracted(const std::vector<TestedForm>& tested_forms, const char* 
     }
 }
 
-void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
+void require_no_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
     for (const scene::file::Scene& scene : scenes)
         if (scene.camera.rays)
             throw InputError(fmt::format(

@@ -167,8 +167,8 @@ std::vector<std::string> options_taking(const ArgumentKinds& refused, Kind kind)
     return options;
 }
 
-void refuse_other_kind(const std::string& word, const ArgumentKinds& row, const std::string& command,
-                       const fs::path& data) {
+void require_argument_kind(const std::string& word, const ArgumentKinds& row, const std::string& command,
+                           const fs::path& data) {
     const auto kind = find_kind(word, row.kinds, data);
     if (!kind || std::ranges::find(row.kinds, *kind) != row.kinds.end()) return;
     // A folder of claims may hold results too.
@@ -209,7 +209,7 @@ std::optional<SubjectKind> find_file_kind(const fs::path& path) {
     return ending == ".toml" ? find_toml_kind(begin, path) : std::nullopt;
 }
 
-void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
+void require_argument_kinds(const shell::Command& command, const fs::path& data) {
     const std::vector<shell::Command> given_commands = command.given_commands();
     const shell::Command& last_command = given_commands.back();
 
@@ -224,13 +224,13 @@ void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
         const shell::Option argument = last_command.option(row.argument);
         if (!argument) continue;
         for (const std::string& word : argument.given_values())
-            refuse_other_kind(word, row, command.command_path(), data);
+            require_argument_kind(word, row, command.command_path(), data);
     }
 
     if (std::ranges::find(decided_arguments, default_row.argument) != decided_arguments.end()) return;
     if (const shell::Option argument = last_command.option(default_row.argument))
         for (const std::string& word : argument.given_values())
-            refuse_other_kind(word, default_row, command.command_path(), data);
+            require_argument_kind(word, default_row, command.command_path(), data);
 }
 
 }  // namespace lostbits::analysis::selection

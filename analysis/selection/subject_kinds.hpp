@@ -17,6 +17,6 @@ enum class SubjectKind { scene, sweep, cases, search, claims, choices, rays, lib
 
 /// Throws InputError for a subject that the given command does not take; the message names the command that does. A
 /// subject that is neither a file of a known kind nor a name in the data folder is left to the command.
-void refuse_other_kinds(const shell::Command& command, const std::filesystem::path& data);
+void require_argument_kinds(const shell::Command& command, const std::filesystem::path& data);
 
 }  // namespace lostbits::analysis::selection

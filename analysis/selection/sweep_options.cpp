@@ -120,7 +120,7 @@ std::vector<RefusalRow> list_refusals(const SweepChangeOptions& options, SweepKi
 
 }  // namespace
 
-void check_changes(const SweepChangeOptions& options, SweepKind kind, const std::string& name) {
+void require_allowed_changes(const SweepChangeOptions& options, SweepKind kind, const std::string& name) {
     if (kind == SweepKind::axes) return;
     for (const RefusalRow& row : list_refusals(options, kind)) {
         const char* const reason = row.reason(kind);

@@ -35,7 +35,7 @@ scene::sweep::SweepChanges read_changes(const SweepChangeOptions& options);
                                                                   intersect::process::StopToken stop);
 
 /// Throws InputError if a sweep of that kind does not take one of the options; says why and what to do instead.
-void check_changes(const SweepChangeOptions& options, scene::sweep::SweepKind kind, const std::string& name);
+void require_allowed_changes(const SweepChangeOptions& options, scene::sweep::SweepKind kind, const std::string& name);
 
 /// The message of an interrupted sweep: where it stopped, and which results are kept.
 [[nodiscard]] std::string interrupted_text(scene::sweep::SweepKind kind, const std::string& name);

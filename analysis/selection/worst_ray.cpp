@@ -56,8 +56,8 @@ struct OverallWorst {
     }
 };
 
-[[noreturn]] void refuse_without_worst(const TestedForm& tested_form, const std::string& where,
-                                       const OverallWorst& worst) {
+[[noreturn]] void fail_without_worst(const TestedForm& tested_form, const std::string& where,
+                                     const OverallWorst& worst) {
     throw InputError(fmt::format(
         "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
         "X,Y",
@@ -97,7 +97,7 @@ SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene,
         .scene = scene.get(), .tested_forms = {tested_form}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::evaluate::run_map(request);
     const OverallWorst worst(summaries);
-    if (worst.ray == nullptr) refuse_without_worst(tested_form, "scene " + scene->id, worst);
+    if (worst.ray == nullptr) fail_without_worst(tested_form, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
     SelectedRay found{
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), tested_form.form,
@@ -121,7 +121,7 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
 
     const OverallWorst worst(summaries);
     const WorstRay* const ray = worst.ray;
-    if (ray == nullptr) refuse_without_worst(tested_form, "sweep " + sweep.id, worst);
+    if (ray == nullptr) fail_without_worst(tested_form, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
             fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
@@ -150,7 +150,7 @@ SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const Tested
                                                                         {tested_form}, lost_bits(), {.stop = stop})
                                           .front()));
     const OverallWorst worst(summaries);
-    if (worst.ray == nullptr) refuse_without_worst(tested_form, "the file of cases " + file.id, worst);
+    if (worst.ray == nullptr) fail_without_worst(tested_form, "the file of cases " + file.id, worst);
     const int rays_per_group = file.rays_of(worst.summary_index),
               ray_index = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{

@@ -99,11 +99,11 @@ Shards::Shards(const std::vector<std::string>& folders, const std::string& progr
         }
     }
     std::ranges::stable_sort(files_, {}, [](const StateFileReader& f) { return f.head().share.number; });
-    check_same_run(program);
-    check_complete();
+    require_same_run(program);
+    require_complete();
 }
 
-void Shards::check_same_run(const std::string& program) const {
+void Shards::require_same_run(const std::string& program) const {
     const StateFileReader& first = files_.front();
     for (const StateFileReader& file : files_) {
         const StateHead &head = file.head(), &first_head = first.head();
@@ -125,7 +125,7 @@ void Shards::check_same_run(const std::string& program) const {
     }
 }
 
-void Shards::check_complete() const {
+void Shards::require_complete() const {
     const std::uint64_t count = files_.front().head().share.count;
     for (std::size_t i = 1; i < files_.size(); ++i) {
         if (files_[i].head().share == files_[i - 1].head().share)
@@ -150,16 +150,16 @@ void Shards::check_complete() const {
         command().starts_with("lostbits check ") ? "--report" : "-o"));
 }
 
-void Shards::check_inputs(std::uint64_t inputs) const {
+void Shards::require_same_inputs(std::uint64_t inputs) const {
     if (inputs == files_.front().head().inputs) return;
     throw InputError(files_.front().path().string() +
                      ": the files that its run read have changed: a scene, a sweep, a file of rays or of claims, or a "
                      "library; join the shards where the old files are, or run the shards again");
 }
 
-void Shards::check_jobs(const std::vector<std::string>& jobs) const {
+void Shards::require_same_jobs(const std::vector<std::string>& jobs) const {
     for (const StateFileReader& file : files_) {
-        if (!std::ranges::is_permutation(file.names(), jobs)) file.refuse_damaged();
+        if (!std::ranges::is_permutation(file.names(), jobs)) file.fail_damaged();
     }
 }
 
@@ -168,13 +168,13 @@ void Shards::for_each_record(const std::string& name, const std::function<void(o
         bool has_records = false;
         while (file.next(name, visit)) has_records = true;
         file.pause();
-        if (!has_records) file.refuse_damaged();
+        if (!has_records) file.fail_damaged();
     }
 }
 
-void Shards::check_end() const {
+void Shards::require_end() const {
     for (const StateFileReader& file : files_) {
-        if (!file.is_at_end()) file.refuse_damaged();
+        if (!file.is_at_end()) file.fail_damaged();
     }
 }
 
@@ -183,7 +183,7 @@ Division::Division(const fs::path& folder, const StateHead& head)
       file_(std::make_unique<output::shard::StateFileWriter>(folder / output::shard::state_file_name, head)) {}
 
 void Division::finish() {
-    if (shards_to_join_) shards_to_join_->check_end();
+    if (shards_to_join_) shards_to_join_->require_end();
     if (file_) file_->close();
 }
 

@@ -36,17 +36,17 @@ public:
     [[nodiscard]] const std::string& command() const { return files_.front().head().command; }
     [[nodiscard]] std::uint64_t size() const { return files_.size(); }
     /// Throws InputError if the files of the run have changed since the shards read them.
-    void check_inputs(std::uint64_t inputs) const;
+    void require_same_inputs(std::uint64_t inputs) const;
     /// Throws InputError if a shard has other jobs than these. Call it before any result is written.
-    void check_jobs(const std::vector<std::string>& jobs) const;
+    void require_same_jobs(const std::vector<std::string>& jobs) const;
     /// Calls `visit` for every record of this name, one shard after another.
     void for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& visit);
     /// Throws InputError if a shard has records that were not read.
-    void check_end() const;
+    void require_end() const;
 
 private:
-    void check_same_run(const std::string& program) const;
-    void check_complete() const;
+    void require_same_run(const std::string& program) const;
+    void require_complete() const;
 
     std::vector<output::shard::StateFileReader> files_;
 };
@@ -110,7 +110,7 @@ public:
 
     /// Names all jobs of the run. Throws InputError if shards that are joined have other jobs.
     void expect(const std::vector<std::string>& jobs) const {
-        if (shards_to_join_) shards_to_join_->check_jobs(jobs);
+        if (shards_to_join_) shards_to_join_->require_same_jobs(jobs);
     }
 
     /// Ends the run: the file of a shard gets its final name.

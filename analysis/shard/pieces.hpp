@@ -67,10 +67,10 @@ struct StudyResult {
     std::vector<Summary> rows;
     measure::truth::StageCounts stages = {};
 };
-template <class Bits, class Summary>
-void fields(Bits& bits, StudyResult<Summary>& study_result) {
+template <class Archive, class Summary>
+void fields(Archive& archive, StudyResult<Summary>& study_result) {
     auto& [rows, stages] = study_result;
-    bits(rows, stages);
+    archive(rows, stages);
 }
 
 /// Measures a study, and passes the pieces of its rows to `files`. A shard measures and records its part and returns

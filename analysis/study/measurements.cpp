@@ -91,8 +91,8 @@ void require_timeable(const std::vector<TestedForm>& tested_forms) {
     if (emulated != tested_forms.end())
         throw InputError(fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64",
                                      emulated->format.name));
-    selection::refuse_generators(tested_forms, "trade");
-    selection::refuse_contracted(tested_forms, "trade");
+    selection::require_no_generators(tested_forms, "trade");
+    selection::require_no_contracted_forms(tested_forms, "trade");
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ namespace lostbits::analysis::study {
 using Studies = std::tuple<ConsistencyAdapter, OffsetsAdapter, RenderAdapter>;
 
 /// Throws InputError for a study that does not exist.
-[[noreturn]] void refuse_study(const std::string& name, const std::vector<std::string>& names);
+[[noreturn]] void fail_unknown_study(const std::string& name, const std::vector<std::string>& names);
 
 /// Returns `act(Adapter{})` for the study of this name. Throws InputError for an unknown one.
 template <class Act>
@@ -40,7 +40,7 @@ auto with_study(const std::string& name, const Act& act) {
                 result = act(adapter);
                 return true;
             };
-            if (!is_it(first) && !(is_it(others) || ...)) refuse_study(name, {first.name, others.name...});
+            if (!is_it(first) && !(is_it(others) || ...)) fail_unknown_study(name, {first.name, others.name...});
             return result;
         },
         Studies());

@@ -33,7 +33,7 @@ StudyValues study_values(const std::vector<StudyOption>& options, const std::vec
     return values;
 }
 
-void refuse_study(const std::string& name, const std::vector<std::string>& names) {
+void fail_unknown_study(const std::string& name, const std::vector<std::string>& names) {
     throw InputError(fmt::format("study \"{}\" is unknown; {}", name, text::did_you_mean(name, names)));
 }
 

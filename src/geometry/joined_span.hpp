@@ -23,11 +23,11 @@ struct JoinedSpan {
     /// t: before t (`less`), or no later (`at_most`).
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> compare_entry(const At& t) const {
-        return quadratic_at(enter, t).compare_near_root();
+        return quadratic_at(enter, t).order_of_near_root();
     }
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> compare_exit(const At& t) const {
-        return quadratic_at(leave, t).compare_far_root();
+        return quadratic_at(leave, t).order_of_far_root();
     }
 };
 

@@ -44,7 +44,7 @@ Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& 
 }
 
 /// t = 0, where a ray begins. Comparisons with it need no product.
-struct RayOrigin {};
+struct ZeroParameter {};
 
 /// The fraction n/m, m ≥ 0. Fractions are compared by n₁ m₂ and n₂ m₁: for equal fractions these products are the same
 /// number at some precision, which need not be true of the quotients.
@@ -56,15 +56,14 @@ struct Fraction {
     friend Order<mask_t<T>> order_of(const Fraction& a, const Fraction& b) {
         return order_of_products(a.n, b.m, b.n, a.m);
     }
-    friend Order<mask_t<T>> order_of(const Fraction& a, RayOrigin) { return {a.n < T(0), a.n <= T(0)}; }
+    friend Order<mask_t<T>> order_of(const Fraction& a, ZeroParameter) { return {a.n < T(0), a.n <= T(0)}; }
     friend Fraction select(const mask_t<T>& mask, const Fraction& a, const Fraction& b) {
         return {select(mask, a.n, b.n), select(mask, a.m, b.m)};
     }
 };
 
-/// The part of the line inside all slabs: the t that are at least every `entry` and at most every `exit`. A slab that
-/// the line does not cross has the entry −1/0 and the exit 1/0. `closed` and `open` are the conditions that do not
-/// depend on t.
+/// The part of the line inside all slabs: from the largest `entry` to the smallest `exit`. A slab that the line does
+/// not cross has the entry −1/0 and the exit 1/0. `closed` and `open` are the conditions that do not depend on t.
 template <class T>
 struct SlabSpan {
     std::array<Fraction<T>, 3> entry, exit;
@@ -76,7 +75,8 @@ struct SlabSpan {
     static constexpr bool may_hit_beyond_touch = false;
 };
 
-/// A range of t that spans are compared with. If the range has no end, `end` is 1/0.
+/// A range of t as fractions, for comparisons with spans; the range of a ray is `Range`. If it has no end, `end` is
+/// 1/0.
 template <class T>
 struct SpanRange {
     T begin;
@@ -91,19 +91,19 @@ Mask is_before_range_end(const Order<Mask>& to_end, const SpanRange<T>& range) {
     return range.open_ends.tmax ? to_end.less : to_end.at_most;
 }
 
-/// P(t) = a t² + 2 h t + c and half of its slope, a t + h, at t = n/m: `value` is m² P(t), and `half_slope` is m (a t +
-/// h).
+/// The polynomial P(t) = a t² + 2 h t + c at t = n/m, multiplied by m² to avoid divisions; and half of its slope,
+/// multiplied by m.
 template <class T>
 struct QuadraticAt {
     T value, half_slope;
 
     /// Compares the roots, if there are any, with t. The near root comes before t if P(t) < 0 or the slope is positive;
     /// the far root comes before t if both P(t) and the slope are positive. The same holds with equality included.
-    [[nodiscard]] Order<mask_t<T>> compare_near_root() const {
+    [[nodiscard]] Order<mask_t<T>> order_of_near_root() const {
         const T zero(0);
         return {value < zero || half_slope > zero, value <= zero || half_slope >= zero};
     }
-    [[nodiscard]] Order<mask_t<T>> compare_far_root() const {
+    [[nodiscard]] Order<mask_t<T>> order_of_far_root() const {
         const T zero(0);
         return {value > zero && half_slope > zero, value >= zero && half_slope >= zero};
     }
@@ -114,7 +114,7 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const T& t) {
     return {(half_slope + s.h) * t + s.c, half_slope};
 }
 template <class T>
-QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, RayOrigin) {
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, ZeroParameter) {
     return {s.c, s.h};
 }
 template <class T>
@@ -127,15 +127,15 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
 /// Let a be the largest entry and b the smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the
 /// open one for a < t < b. For a range that holds some t:
 ///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
-/// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Each inequality between a
-/// largest and a smallest number holds exactly if it holds for every pair, so neither needs to be known. Entry and exit
-/// of one axis are in the order of lo and hi.
+/// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Entry and exit of one
+/// axis are in the order of lo and hi.
 template <class T>
 struct SlabHit {
     mask_t<T> closed, open;
 };
 
-/// Decides for the range of all t ≥ 0.
+/// Decides for the range of all t ≥ 0. a ≤ b holds if and only if every entry is ≤ every exit, so a and b are not
+/// computed.
 template <class T>
 SlabHit<T> slab_hit(const SlabSpan<T>& s) {
     const T zero(0);
@@ -156,6 +156,7 @@ SlabHit<T> slab_hit(const SlabSpan<T>& s) {
     return result;
 }
 
+/// Decides for a range. In the same way, compares `tmin` with every exit and every entry with `tmax`.
 template <class T>
 SlabHit<T> slab_hit(const SlabSpan<T>& s, const SpanRange<T>& range) {
     SlabHit<T> result = slab_hit(s);
@@ -230,7 +231,7 @@ std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& s) {
 }
 
 /// Largest entry and smallest exit. If it is not known which of two enclosures is the larger, they are joined. Returns
-/// nothing if the line crosses no slab, or is not known to be inside each slab that it does not cross.
+/// nothing if the line is parallel to all slabs, or may lie outside a slab that it is parallel to.
 template <Number T>
 std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     std::optional<Ends<T>> ends;

@@ -23,8 +23,8 @@ struct WallSpan {
         const T zero(0);
         const auto& [side, planes_entry, planes_exit, at_planes_entry, at_planes_exit, crossed, closed, open,
                      direction_square] = primitive;
-        const auto entry_order = i == 0 ? at_planes_entry.compare_near_root() : at_planes_entry.compare_far_root();
-        const auto exit_order = i == 0 ? at_planes_exit.compare_near_root() : at_planes_exit.compare_far_root();
+        const auto entry_order = i == 0 ? at_planes_entry.order_of_near_root() : at_planes_entry.order_of_far_root();
+        const auto exit_order = i == 0 ? at_planes_exit.order_of_near_root() : at_planes_exit.order_of_far_root();
         const auto is_quadratic = side.a > zero;
         return {is_quadratic && closed && side.q >= zero && !entry_order.less && exit_order.at_most,
                 is_quadratic && open && side.q > zero && !entry_order.at_most && exit_order.less};
@@ -33,7 +33,7 @@ struct WallSpan {
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> compare_crossing(int i, const At& t) const {
         const auto quadratic = quadratic_at(primitive.side, t);
-        return i == 0 ? quadratic.compare_near_root() : quadratic.compare_far_root();
+        return i == 0 ? quadratic.order_of_near_root() : quadratic.order_of_far_root();
     }
 };
 

@@ -119,12 +119,12 @@ constexpr bool origin_matters(Shape shape, Inside inside) {
     return false;
 }
 
-/// Throws InputError if the property on the origin is given but changes no answer about a primitive. `prefix` begins
-/// the message.
-inline void refuse_unused_at_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& prefix) {
+/// Throws InputError if the property on the origin is given but changes no answer about a primitive. `message_prefix`
+/// begins the message.
+inline void refuse_unused_at_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& message_prefix) {
     if (at_origin == AtOrigin::hit || !is_primitive(shape) || origin_matters(shape, inside)) return;
     throw InputError(
-        prefix + ": at_origin changes no answer about " + with_article(shape) +
+        message_prefix + ": at_origin changes no answer about " + with_article(shape) +
         ", because the answer from inside is 0, and the answer at the surface is 0 too; remove at_origin, or set "
         "inside = exit or miss");
 }

@@ -8,26 +8,26 @@ namespace lostbits::intersect {
 
 /// [lo, hi] over the number under test. In exact arithmetic, whose numbers have no neighbours, lo = hi = the value.
 template <Number T>
-struct Outward {
+struct OutwardInterval {
     T lo;
     T hi;
 
-    explicit Outward(int x) : lo(T(x)), hi(T(x)) {}
-    explicit Outward(const T& x) : lo(x), hi(x) {}
-    Outward(const T& low, const T& high) : lo(low), hi(high) {}
+    explicit OutwardInterval(int x) : lo(T(x)), hi(T(x)) {}
+    explicit OutwardInterval(const T& x) : lo(x), hi(x) {}
+    OutwardInterval(const T& low, const T& high) : lo(low), hi(high) {}
 
-    friend Outward operator+(const Outward& a, const Outward& b) {
+    friend OutwardInterval operator+(const OutwardInterval& a, const OutwardInterval& b) {
         return {next_down(a.lo + b.lo), next_up(a.hi + b.hi)};
     }
-    friend Outward operator-(const Outward& a, const Outward& b) {
+    friend OutwardInterval operator-(const OutwardInterval& a, const OutwardInterval& b) {
         return {next_down(a.lo - b.hi), next_up(a.hi - b.lo)};
     }
-    friend Outward operator*(const Outward& a, const Outward& b) {
+    friend OutwardInterval operator*(const OutwardInterval& a, const OutwardInterval& b) {
         const T p = a.lo * b.lo, q = a.hi * b.lo, r = a.lo * b.hi, s = a.hi * b.hi;
         return {next_down(min(min(p, q), min(r, s))), next_up(max(max(p, q), max(r, s)))};
     }
     /// If b contains zero, the quotient is (−1/0, 1/0), the whole line.
-    friend Outward operator/(const Outward& a, const Outward& b) {
+    friend OutwardInterval operator/(const OutwardInterval& a, const OutwardInterval& b) {
         const mask_t<T> has_zero = b.lo <= T(0) && b.hi >= T(0);
         const T p = a.lo / b.lo, q = a.hi / b.lo, r = a.lo / b.hi, s = a.hi / b.hi;
         return {select(has_zero, T(-1) / T(0), next_down(min(min(p, q), min(r, s)))),
@@ -35,9 +35,11 @@ struct Outward {
     }
     /// A sum of squares can have a lower bound just below zero, whose root is NaN. `max` then returns 0, as pbrt's
     /// max(0, NextFloatDown(sqrt(x))) does.
-    friend Outward sqrt(const Outward& a) { return {max(next_down(sqrt(a.lo)), T(0)), next_up(sqrt(a.hi))}; }
+    friend OutwardInterval sqrt(const OutwardInterval& a) {
+        return {max(next_down(sqrt(a.lo)), T(0)), next_up(sqrt(a.hi))};
+    }
     /// x² ≥ 0 for every x. A product of two equal intervals would not be known to be nonnegative.
-    friend Outward square(const Outward& a) {
+    friend OutwardInterval square(const OutwardInterval& a) {
         const T low = abs(a.lo), high = abs(a.hi);
         const mask_t<T> has_zero = a.lo <= T(0) && a.hi >= T(0);
         const T least = min(low, high), most = max(low, high);

@@ -28,7 +28,7 @@ public:
     /// The recorder of this thread. Throws Error(Exit::internal) if there is none.
     static Recorder& current() {
         if (current_ == nullptr) [[unlikely]]
-            throw_without_recorder();
+            fail_without_recorder();
         return *current_;
     }
 
@@ -58,7 +58,7 @@ public:
     [[nodiscard]] const FloatFormat& format() const { return CurrentFormat::get(); }
 
 private:
-    [[noreturn]] static void throw_without_recorder() {
+    [[noreturn]] static void fail_without_recorder() {
         throw Error(Exit::internal, "a recorded number was used on a thread without a Recorder: construct one first");
     }
     static inline constinit thread_local Recorder* current_ = nullptr;

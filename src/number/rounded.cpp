@@ -13,7 +13,7 @@ namespace lostbits {
 constinit thread_local const FloatFormat* CurrentFormat::current_ = nullptr;
 constinit thread_local CurrentFormat::Engine CurrentFormat::engine_ = CurrentFormat::Engine::rounding;
 
-void CurrentFormat::throw_without_format() {
+void CurrentFormat::fail_without_format() {
     throw Error(Exit::internal,
                 "a number of a format chosen at run time was used where no format is set: wrap the code in "
                 "CurrentFormat::Scope, or call it through with_number");

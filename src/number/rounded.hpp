@@ -40,7 +40,7 @@ public:
     /// The format of the innermost scope; Error(Exit::internal) outside of every scope.
     static const FloatFormat& get() {
         if (!current_) [[unlikely]]
-            throw_without_format();
+            fail_without_format();
         return *current_;
     }
 
@@ -69,7 +69,7 @@ public:
     };
 
 private:
-    [[noreturn]] static void throw_without_format();
+    [[noreturn]] static void fail_without_format();
     // constinit: other files read it without first checking that it is initialised.
     static constinit thread_local const FloatFormat* current_;
     static constinit thread_local Engine engine_;

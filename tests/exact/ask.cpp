@@ -40,7 +40,7 @@ Answer answer_of(const truth::Truth& found, const Given& given,
                  truth::Tightness tightness = truth::Tightness::certified) {
     if (found.decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");
     if (!found.is_hit()) return {};
-    const truth::Certified& t = found.t;
+    const truth::CertifiedNumber& t = found.t;
     const bool is_double = tightness == truth::Tightness::certified;
     return {true,
             t.hi,

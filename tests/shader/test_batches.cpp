@@ -35,14 +35,14 @@ public:
             REQUIRE(b.bytes.size() <= limits_.buffer_bytes);
         }
         REQUIRE(groups <= limits_.groups);
-        REQUIRE(groups * device::group_size >= head.rays);
+        REQUIRE(groups * device::group_size >= head.ray_count);
         const auto* const rays = reinterpret_cast<const float*>(buffers[BufferBinding::rays].bytes.data());
         const auto* const primitives = reinterpret_cast<const float*>(buffers[BufferBinding::primitives].bytes.data());
         auto* const answers = reinterpret_cast<float*>(buffers[BufferBinding::answers].bytes.data());
-        for (std::uint32_t i = 0; i < head.rays; ++i)
+        for (std::uint32_t i = 0; i < head.ray_count; ++i)
             answers[2 * i] = answers[2 * i + 1] = rays[6 * i] + primitives[head.stride * i + 3];
         auto* const hits = reinterpret_cast<std::uint32_t*>(buffers[BufferBinding::hits].bytes.data());
-        std::fill_n(hits, loses ? head.rays - 1 : head.rays, 1U);
+        std::fill_n(hits, loses ? head.ray_count - 1 : head.ray_count, 1U);
         ++runs;
     }
     int runs = 0;

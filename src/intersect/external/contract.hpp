@@ -51,9 +51,9 @@ Contract read_form_contract(const lb_form& form, const std::string& library);
 /// begins the message.
 void require_valid(const Contract& contract, const std::string& library);
 
-/// Throws InputError if only hits from one side count but the shape has no front and back; `subject` begins the
+/// Throws InputError if only hits from one side count but the shape has no front and back; `message_prefix` begins the
 /// message.
-void require_valid_facing(Facing facing, Shape shape, const std::string& subject);
+void require_valid_facing(Facing facing, Shape shape, const std::string& message_prefix);
 
 /// Returns the correct answer for a ray from inside: the contract's property `inside`, or else the answer that follows
 /// from its roots. Returns `usual` if that answer is the usual one of the shape.

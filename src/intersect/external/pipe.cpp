@@ -143,9 +143,9 @@ bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_
 PipeRequest make_pipe_request(std::uint32_t form_index, const lb_batch& batch) {
     PipeRequest request;
     request.form_index = form_index;
-    request.rays = static_cast<std::uint32_t>(batch.size);
-    request.primitives = batch.primitive_stride == 0 ? 1 : request.rays;
-    request.ends = batch.ends == nullptr ? 0 : request.rays;
+    request.ray_count = static_cast<std::uint32_t>(batch.size);
+    request.primitive_count = batch.primitive_stride == 0 ? 1 : request.ray_count;
+    request.end_count = batch.ends == nullptr ? 0 : request.ray_count;
     return request;
 }
 
@@ -198,10 +198,13 @@ void evaluate(AnsweringProcess& answerer, std::uint32_t form_index, const std::s
 }  // namespace
 
 ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract) {
-    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
-    return {6 * n * width,        (contract.flags & LB_RANGE) != 0 ? request.ends * width : 0,
-            request.ends * width, request.primitives * row_of(contract.shape).numbers * width,
-            2 * n * width,        n};
+    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.ray_count;
+    return {6 * n * width,
+            (contract.flags & LB_RANGE) != 0 ? request.end_count * width : 0,
+            request.end_count * width,
+            request.primitive_count * row_of(contract.shape).numbers * width,
+            2 * n * width,
+            n};
 }
 
 std::array<std::size_t, BatchColumn::count + 1> column_offsets(const ColumnBytes& bytes) {

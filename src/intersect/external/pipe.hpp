@@ -19,9 +19,9 @@ namespace lostbits::intersect::external {
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
     std::uint32_t form_index = 0;  ///< in the program's header, from 0
-    std::uint32_t rays = 0;
-    std::uint32_t primitives = 0;  ///< 1, or as many as `rays`
-    std::uint32_t ends = 0;        ///< as many as `rays`, or 0
+    std::uint32_t ray_count = 0;
+    std::uint32_t primitive_count = 0;  ///< 1, or `ray_count`
+    std::uint32_t end_count = 0;        ///< `ray_count`, or 0
 };
 static_assert(sizeof(PipeRequest) == 20);
 

@@ -78,24 +78,25 @@ std::string join_texts(Texts texts) {
 
 /// Returns the index of a text among the texts that its key allows. Throws InputError, which lists these texts, for any
 /// other text.
-std::size_t find_text(Texts texts, const std::string& text, const std::string& where, const std::string& key) {
+std::size_t find_text(Texts texts, const std::string& text, const std::string& message_prefix, const std::string& key) {
     const auto allowed_text = std::ranges::find(texts, text);
     if (allowed_text == texts.end())
-        throw InputError(where + ": " + key + " is " + quote_text(text) + "; it must be one of " + join_texts(texts));
+        throw InputError(message_prefix + ": " + key + " is " + quote_text(text) + "; it must be one of " +
+                         join_texts(texts));
     return static_cast<std::size_t>(allowed_text - texts.begin());
 }
 
-void set_flags(Contract& contract, const std::string& value, const std::string& where) {
+void set_flags(Contract& contract, const std::string& value, const std::string& message_prefix) {
     for (std::size_t begin = 0; begin < value.size();) {
         const std::size_t comma = std::min(value.find(',', begin), value.size());
-        contract.flags |= flag_bits[find_text(flags, value.substr(begin, comma - begin), where, "flags")];
+        contract.flags |= flag_bits[find_text(flags, value.substr(begin, comma - begin), message_prefix, "flags")];
         begin = comma + 1;
     }
 }
 
 /// Throws if the header says why the program cannot serve: EnvironmentError if a line begins with `missing=`, else
 /// InputError.
-void throw_refusal(const std::vector<std::string>& lines, const PipeOptions& options) {
+void require_not_refused(const std::vector<std::string>& lines, const PipeOptions& options) {
     std::string refusal;
     bool is_environment = false;
     for (const std::string_view line : lines) {
@@ -128,41 +129,43 @@ std::string quote_text(std::string_view text, std::size_t max_bytes) {
     return "\"" + escape_text(text.substr(0, max_bytes)) + (text.size() > max_bytes ? "…\"" : "\"");
 }
 
-bool set_property(Contract& contract, const std::string& key, const std::string& value, const std::string& where) {
+bool set_property(Contract& contract, const std::string& key, const std::string& value,
+                  const std::string& message_prefix) {
     if (key == "flags") {
-        set_flags(contract, value, where);
+        set_flags(contract, value, message_prefix);
         return true;
     }
     const auto entry = std::ranges::find(keys(), key, &HeaderKey::name);
     if (entry == keys().end()) return false;
-    entry->set(contract, entry->texts.empty() ? 0 : find_text(entry->texts, value, where, key), value);
+    entry->set(contract, entry->texts.empty() ? 0 : find_text(entry->texts, value, message_prefix, key), value);
     return true;
 }
 
-std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& subject) {
+std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& message_prefix) {
     std::vector<Contract> contracts;
     for (std::size_t i = 1; i < lines.size(); ++i) {
-        const std::string where = subject + ": header line " + std::to_string(i + 1);
+        const std::string line_prefix = message_prefix + ": header line " + std::to_string(i + 1);
         const std::size_t equals = lines[i].find('=');
-        if (equals == std::string::npos) throw InputError(where + ": " + quote_text(lines[i]) + " is not key=value");
+        if (equals == std::string::npos)
+            throw InputError(line_prefix + ": " + quote_text(lines[i]) + " is not key=value");
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
 
         // Each name= begins the next form.
         if (key == "name") contracts.emplace_back();
         if (contracts.empty())
-            throw InputError(where + ": a form begins with name=; write it before " + quote_text(key));
-        if (!set_property(contracts.back(), key, value, where))
+            throw InputError(line_prefix + ": a form begins with name=; write it before " + quote_text(key));
+        if (!set_property(contracts.back(), key, value, line_prefix))
             throw InputError(
-                where + ": unknown key " + quote_text(key) +
+                line_prefix + ": unknown key " + quote_text(key) +
                 "; known keys are name, title, source, shape, format, direction, roots, touching, at_origin, "
                 "inside, facing, state, flags");
     }
 
     if (contracts.empty())
         throw InputError(
-            subject +
+            message_prefix +
             ": its header names no form; write name=, shape= and format=, or see what it printed on standard error");
-    for (const Contract& contract : contracts) require_valid(contract, subject);
+    for (const Contract& contract : contracts) require_valid(contract, message_prefix);
     return contracts;
 }
 
@@ -192,7 +195,7 @@ std::vector<Contract> read_greeting(const LineSource& source, const PipeOptions&
         if (bytes > 100'000) source.fail("sent more than 100000 bytes of header; an empty line must end it");
     }
     lines.pop_back();
-    throw_refusal(lines, options);
+    require_not_refused(lines, options);
     return read_pipe_header(lines, options.message_prefix);
 }
 

@@ -17,12 +17,13 @@ inline constexpr std::string_view pipe_version = "lostbits-pipe/1";
 
 /// Reads the contracts from the lines of a header, without the empty line that ends the header. After the version come
 /// lines `key=value`; each `name=` begins a form, and a missing key has the default of `Contract`. Throws InputError,
-/// which begins with `subject` and names the line, for unknown keys and values.
-std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& subject);
+/// which begins with `message_prefix` and names the line, for unknown keys and values.
+std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& message_prefix);
 
 /// Sets a property other than `name` from its text. Returns false for an unknown key. Throws InputError, which begins
-/// with `where`, for an unknown value.
-bool set_property(Contract& contract, const std::string& key, const std::string& value, const std::string& where);
+/// with `message_prefix`, for an unknown value.
+bool set_property(Contract& contract, const std::string& key, const std::string& value,
+                  const std::string& message_prefix);
 
 /// Writes contracts as a header.
 std::string make_pipe_header(const std::vector<Contract>& contracts);

@@ -79,14 +79,14 @@ void mark_unwritten_in(const BatchColumns& columns, std::size_t rays) {
 
 /// Writes the answer into the columns. Returns the error text if the form fails, else an empty text.
 std::string answer_in_place(const ForeignForm& form, const PipeRequest& request, const BatchColumns& columns) {
-    if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.rays);
-    else mark_unwritten_in<float>(columns, request.rays);
+    if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.ray_count);
+    else mark_unwritten_in<float>(columns, request.ray_count);
     try {
-        form.answer({.size = request.rays,
+        form.answer({.size = request.ray_count,
                      .rays = columns[BatchColumn::rays],
                      .ends = columns[BatchColumn::ends],
                      .primitives = columns[BatchColumn::primitives],
-                     .primitive_stride = request.primitives == 1 ? 0 : row_of(form.contract.shape).numbers,
+                     .primitive_stride = request.primitive_count == 1 ? 0 : row_of(form.contract.shape).numbers,
                      .near_far = columns[BatchColumn::near_far],
                      .hit = hits_in(columns),
                      .own = nullptr,
@@ -99,8 +99,9 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
 
 bool is_valid_request(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
     return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 &&
-           request.form_index < forms.size() && (request.primitives == 1 || request.primitives == request.rays) &&
-           (request.ends == 0 || request.ends == request.rays);
+           request.form_index < forms.size() &&
+           (request.primitive_count == 1 || request.primitive_count == request.ray_count) &&
+           (request.end_count == 0 || request.end_count == request.ray_count);
 }
 
 /// The memory of the columns: shared with the client, or our own. The client is the process that asks for answers.
@@ -149,7 +150,7 @@ bool client_has_ended(int input) {
 }
 
 /// Throws the error of a failed write, unless the client has ended and so expects no answer.
-void throw_unless_client_ended(int input) {
+void require_client_ended(int input) {
     const int write_error = errno;
     if (!client_has_ended(input))
         throw EnvironmentError(std::string("cannot write to the process that asks for answers: ") +
@@ -173,7 +174,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     const std::string header = make_pipe_header(contracts);
     signal(SIGPIPE, SIG_IGN);  // a failed write returns an error instead of ending the process
     if (!write_all(output, header.data(), header.size())) {
-        throw_unless_client_ended(input);
+        require_client_ended(input);
         return true;
     }
 
@@ -190,7 +191,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
         const std::optional<BatchColumns> columns = read_batch(input, request, form.contract, buffers);
         if (!columns) return true;
         if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers)) {
-            throw_unless_client_ended(input);
+            require_client_ended(input);
             return true;
         }
     }

@@ -85,8 +85,8 @@ FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
 /// a side, has no point inside: a ray that begins behind the entry of such a line begins on the surface.
 template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
-    const auto far = s.compare_entry(RayOrigin{}).less;
-    FirstSpanHit<E> first_hit = hit_at(s.meets_closed() && !s.compare_exit(RayOrigin{}).less, end_of(s, far));
+    const auto far = s.compare_entry(ZeroParameter{}).less;
+    FirstSpanHit<E> first_hit = hit_at(s.meets_closed() && !s.compare_exit(ZeroParameter{}).less, end_of(s, far));
     if constexpr (has_exact_sign<E>) first_hit.t = select(far && !s.meets_open(), E(0), first_hit.t);
     return first_hit;
 }
@@ -98,7 +98,7 @@ FirstSpanHit<E> first_span_hit(const FlatSpan<E>& s) {
 
 template <class E>
 FirstSpanHit<E> first_span_hit(const WallSpan<E>& s) {
-    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.compare_crossing(i, RayOrigin{}).less; };
+    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.compare_crossing(i, ZeroParameter{}).less; };
     const auto is_first_ahead = is_ahead(0);
     return hit_at(is_first_ahead || is_ahead(1), root_of(s.primitive.side, !is_first_ahead));
 }

@@ -139,7 +139,7 @@ private:
 };
 
 Shape guess_shape(const UserSignature& signature, const StatedSignature& stated, const std::vector<Part>& parts,
-                  const std::string& subject) {
+                  const std::string& message_prefix) {
     // The shape that is stated, or that the names of the function or its arguments contain.
     if (!stated.shape.empty()) return stated_shape(stated);
     if (const auto named = find_shape(normalized_name(signature.call))) return *named;
@@ -159,7 +159,7 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
     if (vectors == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
     if (vectors == 4 && numbers == 0) return Shape::box;
     if (vectors == 5 && numbers == 0) return Shape::triangle;
-    throw InputError(subject +
+    throw InputError(message_prefix +
                      ": cannot tell from its name and its arguments which primitive it intersects; add a comment such "
                      "as // lostbits: sphere(o, d, c, r)");
 }
@@ -297,7 +297,7 @@ void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSigna
         if (parts[k].has_fourth && stated.roles.size() > parts.size())
             parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_number_of(parts[k]));
     if (stated.roles.size() > parts.size())
-        throw InputError(stated.where + ": names " + std::to_string(stated.roles.size()) +
+        throw InputError(stated.message_prefix + ": names " + std::to_string(stated.roles.size()) +
                          " arguments, but the function "
                          "takes " +
                          std::to_string(parts.size()) + " vectors and numbers");
@@ -306,7 +306,7 @@ void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSigna
     for (std::size_t i = 0; i < stated.roles.size(); ++i) {
         const std::string role = find_stated_role(normalized_name(stated.roles[i]), shape);
         if (role.empty())
-            throw InputError(stated.where + ": " + external::quote_text(stated.roles[i]) +
+            throw InputError(stated.message_prefix + ": " + external::quote_text(stated.roles[i]) +
                              " is not one of o, d, 1/d, tmin, "
                              "tmax, t, far, hit, -, or a part of " +
                              with_article(shape) + ": " + key_list(shape));
@@ -355,7 +355,7 @@ void find_output_arrays(std::vector<Part>& parts, const UserSignature& signature
 }
 
 /// Throws InputError, with a comment to write, if a part of the ray or of the primitive has no argument.
-void require_inputs(const std::vector<Part>& parts, Shape shape, const std::string& subject) {
+void require_inputs(const std::vector<Part>& parts, Shape shape, const std::string& message_prefix) {
     const auto keys = row_of(shape).keys;
     std::string missing_roles;
     const auto add_missing = [&missing_roles](const std::string& role) {
@@ -370,7 +370,7 @@ void require_inputs(const std::vector<Part>& parts, Shape shape, const std::stri
 
     std::string example = std::string(name_of(shape)) + "(o, d";
     for (const Key& key : keys) example += ", " + std::string(key.name);
-    throw InputError(subject + ": no argument was found for " + missing_roles +
+    throw InputError(message_prefix + ": no argument was found for " + missing_roles +
                      "; name the arguments in a comment of the file, such as // lostbits: " + example + ")");
 }
 
@@ -460,15 +460,15 @@ std::string answers_text(const UserSignature& signature, const std::vector<Part>
 
 }  // namespace
 
-void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& subject) {
+void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& message_prefix) {
     // The role of each part of the arguments.
     Parts parts;
     for (std::size_t k = 0; k < signature.arguments.size(); ++k) parts.add(signature.arguments[k], static_cast<int>(k));
-    const Shape shape = guess_shape(signature, stated, parts.all, subject);
+    const Shape shape = guess_shape(signature, stated, parts.all, message_prefix);
     if (stated.has_roles) apply_stated_roles(parts.all, shape, stated);
     else RoleGuesser(parts.all, shape).guess();
     find_output_arrays(parts.all, signature);
-    require_inputs(parts.all, shape, subject);
+    require_inputs(parts.all, shape, message_prefix);
 
     // The inputs, and the format in which the function computes.
     signature.bits = 64;
@@ -480,13 +480,14 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
     // The answers.
     const std::vector<Part> returned_parts = find_answers(signature, parts.all);
     if (!signature.hit && !signature.t && !signature.hit_is_optional)
-        throw InputError(subject +
+        throw InputError(message_prefix +
                          ": neither its result nor an argument seems to be t or a hit flag; return t or bool, or "
                          "name the argument that receives t in a comment of the file, such as // lostbits: " +
                          std::string(name_of(shape)) + "(o, d, ..., t)");
 
     set_contract(signature, shape, has_role(parts.all, "tmax"));
-    for (const auto& [key, text] : stated.properties) apply_stated_property(signature, key, text, stated.where);
+    for (const auto& [key, text] : stated.properties)
+        apply_stated_property(signature, key, text, stated.message_prefix);
     const bool has_hit = signature.hit || signature.hit_is_optional;
     if (has_hit && signature.miss_value.kind == MissValue::Kind::unknown)
         signature.miss_value.kind = MissValue::Kind::none;

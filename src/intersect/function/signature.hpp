@@ -94,17 +94,18 @@ struct StatedSignature {
     std::vector<std::string> roles;  ///< roles of the vectors and numbers of all arguments, in order
     bool has_roles = false;
     std::vector<std::pair<std::string, std::string>> properties;  ///< key and value
-    std::string where;  ///< the option, or the position of the comment; begins each message
+    std::string message_prefix;                                   ///< the option, or the position of the comment
 };
-StatedSignature stated_signature(const std::string& text, const std::string& where);
+StatedSignature stated_signature(const std::string& text, const std::string& message_prefix);
 /// Reads the text after `lostbits:` in a comment inside the function that is defined at line `definition`, or directly
 /// above it. Without such a comment, combines the comments that do not stand above a function.
 StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition);
 /// Returns the shape that the user states. Throws InputError with the known names for any other text.
 Shape stated_shape(const StatedSignature& stated);
-/// Sets a property that the user states. Throws InputError with `where` for an unknown key or an invalid value.
+/// Sets a property that the user states. Throws InputError with `message_prefix` in front for an unknown key or an
+/// invalid value.
 void apply_stated_property(UserSignature& signature, const std::string& key, const std::string& text,
-                           const std::string& where);
+                           const std::string& message_prefix);
 
 /// Counts the numbers of a type that consists only of numbers of one size; -1 if the type holds anything else, or too
 /// many numbers. `last_member` receives the normalized name of the last member.
@@ -127,13 +128,13 @@ std::string part_text(const Argument& argument, std::size_t offset);
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
 /// Sets the roles of the arguments, the answers and the contract: from `stated` if it has them, else guessed from names
 /// and types. Throws InputError, with a comment to write, if a role cannot be guessed.
-void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& subject);
+void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& message_prefix);
 
 /// Returns the text of a file that includes the file at the path `file` and defines `lostbits_entry(in, out, hit)`,
 /// which calls the user's function. For Rust, `file` is the text of the user's file, which then precedes the new
 /// function.
 std::string wrapper_of(const UserSignature& signature, const std::string& file);
 /// Returns the text of the LLVM IR module followed by the new function.
-std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& subject);
+std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& message_prefix);
 
 }  // namespace lostbits::intersect::function

@@ -51,7 +51,7 @@ std::size_t find_property_end(std::string_view text) {
 }
 
 /// Reads the value of the property `miss`, such as `-1` or `inf`.
-MissValue read_miss_value(const std::string& text, const std::string& where) {
+MissValue read_miss_value(const std::string& text, const std::string& message_prefix) {
     if (text == "inf" || text == "infinite") return {MissValue::Kind::infinite, 0};
     if (text == "nan") return {MissValue::Kind::nan, 0};
     if (text == "negative" || text.starts_with('-')) return {MissValue::Kind::negative, 0};
@@ -61,7 +61,7 @@ MissValue read_miss_value(const std::string& text, const std::string& where) {
 
     MissValue above{MissValue::Kind::above, 0};
     if (std::from_chars(text.data(), text.data() + text.size(), above.bound).ec != std::errc())
-        throw InputError(where + ": miss is " + external::quote_text(text) +
+        throw InputError(message_prefix + ": miss is " + external::quote_text(text) +
                          "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
     return above;
 }
@@ -117,9 +117,9 @@ private:
 
 }  // namespace
 
-StatedSignature stated_signature(const std::string& text, const std::string& where) {
+StatedSignature stated_signature(const std::string& text, const std::string& message_prefix) {
     StatedSignature result;
-    result.where = where;
+    result.message_prefix = message_prefix;
     std::string_view rest = text;
     if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
     rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
@@ -141,7 +141,7 @@ StatedSignature stated_signature(const std::string& text, const std::string& whe
             result.properties.emplace_back(trimmed(std::string_view(property).substr(0, equals)),
                                            trimmed(std::string_view(property).substr(equals + 1)));
         else if (!property.empty() && !property.starts_with("->"))
-            throw InputError(where + ": " + external::quote_text(property) +
+            throw InputError(message_prefix + ": " + external::quote_text(property) +
                              " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
     }
     return result;
@@ -179,16 +179,16 @@ Shape stated_shape(const StatedSignature& stated) {
     std::string all_names;
     for (const std::string_view name : shape_names)
         if (name != "sdf") all_names += (all_names.empty() ? "" : ", ") + std::string(name);
-    throw InputError(stated.where + ": " + external::quote_text(stated.shape) + " is not one of " + all_names);
+    throw InputError(stated.message_prefix + ": " + external::quote_text(stated.shape) + " is not one of " + all_names);
 }
 
 void apply_stated_property(UserSignature& signature, const std::string& key, const std::string& text,
-                           const std::string& where) {
+                           const std::string& message_prefix) {
     if (key == "name" || key == "format" || key == "function") return;  // of comments for --shader
-    if (key == "miss") signature.miss_value = read_miss_value(text, where);
-    else if (!external::set_property(signature.contract, key, text, where))
+    if (key == "miss") signature.miss_value = read_miss_value(text, message_prefix);
+    else if (!external::set_property(signature.contract, key, text, message_prefix))
         throw InputError(
-            where + ": unknown property " + external::quote_text(key) +
+            message_prefix + ": unknown property " + external::quote_text(key) +
             "; known properties are miss, roots, direction, touching, at_origin, inside, facing and flags");
 }
 

@@ -217,8 +217,9 @@ private:
 /// Writes the parameters of the call. Each takes the bytes of an argument, or of a part of one.
 class ParameterWriter {
 public:
-    ParameterWriter(const UserSignature& signature, const IrFunction& f, IrWriter& writer, const std::string& subject)
-        : signature_(signature), f_(f), writer_(writer), subject_(subject) {}
+    ParameterWriter(const UserSignature& signature, const IrFunction& f, IrWriter& writer,
+                    const std::string& message_prefix)
+        : signature_(signature), f_(f), writer_(writer), message_prefix_(message_prefix) {}
 
     /// Returns the list of the parameters. The array after those of the arguments receives the result.
     std::string write() {
@@ -232,7 +233,7 @@ public:
 
 private:
     [[noreturn]] void fail() const {
-        throw InputError(subject_ +
+        throw InputError(message_prefix_ +
                          ": its parameters in the LLVM IR are not those of its debug information; the optimiser "
                          "may have changed them: compile it with -O0 -g");
     }
@@ -263,7 +264,7 @@ private:
     const UserSignature& signature_;
     const IrFunction& f_;
     IrWriter& writer_;
-    const std::string& subject_;
+    const std::string& message_prefix_;
     std::string list_;
     std::size_t next_ = 0;  ///< index of the next parameter
 };
@@ -286,10 +287,10 @@ void write_inputs(const UserSignature& signature, IrWriter& writer) {
 }
 
 /// Writes the call, and stores its result in the array after those of the arguments.
-void write_call(const UserSignature& signature, Module& module, const std::string& subject, IrWriter& writer) {
+void write_call(const UserSignature& signature, Module& module, const std::string& message_prefix, IrWriter& writer) {
     const IrFunction& f = *module.find_function(signature.symbol);
     const std::string call = "call " + std::string(f.convention) + " " + std::string(f.returned_text) + " @\"" +
-                             f.name + "\"(" + ParameterWriter(signature, f, writer, subject).write() + ")";
+                             f.name + "\"(" + ParameterWriter(signature, f, writer, message_prefix).write() + ")";
     const std::size_t result = signature.arguments.size();
     Cursor returned(f.returned_text);
     const Type* const type = module.read_type(returned);
@@ -300,12 +301,12 @@ void write_call(const UserSignature& signature, Module& module, const std::strin
 }
 
 /// Writes the answers, hit and the numbers t, from the arrays of the arguments and the result.
-void write_answers(const UserSignature& signature, const std::string& subject, IrWriter& writer) {
+void write_answers(const UserSignature& signature, const std::string& message_prefix, IrWriter& writer) {
     // The value of an optional is before or after its flag.
     const std::size_t result = signature.arguments.size();
     const SourceType* const value = signature.hit_is_optional ? &signature.returned.parts[0] : nullptr;
     if (value != nullptr && signature.returned.flag_size == 0)
-        throw InputError(subject + ": the layout of its optional result is unknown");
+        throw InputError(message_prefix + ": the layout of its optional result is unknown");
     const auto array_of = [&](const Slot& slot) {
         return slot.argument < 0 ? result : static_cast<std::size_t>(slot.argument);
     };
@@ -347,13 +348,13 @@ std::string wrapper_of(const UserSignature& signature, const std::string& file) 
     return signature.language == SourceLanguage::rust ? rust_wrapper(signature, file) : c_wrapper(signature, file);
 }
 
-std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& subject) {
+std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& message_prefix) {
     IrWriter writer(module);
     for (const Argument& a : signature.arguments) writer.new_bytes(a.target().size);
     writer.new_bytes(signature.returned.size);
     write_inputs(signature, writer);
-    write_call(signature, module, subject, writer);
-    write_answers(signature, subject, writer);
+    write_call(signature, module, message_prefix, writer);
+    write_answers(signature, message_prefix, writer);
 
     const std::string numbers = writer.pointer(ir_number_type(static_cast<std::size_t>(signature.bits) / 8));
     return module.text() + "\ndefine void @lostbits_entry(" + numbers + " %in, " + numbers + " %out, " +

@@ -14,11 +14,11 @@ enum BufferBinding : unsigned { head, rays, ends, primitives, answers, hits, sta
 
 /// Contents of the buffer `head`.
 struct KernelHead {
-    std::uint32_t rays = 0;
-    std::uint32_t stride = 0;  ///< numbers from the primitive of one ray to the primitive of the next ray; 0 if all
-                               ///< rays have the same primitive
-    std::uint32_t ends = 0;    ///< 1 if rays have ends
-    std::uint32_t starts = 0;  ///< 1 if rays have a beginning other than 0
+    std::uint32_t ray_count = 0;
+    std::uint32_t stride = 0;     ///< numbers from the primitive of one ray to the primitive of the next ray; 0 if all
+                                  ///< rays have the same primitive
+    std::uint32_t have_ends = 0;  ///< 1 if rays have ends
+    std::uint32_t have_starts = 0;  ///< 1 if rays have a beginning other than 0
 };
 
 /// Line number at which the code begins that we add to the user's file; the user's file begins at line 1. (`#line` also

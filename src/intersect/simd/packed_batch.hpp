@@ -41,7 +41,7 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
 }
 
 /// Flattened, so that every call inside is inlined. Otherwise the compiler keeps functions for the operators of
-/// `Outward` and passes packs through the stack, and sphere.pbrt_interval takes five times as long.
+/// `OutwardInterval` and passes packs through the stack, and sphere.pbrt_interval takes five times as long.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
     using P = Pack<F, Width>;

@@ -71,7 +71,7 @@ double OneRay::reach(const intersect::Info& info, const Format& format) const {
     return band_->reach(index_, convention(info), info.direction, {.format = format});
 }
 
-truth::Certified OneRay::true_t(const intersect::Info& info) const {
+truth::CertifiedNumber OneRay::true_t(const intersect::Info& info) const {
     const truth::Truth ray_truth = find_truth(info);
     return info.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
 }

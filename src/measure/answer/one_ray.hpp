@@ -75,7 +75,7 @@ public:
         return answer::meets_first(*band_, index_, primitive, convention(info));
     }
     /// t* in the unit of the form's answer; for a hit only.
-    [[nodiscard]] truth::Certified true_t(const intersect::Info& info) const;
+    [[nodiscard]] truth::CertifiedNumber true_t(const intersect::Info& info) const;
     [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {
         return band_->rounded_truth(index_, format, info.direction, convention(info));
     }

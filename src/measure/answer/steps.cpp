@@ -21,7 +21,7 @@ using intersect::transform::Maps;
 using intersect::transform::ObjectRay;
 using intersect::transform::StepFunctions;
 using intersect::transform::TransformMethod;
-using truth::Certified;
+using truth::CertifiedNumber;
 
 std::optional<double> evaluate_one(const intersect::table::Intersector& form, const Format& format,
                                    const Ray<double>& ray, const Primitive<double>& primitive, double tmax) {
@@ -59,16 +59,16 @@ template <class T>
 Affine<Real> to_real(const Affine<T>& m) {
     return {{to_real(m.rows[0]), to_real(m.rows[1]), to_real(m.rows[2])}, to_real(m.shift)};
 }
-Real to_real(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
+Real to_real(const CertifiedNumber& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
 
 /// Returns t as a certified value. A Real has 256 bits. The bits that do not fit into the value are smaller than its
 /// error bound.
-std::optional<Certified> to_certified(const Real& t) {
-    if (t == 0) return Certified{};
+std::optional<CertifiedNumber> to_certified(const Real& t) {
+    if (t == 0) return CertifiedNumber{};
     int exponent = 0;
     const Real scaled = frexp(t, &exponent);
     const double hi = nearest_double(scaled), lo = nearest_low_double(scaled);
-    Certified result = truth::make_certified(hi, lo, std::fabs(hi) * 0x1p-70);
+    CertifiedNumber result = truth::make_certified(hi, lo, std::fabs(hi) * 0x1p-70);
     result.exponent += exponent;
     return result;
 }
@@ -90,7 +90,7 @@ public:
         object_primitive_.placed.reset();
     }
 
-    Steps compute(const Certified& true_t) {
+    Steps compute(const CertifiedNumber& true_t) {
         const StepFunctions<T>& rounded_steps = intersect::transform::step_functions<T>(*parts_.method);
         const StepFunctions<Real>& exact_steps = parts_.method->real;
         Steps steps;
@@ -139,7 +139,7 @@ private:
     }
 
     /// Returns t in the world if the form and the transform back are exact; empty for a miss.
-    std::optional<Certified> exact_t(const ObjectRay<Real>& object_ray) const {
+    std::optional<CertifiedNumber> exact_t(const ObjectRay<Real>& object_ray) const {
         Primitive<Real> object = transformed(object_primitive_, [](double x) { return Real(x); });
         if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
         const truth::Truth object_truth =

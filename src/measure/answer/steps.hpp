@@ -45,7 +45,7 @@ struct Steps {
         all_rounded
     };
     /// t₀ to t₆, in the unit of the row's answers; empty where the ray misses.
-    std::array<std::optional<truth::Certified>, step_count + 1> t;
+    std::array<std::optional<truth::CertifiedNumber>, step_count + 1> t;
 
     /// Error assigned to step k, in units of 2^exponent; NaN if the ray misses before or after the step.
     [[nodiscard]] double error(std::size_t k, std::int64_t exponent) const;

@@ -8,13 +8,13 @@
 
 namespace lostbits::measure::answer {
 
-using truth::Certified;
+using truth::CertifiedNumber;
 
 namespace {
 
 /// Returns true if the precision of `hit` decides the form's answer, and sets `answer` if there is one.
 template <class E>
-bool try_to_answer(const Hit<E>& hit, std::optional<Certified>& answer) {
+bool try_to_answer(const Hit<E>& hit, std::optional<CertifiedNumber>& answer) {
     if (hit.hit.is_unknown()) return false;
     if (hit.hit.is_no()) return true;
     if (hit.t.undefined() == Undefined::always) return true;
@@ -24,9 +24,9 @@ bool try_to_answer(const Hit<E>& hit, std::optional<Certified>& answer) {
 
 }  // namespace
 
-std::optional<Certified> evaluate_exactly(const intersect::table::Intersector& form, const Ray<double>& ray,
-                                          const intersect::Target<double>& target, int limit_bits) {
-    std::optional<Certified> answer;
+std::optional<CertifiedNumber> evaluate_exactly(const intersect::table::Intersector& form, const Ray<double>& ray,
+                                                const intersect::Target<double>& target, int limit_bits) {
+    std::optional<CertifiedNumber> answer;
     const intersect::LiftedTarget<Ball> ball_target(target);
     if (try_to_answer(form.ball(lift_ray<Ball>(ray), ball_target.get()), answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {

@@ -63,7 +63,7 @@ std::optional<metric::Bounds> quantile_bounds(const Claim& claim, const ClaimCol
 std::vector<double> position_on_axes(const SubjectClaim<SweepSubject>& subject_claim,
                                      const scene::sweep::SweepFile& sweep) {
     const auto& [claim, subject, result] = subject_claim;
-    const auto* const part = subject.part_if<SweepSubject::At>();
+    const auto* const part = subject.part_if<SweepSubject::SweepPosition>();
     std::vector<double> position = part ? part->values : std::vector<double>{};
     if (position.size() != sweep.axes.size()) {
         scene::toml::fail(claim.where, "sweep \"" + subject.name + "\" has " +
@@ -146,7 +146,7 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
 }
 
 /// Fails for a claim about every float, if the sweep is over axes.
-void reject_every_float(const SubjectClaims<SweepSubject>& claims, const std::string& sweep_name) {
+void require_no_every_float(const SubjectClaims<SweepSubject>& claims, const std::string& sweep_name) {
     for (const auto& [claim, subject, result] : claims) {
         if (subject.part_if<SweepSubject::EveryFloat>())
             scene::toml::fail(claim.where,
@@ -171,7 +171,7 @@ void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run)
         case SweepKind::every_float: return measure_exhaustive(claims, path, run);
         case SweepKind::axes: break;
     }
-    reject_every_float(claims, subject_name);
+    require_no_every_float(claims, subject_name);
 
     // Claims about one position are measured together, and so are all claims about onsets.
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);

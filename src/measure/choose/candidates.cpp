@@ -45,7 +45,7 @@ std::vector<FormQuality> measure_quality(const ChoiceRequest& request) {
     return qualities;
 }
 
-const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
+const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->result_name; }
 
 FormQuality to_quality(const evaluate::FormSummary& summary, const TestedForm& tested_form,
                        const Requirement& requirement) {

@@ -14,6 +14,7 @@ public:
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if ((chunk.first + i) % step_ != 0) continue;
             if (sample_.rays.size() == most_rays) halve();
+            // halve() doubles `step_`, so this ray may no longer be in the sample.
             if ((chunk.first + i) % step_ != 0) continue;
             sample_.rays.push(chunk.rays[i]);
             sample_.rays.push_range(chunk.rays, i);
@@ -51,7 +52,7 @@ private:
 
 }  // namespace
 
-FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request) {
+FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request) {
     judge::JudgeRequest judge_request{.primitives = options.primitives,
                                       .mesh = options.mesh,
                                       .tested_forms = request.tested_forms,
@@ -64,7 +65,7 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const C
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape =
         dump.layout().primitive() ? *dump.layout().primitive() : options.representatives().front().shape;
-    const judge::FileForm answers(options.id, shape, contract);
+    const judge::FileForm answers(options.result_name, shape, contract);
     if (dump.layout().has_answers()) {
         judge_request.file_answers_form = &answers.form();
         judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
@@ -79,11 +80,15 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const C
             if (form_index == 0) sampler.add(chunk);
         });
 
-    FileRays rays{
-        .id = options.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
-    for (std::size_t r = 0; r < judge_request.tested_forms.size(); ++r) {
-        const FormQuality quality = to_quality(result.summaries[r], judge_request.tested_forms[r], request.requirement);
-        if (judge_request.is_file_form(judge_request.tested_forms[r]))
+    FileRays rays{.result_name = options.result_name,
+                  .typed_file_names = dump.name(),
+                  .format = dump.format(),
+                  .ray_count = result.rays,
+                  .rounded_count = result.rounded_count};
+    for (std::size_t form_index = 0; form_index < judge_request.tested_forms.size(); ++form_index) {
+        const FormQuality quality =
+            to_quality(result.summaries[form_index], judge_request.tested_forms[form_index], request.requirement);
+        if (judge_request.is_file_form(judge_request.tested_forms[form_index]))
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
         else rays.quality.push_back(quality);
     }

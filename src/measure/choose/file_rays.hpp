@@ -22,11 +22,11 @@ struct FileAnswers {
 };
 
 struct FileRays {
-    std::string id;    ///< name of the results
-    std::string name;  ///< names of the files, as typed
-    Format format;     ///< format in which their numbers are stored
-    std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;              ///< numbers that the format cannot represent, and that were rounded
+    std::string result_name;
+    std::string typed_file_names;  ///< as the user typed them
+    Format format;                 ///< format in which their numbers are stored
+    std::uint64_t ray_count = 0;
+    std::uint64_t rounded_count = 0;        ///< numbers that the format cannot represent, and that were rounded
     std::vector<FormQuality> quality = {};  ///< one for each of the request's forms, measured on every ray
     std::optional<FileAnswers> answers = {};
     scene::rays::RayGroup sample = {};  ///< every n-th ray, n a power of two: all, or 2049 to 4096 of them
@@ -34,7 +34,7 @@ struct FileRays {
 
 /// Properties of the files that their columns do not contain; the command line gives them.
 struct FileOptions {
-    std::string id;  ///< name of the results
+    std::string result_name;
     /// Primitives of all rays. If there are none and no mesh, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
@@ -48,6 +48,6 @@ struct FileOptions {
 
 /// Reads the dump to its end, for the forms, requirement and limit of the request. Throws InputError as
 /// `judge::run_judge` does.
-FileRays judge_rays(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request);
+FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request);
 
 }  // namespace lostbits::measure::choose

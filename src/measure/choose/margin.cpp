@@ -226,8 +226,8 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     const offset::OffsetSummary summary = std::move(study::run_study(offset_study).front());
 
     SafeOffsets safe;
-    safe.points = summary.points;
-    for (const offset::Side side : offset::both_sides) safe.rays += summary.side_summary(side).rays;
+    safe.point_count = summary.points;
+    for (const offset::Side side : offset::both_sides) safe.ray_count += summary.side_summary(side).rays;
     safe.outside = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape,
                                            std::array{offset::Side::outside});
     safe.both_sides = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape);

@@ -60,7 +60,7 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
 struct SafeOffsets {
     std::vector<offset::SafeStrategy> outside;     ///< right for rays that leave the primitive; cheapest first
     std::vector<offset::SafeStrategy> both_sides;  ///< right for these rays and for rays that enter it
-    std::uint64_t points = 0, rays = 0;            ///< number of points and rays measured
+    std::uint64_t point_count = 0, ray_count = 0;  ///< number of points and rays measured
 };
 
 /// Finds the strategies on a picture of at most `pixels`, fewer if there are many primitives. Returns nothing if the

@@ -68,7 +68,7 @@ InherentLimit inherent(const Band& band, const TestedForm& tested_form, const Fo
         const Truth ray_truth = band.truth(i, tested_form.convention());
         if (!ray_truth.is_hit()) continue;
         const double reach = band.reach(i, tested_form.convention(), direction, {.format = format});
-        const truth::Certified& t = direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
+        const truth::CertifiedNumber& t = direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
         lost_bits.add(truth::inherent_bits(reach, t, format.parameters));
         // `reach` is in units of the power of two of t*. Its ratio to t* is the same for the distance.
         distances.add(t.is_zero() ? reach

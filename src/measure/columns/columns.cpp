@@ -87,7 +87,7 @@ void TrueLengths::resize(std::size_t rays) {
 }
 
 void TrueLengths::set(std::size_t i, const truth::Truth& ray_truth, Direction direction_kind) {
-    const truth::Certified& x = direction_kind == Direction::unit ? ray_truth.distance : ray_truth.t;
+    const truth::CertifiedNumber& x = direction_kind == Direction::unit ? ray_truth.distance : ray_truth.t;
     decision[i] = ray_truth.decision;
     object[i] = ray_truth.primitive;
     hi[i] = missing;
@@ -218,10 +218,10 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     }
 }
 
-void add_sizes(std::span<const double> values, RawSizes& sizes) {
-    sizes.size = values.size();
-    sizes.values = values.data();
-    kernels().sizes(sizes);
+void add_absolute_values(std::span<const double> values, RawAbsoluteSums& sums) {
+    sums.size = values.size();
+    sums.values = values.data();
+    kernels().absolute_sums(sums);
 }
 
 void keep_nearest(const RawHits<float>& hits) { kernels().hits32(hits); }

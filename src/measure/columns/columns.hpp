@@ -74,7 +74,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
                     std::vector<std::uint32_t>& unhandled);
 
 /// Adds a column to the sums.
-void add_sizes(std::span<const double> values, RawSizes& sizes);
+void add_absolute_values(std::span<const double> values, RawAbsoluteSums& sums);
 
 /// Keeps, of the hits so far and the hits with one more primitive, the first one on each ray.
 void keep_nearest(const RawHits<float>& hits);

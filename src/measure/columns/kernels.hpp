@@ -136,7 +136,7 @@ template <class Width>
 /// Adds sizes, with a sum in two doubles in each lane. Sizes of at most 2^900 do not overflow before 2^123 samples, and
 /// each addition leaves out at most 2^-53 of the low part.
 template <class Width>
-[[gnu::flatten]] void add_sizes(RawSizes& batch) {
+[[gnu::flatten]] void add_absolute_values(RawAbsoluteSums& batch) {
     using P = Pack<double, Width>;
     constexpr std::size_t packs = most_lanes / P::lanes;
     const double* const values = batch.values;

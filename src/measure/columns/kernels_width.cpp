@@ -7,7 +7,7 @@ namespace lostbits::measure::columns {
 RawKernels LOSTBITS_WITH_WIDTH_SUFFIX(raw_kernels)() {
     RawKernels kernels{.errors = errors_of<BuildRegisters>,
                        .residuals = {},
-                       .sizes = add_sizes<BuildRegisters>,
+                       .absolute_sums = add_absolute_values<BuildRegisters>,
                        .hits32 = keep_nearest<float, BuildRegisters>,
                        .hits64 = keep_nearest<double, BuildRegisters>};
     fill_residuals<BuildRegisters>(kernels);

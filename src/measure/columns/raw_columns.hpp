@@ -44,7 +44,7 @@ struct RawResiduals {
 };
 
 /// Sums of the sizes |x| of a column, without NaN; a kernel adds to them.
-struct RawSizes {
+struct RawAbsoluteSums {
     std::size_t size;
     const double* values;
     double hi[most_lanes], lo[most_lanes];  ///< sums over sizes up to `largest_summed`: sample i in lane i mod 8
@@ -67,7 +67,7 @@ struct RawHits {
 struct RawKernels {
     void (*errors)(RawErrors&);
     void (*residuals[shape_rows.size()])(RawResiduals&);  ///< one for each shape
-    void (*sizes)(RawSizes&);
+    void (*absolute_sums)(RawAbsoluteSums&);
     void (*hits32)(const RawHits<float>&);
     void (*hits64)(const RawHits<double>&);
 };

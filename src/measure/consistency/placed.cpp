@@ -158,7 +158,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
         else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && returns_t(*form.info)) {
             const auto &first = is_unit ? p.distance : p.t, &second = is_unit ? q.distance : q.t;
             const std::int64_t ulp = ulp_exponent(band_form.format(), first.floor_log2());
-            const auto error_in_ulps = [ulp](double t, const truth::Certified& exact) {
+            const auto error_in_ulps = [ulp](double t, const truth::CertifiedNumber& exact) {
                 return truth::scaled_difference(truth::as_certified(t), exact, ulp);
             };
             out.apart[i] = std::fabs(error_in_ulps(a.t[i], truth::as_certified(b.t[i])));

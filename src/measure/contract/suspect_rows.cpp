@@ -39,7 +39,9 @@ AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& prim
     if (tested_form.form->info->roots == intersect::Roots::none) t = std::nan("");
     AnswerSample sample{
         .ray = ray, .primitive = primitive, .truly_hits = ray_truth.is_hit(), .is_unit = is_unit, .hit = hit, .t = t};
-    const auto to_double = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
+    const auto to_double = [](const truth::CertifiedNumber& x) {
+        return std::ldexp(x.hi, static_cast<int>(x.exponent));
+    };
     if (ray_truth.is_hit()) {
         sample.true_t = to_double(is_unit ? ray_truth.distance : ray_truth.t);
         sample.other_t = to_double(is_unit ? ray_truth.t : ray_truth.distance);

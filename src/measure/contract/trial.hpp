@@ -127,7 +127,8 @@ inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Q
                                                      intersect::external::make_info(contract).convention(),
                                                      {.tmin = question.start, .tmax = question.end});
     if (!ray_truth.is_hit()) return {};
-    const truth::Certified& t = contract.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
+    const truth::CertifiedNumber& t =
+        contract.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
     return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
 }
 

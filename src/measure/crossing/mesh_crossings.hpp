@@ -20,11 +20,11 @@ struct Triangles {
 /// A point at which a ray meets a triangle, its rim included.
 struct MeshCrossing {
     std::uint32_t triangle = 0;
-    int rank = 0;               ///< position in the order of t, from 0; the same for crossings at the same t
-    truth::Certified t;         ///< in units of the direction's length
-    truth::Certified distance;  ///< t |d|
-    bool hits_front = false;    ///< the ray comes from the side from which the corners run counter-clockwise
-    bool is_at_rim = false;     ///< the ray passes through an edge or a vertex
+    int rank = 0;                     ///< position in the order of t, from 0; the same for crossings at the same t
+    truth::CertifiedNumber t;         ///< in units of the direction's length
+    truth::CertifiedNumber distance;  ///< t |d|
+    bool hits_front = false;          ///< the ray comes from the side from which the corners run counter-clockwise
+    bool is_at_rim = false;           ///< the ray passes through an edge or a vertex
 };
 
 /// Crossings of one ray.

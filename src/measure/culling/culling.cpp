@@ -335,7 +335,7 @@ Decision begins_inside(const SlabSpan<Certain>& s) {
 }
 template <ComparableSpan<Certain> S>
 Decision begins_inside(const S& s) {
-    return s.meets_closed() && s.compare_entry(RayOrigin()).at_most && !s.compare_exit(RayOrigin()).less;
+    return s.meets_closed() && s.compare_entry(ZeroParameter()).at_most && !s.compare_exit(ZeroParameter()).less;
 }
 template <SurfaceSpan<Certain> S>
 Decision begins_inside(const S&) {

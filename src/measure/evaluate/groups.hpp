@@ -33,9 +33,9 @@ public:
     [[nodiscard]] const std::vector<Group>& all() const { return all_; }
 
     /// Serialises the groups, for `output::shard`.
-    template <class Bits>
-    void fields(Bits& bits) {
-        bits(all_);
+    template <class Archive>
+    void fields(Archive& archive) {
+        archive(all_);
     }
 
 private:

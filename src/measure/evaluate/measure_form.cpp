@@ -28,7 +28,7 @@ using truth::Truth;
 
 namespace {
 
-const truth::Certified* in_unit_of(const Truth& ray_truth, const intersect::Info& info) {
+const truth::CertifiedNumber* in_unit_of(const Truth& ray_truth, const intersect::Info& info) {
     if (!ray_truth.is_hit()) return nullptr;
     return info.direction == intersect::Direction::unit ? &ray_truth.distance : &ray_truth.t;
 }
@@ -247,7 +247,7 @@ private:
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
 
         // The form without rounding, the operations to blame, and the form's own statements.
-        std::optional<truth::Certified> unrounded;
+        std::optional<truth::CertifiedNumber> unrounded;
         if (needs_ & metric::needs_unrounded)
             unrounded = answer::evaluate_exactly(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
         if (unrounded) sample.unrounded = &*unrounded;

@@ -84,7 +84,7 @@ std::vector<Scan> make_scans(const std::vector<BitsNeededBand>& results) {
 
 }  // namespace
 
-bool has_correct_bits(double t, const truth::Certified& true_t, int correct_bits) {
+bool has_correct_bits(double t, const truth::CertifiedNumber& true_t, int correct_bits) {
     if (!std::isfinite(t)) return false;
     const long ulp = ulp_exponent({correct_bits, binary64.emin, binary64.emax}, true_t.floor_log2());
     return std::fabs(truth::scaled_difference(truth::as_certified(t), true_t, ulp)) <= 0.5;

@@ -20,7 +20,7 @@ inline constexpr double beyond_most_precision = std::numeric_limits<double>::inf
 /// True if t has B correct bits: |t − t*| ≤ ½ ulp_B(t*), with the ulp of B significand bits and binary64's exponents.
 /// t* is the midpoint of its certificate, as in every metric, and is known to 2^-72 of itself. So a t that close to the
 /// limit may be on either side of it.
-bool has_correct_bits(double t, const truth::Certified& true_t, int correct_bits);
+bool has_correct_bits(double t, const truth::CertifiedNumber& true_t, int correct_bits);
 
 /// Answer of a form to a ray.
 struct Answer {

@@ -55,8 +55,8 @@ std::size_t records_of_piece(const JudgeRequest& request) {
            static_cast<std::size_t>(width);
 }
 
-[[noreturn]] void throw_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
-                                   const char* count_phrase) {
+[[noreturn]] void fail_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
+                                  const char* count_phrase) {
     throw InputError(dump.name() + ": the file " + count_phrase + " " + text::count_with_noun(result.rays, "ray") +
                      ", but a picture of " + std::to_string(request.picture->first) + "x" +
                      std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
@@ -104,15 +104,15 @@ public:
             });
 
         tbb::parallel_pipeline(most_pieces, read_filter & prepare_filter & measure_filter);
-        if (!request_.pieces) check_whole(dump_, request_, result_);
+        if (!request_.pieces) require_ray_count(dump_, request_, result_);
         return std::move(result_);
     }
 
 private:
     [[nodiscard]] const TestedForm& file_form() const { return request_.tested_forms[*file_form_index_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
-    [[noreturn]] void throw_wrong_size(const char* count_phrase) const {
-        lostbits::measure::judge::throw_wrong_size(dump_, request_, result_, count_phrase);
+    [[noreturn]] void fail_wrong_size(const char* count_phrase) const {
+        lostbits::measure::judge::fail_wrong_size(dump_, request_, result_, count_phrase);
     }
 
     std::shared_ptr<Piece> read_piece(tbb::flow_control& flow) {
@@ -236,12 +236,12 @@ private:
     /// Counts the rays of a chunk, and what its numbers tell of their format.
     void add_counts(const Chunk& chunk) {
         result_.rays += chunk.size();
-        result_.rounded += chunk.rounded;
+        result_.rounded_count += chunk.rounded_count;
         result_.most_digits = std::max(result_.most_digits, chunk.digits);
         result_.inexact_decimals += chunk.decimals;
         for (const double t : chunk.t) {
-            const bool are_all_floats = result_.float_answers == result_.answers;
-            result_.answers += t != 0;
+            const bool are_all_floats = result_.float_answers == result_.nonzero_answer_count;
+            result_.nonzero_answer_count += t != 0;
             result_.float_answers += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
                                                 (are_all_floats && scene::dump::is_float_in_decimal(t)));
         }
@@ -249,9 +249,9 @@ private:
 
     /// Throws if the rays so far do not fit the picture.
     void require_picture_size(const Chunk& chunk) const {
-        if (request_.picture && result_.rays > pixels()) throw_wrong_size("has at least");
+        if (request_.picture && result_.rays > pixels()) fail_wrong_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
-            throw_wrong_size("has");
+            fail_wrong_size("has");
     }
 
     /// Measures every row on a piece, into the summaries of all rays and those of the groups.
@@ -325,8 +325,8 @@ void JudgeResult::append(JudgeResult&& next) {
     else
         for (std::size_t r = 0; r < summaries.size(); ++r) summaries[r].append(std::move(next.summaries.at(r)));
     rays += next.rays;
-    rounded += next.rounded;
-    answers += next.answers;
+    rounded_count += next.rounded_count;
+    nonzero_answer_count += next.nonzero_answer_count;
     float_answers += next.float_answers;
     most_digits = std::max(most_digits, next.most_digits);
     inexact_decimals += next.inexact_decimals;
@@ -360,10 +360,10 @@ std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {
     return pieces;
 }
 
-void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResult& result) {
+void require_ray_count(const Dump& dump, const JudgeRequest& request, const JudgeResult& result) {
     if (result.rays == 0)
         throw InputError(dump.name() + ": has no rays; write one record for each ray after the header");
-    if (request.picture && result.rays != pixels_of(request)) throw_wrong_size(dump, request, result, "has");
+    if (request.picture && result.rays != pixels_of(request)) fail_wrong_size(dump, request, result, "has");
 }
 
 JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged& show) {

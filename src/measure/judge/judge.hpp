@@ -70,8 +70,8 @@ using ShowJudged =
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row
     std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;  ///< number of values in the file that its format cannot represent
-    std::uint64_t answers = 0;  ///< number of answers of the file whose t is not 0
+    std::uint64_t rounded_count = 0;         ///< number of values in the file that its format cannot represent
+    std::uint64_t nonzero_answer_count = 0;  ///< number of answers of the file whose t is not 0
     /// Number of these answers whose t is a binary32 number or, as long as all earlier ones count here, the decimal of
     /// one. If there are many answers and all count here, they were computed in binary32.
     std::uint64_t float_answers = 0;
@@ -95,7 +95,7 @@ struct JudgeResult {
 std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request);
 
 /// Throws InputError if the file has no rays, or another number of rays than the picture.
-void check_whole(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
+void require_ray_count(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
 
 /// Reads the dump to its end, or to the end of its pieces. Memory does not grow with the file, and the results do not
 /// depend on the number of threads: the pieces depend only on the rays, and are added in order. Throws InputError, with

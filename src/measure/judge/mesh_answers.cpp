@@ -63,7 +63,7 @@ private:
                                         [&](std::size_t k) { chunks[k] = dump_.decode(pieces[k]); });
         for (std::size_t k = 0; k < chunks.size(); ++k) {
             for (std::size_t i = 0; i < chunks[k].size(); ++i) append(chunks[k], i);
-            result_.rounded += chunks[k].rounded;
+            result_.rounded_count += chunks[k].rounded_count;
             bytes_ += pieces[k].bytes.size();
         }
         return !pieces.empty();

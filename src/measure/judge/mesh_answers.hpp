@@ -48,7 +48,7 @@ struct MeshAnswersResult {
     /// Number of hits in all lists, and the sums of the counts of `ListJudgement`. Set for lists only.
     std::uint64_t listed_hits = 0, missing_crossings = 0, double_hits = 0, false_hits = 0, neighbour_hits = 0;
     metric::Distribution ulps, lost_bits;  ///< of the hits whose triangle the ray meets
-    std::uint64_t rounded = 0;             ///< number of values in the file that its format cannot represent
+    std::uint64_t rounded_count = 0;       ///< number of values in the file that its format cannot represent
 
     [[nodiscard]] std::uint64_t count(MeshOutcome outcome) const { return outcomes[static_cast<std::size_t>(outcome)]; }
     [[nodiscard]] std::uint64_t faults() const;

@@ -31,9 +31,9 @@ public:
     /// The largest errors, followed by the wrong decisions in the file's order.
     [[nodiscard]] std::vector<ReportedRay> all() const;
 
-    template <class Bits>
-    void fields(Bits& bits) {
-        bits(most_rays_, ulp_error_, errors_, faults_);
+    template <class Archive>
+    void fields(Archive& archive) {
+        archive(most_rays_, ulp_error_, errors_, faults_);
     }
 
 private:

@@ -17,7 +17,7 @@ using truth::missing;
 namespace {
 
 /// (x − y) in ulps of the format at t*.
-double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) {
+double in_ulps(const Sample& s, const truth::CertifiedNumber& x, const truth::CertifiedNumber& y) {
     return truth::scaled_difference(x, y, ulp_exponent(s.format->parameters, s.true_t->floor_log2()));
 }
 

@@ -193,7 +193,7 @@ double normal_error(const Sample& s) {
 
     // The normal where the ray truly hits.
     const Ray<Real> ray = lift_ray<Real>(*s.ray);
-    const truth::Certified& t = *s.true_t;
+    const truth::CertifiedNumber& t = *s.true_t;
     const Real true_t = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
     const Vec<Real> exact =
         normal_at(ray, lift_primitive<Real>(*s.primitive), Vec<Real>(ray.origin + true_t * ray.direction));
@@ -210,7 +210,7 @@ double normal_error(const Sample& s) {
 
 double point_error(const Sample& s) {
     const Vec<double> p = hit_point(s);
-    const truth::Certified& t = *s.true_t;
+    const truth::CertifiedNumber& t = *s.true_t;
     double worst = 0, largest = 0;
     for (int i = 0; i < 3; ++i) {
         const Ball scale(std::ldexp(1, static_cast<int>(std::clamp<std::int64_t>(t.exponent, -800, 800))));

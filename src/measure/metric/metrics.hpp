@@ -27,13 +27,14 @@ namespace lostbits::measure::metric {
 struct Sample {
     double t = truth::missing;       ///< the form's answer, a number of the format
     const Format* format = nullptr;  ///< the format of the form under test
-    const truth::Certified* true_t =
+    const truth::CertifiedNumber* true_t =
         nullptr;                            ///< t*, in the unit of the form's answer (a distance for unit directions)
     double truth_rounded = truth::missing;  ///< RN_F(t*)
-    const truth::Certified* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
-    const truth::Certified* unrounded = nullptr;  ///< the form without rounding, on the inputs as the format holds them
-    double condition = truth::missing;            ///< κ of the problem at its ideal inputs
-    double reach = truth::missing;  ///< distance that half an ulp in each input can move t*, see `truth::reach`
+    const truth::CertifiedNumber* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
+    const truth::CertifiedNumber* unrounded =
+        nullptr;                        ///< the form without rounding, on the inputs as the format holds them
+    double condition = truth::missing;  ///< κ of the problem at its ideal inputs
+    double reach = truth::missing;      ///< distance that half an ulp in each input can move t*, see `truth::reach`
     double reach_normwise = truth::missing;         ///< the same for errors of u times the length of each vector
     const Ray<double>* ray = nullptr;               ///< the inputs as the form received them
     const Primitive<double>* primitive = nullptr;   ///< the primitive that the form hit, as the form received it

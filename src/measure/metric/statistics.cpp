@@ -44,7 +44,7 @@ void ExactTotal::add(const ExactTotal& other) {
 
 void ExactTotal::normalise() {
     for (std::size_t i = 0; i + 1 < limbs_.size(); ++i) {
-        limbs_[i + 1] += limbs_[i] >> limb_bits;  // rounds down, so the rest is not negative
+        limbs_[i + 1] += limbs_[i] >> limb_bits;  // the shift rounds down, so the remaining low bits are not negative
         limbs_[i] &= 0xffffffff;
     }
     pending_terms_ = 0;
@@ -71,33 +71,33 @@ double ExactTotal::divided_by(std::uint64_t n) const {
                       limb_bits * static_cast<int>(top) - 1074);
 }
 
-void Sums::add(std::span<const double> values) {
-    const std::uint64_t beyond_before = sizes_.beyond;
-    columns::add_sizes(values, sizes_);
+void AbsoluteMean::add(std::span<const double> values) {
+    const std::uint64_t beyond_before = sums_.beyond;
+    columns::add_absolute_values(values, sums_);
     for (std::size_t lane = 0; lane < columns::most_lanes; ++lane) {
-        total_.add(std::exchange(sizes_.hi[lane], 0));
-        total_.add(std::exchange(sizes_.lo[lane], 0));
+        total_.add(std::exchange(sums_.hi[lane], 0));
+        total_.add(std::exchange(sums_.lo[lane], 0));
     }
-    if (sizes_.beyond == beyond_before) return;
+    if (sums_.beyond == beyond_before) return;
     for (const double x : values) {
         if (std::fabs(x) > columns::largest_summed && !std::isinf(x)) total_.add(std::fabs(x));
     }
 }
 
-void Sums::add(const Sums& other) {
+void AbsoluteMean::add(const AbsoluteMean& other) {
     total_.add(other.total_);
-    sizes_.largest = std::max(sizes_.largest, other.sizes_.largest);
-    sizes_.count += other.sizes_.count;
-    sizes_.zeros += other.sizes_.zeros;
-    sizes_.beyond += other.sizes_.beyond;
+    sums_.largest = std::max(sums_.largest, other.sums_.largest);
+    sums_.count += other.sums_.count;
+    sums_.zeros += other.sums_.zeros;
+    sums_.beyond += other.sums_.beyond;
 }
 
-double Sums::mean() const {
-    if (sizes_.count == 0) return truth::missing;
-    return std::isinf(sizes_.largest) ? sizes_.largest : total_.divided_by(sizes_.count);
+double AbsoluteMean::mean() const {
+    if (sums_.count == 0) return truth::missing;
+    return std::isinf(sums_.largest) ? sums_.largest : total_.divided_by(sums_.count);
 }
 
-void Quantiles::add(std::span<const double> values) {
+void QuantileHistogram::add(std::span<const double> values) {
     for (const double x : values) {
         if (x != x) continue;  // rays without a value lie side by side, so this branch is cheap
         const auto bits = std::bit_cast<std::uint64_t>(x);
@@ -109,7 +109,7 @@ void Quantiles::add(std::span<const double> values) {
     }
 }
 
-std::uint64_t Quantiles::bucket_count(std::uint32_t index) const {
+std::uint64_t QuantileHistogram::bucket_count(std::uint32_t index) const {
     const auto& binade = binades_[index / buckets_per_binade];
     if (!binade) return 0;
     const std::uint64_t low = (*binade)[index % buckets_per_binade];
@@ -118,14 +118,14 @@ std::uint64_t Quantiles::bucket_count(std::uint32_t index) const {
     return carry == carries_.end() ? low : std::uint64_t{carry->second} << 32 | low;
 }
 
-void Quantiles::set_bucket(std::uint32_t index, std::uint64_t samples) {
+void QuantileHistogram::set_bucket(std::uint32_t index, std::uint64_t samples) {
     auto& binade = binades_.at(index / buckets_per_binade);
     if (!binade) binade = std::make_unique<Binade>();
     (*binade)[index % buckets_per_binade] = static_cast<std::uint32_t>(samples);
     if (samples >> 32 != 0) carries_[index] = static_cast<std::uint32_t>(samples >> 32);
 }
 
-void Quantiles::add(const Quantiles& other) {
+void QuantileHistogram::add(const QuantileHistogram& other) {
     // Reads all of `other` before it writes, because `other` may be this object.
     std::vector<std::uint32_t> indices;
     std::vector<std::uint64_t> counts;
@@ -133,7 +133,7 @@ void Quantiles::add(const Quantiles& other) {
     for (std::size_t k = 0; k < indices.size(); ++k) set_bucket(indices[k], bucket_count(indices[k]) + counts[k]);
 }
 
-void Quantiles::list_buckets(std::vector<std::uint32_t>& indices, std::vector<std::uint64_t>& counts) const {
+void QuantileHistogram::list_buckets(std::vector<std::uint32_t>& indices, std::vector<std::uint64_t>& counts) const {
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         for (std::uint32_t i = 0; binades_[b] && i < buckets_per_binade; ++i) {
             const std::uint64_t samples = bucket_count(b * buckets_per_binade + i);
@@ -144,15 +144,16 @@ void Quantiles::list_buckets(std::vector<std::uint32_t>& indices, std::vector<st
     }
 }
 
-void Quantiles::set_buckets(const std::vector<std::uint32_t>& indices, const std::vector<std::uint64_t>& counts) {
+void QuantileHistogram::set_buckets(const std::vector<std::uint32_t>& indices,
+                                    const std::vector<std::uint64_t>& counts) {
     for (std::size_t k = 0; k < indices.size(); ++k) set_bucket(indices[k], counts.at(k));
 }
 
-double Quantiles::at(double q, const Sums& sums) const {
-    if (sums.count() == 0) return truth::missing;
-    const auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(sums.count())));
-    if (rank >= sums.count()) return sums.largest();
-    std::uint64_t cumulative_count = sums.zeros();
+double QuantileHistogram::at(double q, const AbsoluteMean& absolute_mean) const {
+    if (absolute_mean.count() == 0) return truth::missing;
+    const auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(absolute_mean.count())));
+    if (rank >= absolute_mean.count()) return absolute_mean.largest();
+    std::uint64_t cumulative_count = absolute_mean.zeros();
     if (rank <= cumulative_count) return 0;
 
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
@@ -170,15 +171,15 @@ double Quantiles::at(double q, const Sums& sums) const {
         for (std::uint32_t i = 0; i < buckets_per_binade; ++i) {
             // Finds the bucket that has the rank, and returns its middle.
             const std::uint32_t index = b * buckets_per_binade + i;
-            cumulative_count += bucket_count(index) - (index == 0 ? sums.zeros() : 0);
+            cumulative_count += bucket_count(index) - (index == 0 ? absolute_mean.zeros() : 0);
             if (rank > cumulative_count) continue;
             const auto low_bits = std::uint64_t{index} << 42;
             const double low = std::bit_cast<double>(low_bits);
             const double middle = std::bit_cast<double>(low_bits | std::uint64_t{1} << 41);
-            return std::isinf(low) ? low : std::min(middle, sums.largest());
+            return std::isinf(low) ? low : std::min(middle, absolute_mean.largest());
         }
     }
-    return sums.largest();
+    return absolute_mean.largest();
 }
 
 Ranks ranks_around(double q, std::uint64_t n) {
@@ -206,7 +207,7 @@ Ranks ranks_around(double q, std::uint64_t n) {
     below.insert(below.end(), above.begin(), above.end());
     const std::uint64_t first = likeliest - (below.size() - above.size());
 
-    // Moves each rank to the last k that leaves enough probability outside.
+    // Moves each rank inwards as long as at most 2.5 % of the probability lies outside it.
     Ranks ranks{first, n + 1};
     double sum = 0;  // P(K <= k), times the total
     for (std::size_t i = 0; i < below.size(); ++i) {
@@ -226,9 +227,9 @@ void Distribution::add(std::span<const double> values) {
         if (std::ranges::all_of(values, [](double x) { return std::isnan(x); })) return;
         unsealed_ = std::make_unique<UnsealedState>();
     }
-    unsealed_->sums.add(values);
-    unsealed_->quantiles.add(values);
-    count_ = unsealed_->sums.count();
+    unsealed_->absolute_mean.add(values);
+    unsealed_->histogram.add(values);
+    count_ = unsealed_->absolute_mean.count();
 }
 
 void Distribution::add(const Distribution& other) {
@@ -237,23 +238,23 @@ void Distribution::add(const Distribution& other) {
         throw std::logic_error(
             "a sealed distribution cannot be added to another one, and no other one can be added to it");
     if (!unsealed_) unsealed_ = std::make_unique<UnsealedState>();
-    unsealed_->sums.add(other.unsealed_->sums);
-    unsealed_->quantiles.add(other.unsealed_->quantiles);
-    count_ = unsealed_->sums.count();
+    unsealed_->absolute_mean.add(other.unsealed_->absolute_mean);
+    unsealed_->histogram.add(other.unsealed_->histogram);
+    count_ = unsealed_->absolute_mean.count();
 }
 
 double Distribution::mean() const {
     if (count_ == 0) return truth::missing;
-    return unsealed_ ? unsealed_->sums.mean() : sealed_mean_;
+    return unsealed_ ? unsealed_->absolute_mean.mean() : sealed_mean_;
 }
 
 double Distribution::quantile(double q) const {
     if (count_ == 0) return truth::missing;
-    if (unsealed_) return unsealed_->quantiles.at(q, unsealed_->sums);
-    const auto found = std::ranges::find(quantiles, q, &Statistic::q);
-    if (found == quantiles.end())
+    if (unsealed_) return unsealed_->histogram.at(q, unsealed_->absolute_mean);
+    const auto found = std::ranges::find(quantile_statistics, q, &Statistic::q);
+    if (found == quantile_statistics.end())
         throw std::logic_error("a sealed distribution has only the quantiles that tables show");
-    return sealed_quantiles_[static_cast<std::size_t>(found - quantiles.begin())];
+    return sealed_quantiles_[static_cast<std::size_t>(found - quantile_statistics.begin())];
 }
 
 Bounds Distribution::p99_bounds() const {
@@ -269,7 +270,8 @@ Bounds Distribution::p99_bounds() const {
 void Distribution::seal() {
     if (!unsealed_) return;
     sealed_bounds_ = p99_bounds();
-    for (std::size_t i = 0; i < sealed_quantiles_.size(); ++i) sealed_quantiles_[i] = quantile(quantiles[i].q);
+    for (std::size_t i = 0; i < sealed_quantiles_.size(); ++i)
+        sealed_quantiles_[i] = quantile(quantile_statistics[i].q);
     sealed_mean_ = mean();
     unsealed_.reset();
 }

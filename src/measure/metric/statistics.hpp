@@ -33,10 +33,10 @@ public:
     /// negative.
     [[nodiscard]] double divided_by(std::uint64_t n) const;
 
-    template <class Bits>
-    void fields(Bits& bits) {
+    template <class Archive>
+    void fields(Archive& archive) {
         normalise();
-        bits(limbs_);
+        archive(limbs_);
     }
 
 private:
@@ -49,52 +49,52 @@ private:
     std::uint32_t pending_terms_ = 0;  // terms added since all limbs were from 0 to 2^32 − 1
 };
 
-/// Mean of absolute values, finite or not. Each added list is summed in two doubles for each lane, with a relative
-/// error of at most n·2^-104; the sums of lists are added without error. So the mean is off by at most an ulp and
-/// n·2^-104 of itself. It depends neither on the order of the lists nor on how they were divided between shards, and no
-/// sample costs a division.
-class Sums {
+/// Mean of absolute values, finite or not. The values of one `add` are summed in double-double, with a relative error
+/// of at most n·2^-104; the sums of several `add` are added exactly. So the mean is off by at most one ulp plus a
+/// relative error of n·2^-104. It depends neither on the order of the calls nor on how they were divided between
+/// shards, and no sample costs a division.
+class AbsoluteMean {
 public:
     /// Adds samples; NaN is skipped.
     void add(std::span<const double> values);
     /// Adds all samples of another.
-    void add(const Sums& other);
-    [[nodiscard]] std::uint64_t count() const { return sizes_.count; }
-    [[nodiscard]] std::uint64_t zeros() const { return sizes_.zeros; }
-    [[nodiscard]] double largest() const { return sizes_.largest; }
+    void add(const AbsoluteMean& other);
+    [[nodiscard]] std::uint64_t count() const { return sums_.count; }
+    [[nodiscard]] std::uint64_t zeros() const { return sums_.zeros; }
+    [[nodiscard]] double largest() const { return sums_.largest; }
     /// Mean of the absolute values; infinite when any sample is infinite, NaN when empty.
     [[nodiscard]] double mean() const;
 
-    template <class Bits>
-    void fields(Bits& bits) {
-        bits(sizes_.largest, sizes_.count, sizes_.zeros, sizes_.beyond);
-        total_.fields(bits);
+    template <class Archive>
+    void fields(Archive& archive) {
+        archive(sums_.largest, sums_.count, sums_.zeros, sums_.beyond);
+        total_.fields(archive);
     }
 
 private:
-    columns::RawSizes
-        sizes_{};       ///< counts of all samples; the sums are those of the list being added, and 0 after `add`
+    columns::RawAbsoluteSums
+        sums_{};        ///< counts of all samples; its sums are of the list being added, and 0 after `add`
     ExactTotal total_;  ///< sum of the finite absolute values
 };
 
 /// Counts of non-negative numbers in 1024 buckets for each binade: a quantile is off by at most 2^-11 of itself, zero
 /// and infinity are exact, and the result does not depend on the order of the samples.
-class Quantiles {
+class QuantileHistogram {
 public:
     /// Counts the absolute values; NaN is skipped.
     void add(std::span<const double> values);
-    /// Nearest-rank quantile, 0 < q ≤ 1, of all added samples, with the counts that `sums` has. NaN when empty. For
-    /// q = 1, it is exactly the largest sample.
-    [[nodiscard]] double at(double q, const Sums& sums) const;
+    /// Nearest-rank quantile, 0 < q ≤ 1, of all added samples, with the counts that `absolute_mean` has. NaN when
+    /// empty. For q = 1, it is exactly the largest sample.
+    [[nodiscard]] double at(double q, const AbsoluteMean& absolute_mean) const;
     /// Adds all samples of another.
-    void add(const Quantiles& other);
+    void add(const QuantileHistogram& other);
 
-    template <class Bits>
-    void fields(Bits& bits) {
+    template <class Archive>
+    void fields(Archive& archive) {
         std::vector<std::uint32_t> indices;
         std::vector<std::uint64_t> counts;
         list_buckets(indices, counts);
-        bits(indices, counts);
+        archive(indices, counts);
         set_buckets(indices, counts);
     }
 
@@ -128,7 +128,7 @@ struct Statistic {
 inline constexpr std::array<Statistic, 4> statistics{
     {{"mean", "mean", 0}, {"p50", "median", 0.5}, {"p99", "99th percentile", 0.99}, {"max", "largest", 1}}};
 /// The statistics that are quantiles.
-inline constexpr std::span<const Statistic, 3> quantiles(statistics.begin() + 1, statistics.end());
+inline constexpr std::span<const Statistic, 3> quantile_statistics(statistics.begin() + 1, statistics.end());
 
 /// Confidence interval of the q-quantile by ranks. The quantile of the distribution from which n independent samples
 /// were drawn lies between the samples of these two ranks (from 1) with a probability of at least 95 %, whatever the
@@ -167,26 +167,26 @@ public:
     void seal();
 
     /// Reads or writes the whole state, sealed or not, for `output::shard`.
-    template <class Bits>
-    void fields(Bits& bits) {
-        bits(count_, sealed_quantiles_, sealed_mean_, sealed_bounds_.low, sealed_bounds_.high, unsealed_);
+    template <class Archive>
+    void fields(Archive& archive) {
+        archive(count_, sealed_quantiles_, sealed_mean_, sealed_bounds_.low, sealed_bounds_.high, unsealed_);
     }
 
 private:
     struct UnsealedState {
-        Sums sums;
-        Quantiles quantiles;
+        AbsoluteMean absolute_mean;
+        QuantileHistogram histogram;
 
-        template <class Bits>
-        friend void fields(Bits& bits, UnsealedState& state) {
-            state.sums.fields(bits);
-            state.quantiles.fields(bits);
+        template <class Archive>
+        friend void fields(Archive& archive, UnsealedState& state) {
+            state.absolute_mean.fields(archive);
+            state.histogram.fields(archive);
         }
     };
 
     std::uint64_t count_ = 0;
     std::unique_ptr<UnsealedState> unsealed_;
-    std::array<double, quantiles.size()> sealed_quantiles_{};
+    std::array<double, quantile_statistics.size()> sealed_quantiles_{};
     double sealed_mean_ = 0;
     Bounds sealed_bounds_{};
 };
@@ -197,21 +197,24 @@ private:
 inline constexpr double least_agreement = 0.1;
 
 struct Agreement {
-    std::uint64_t agreed;     ///< rays whose error is measured: form and truth agree on the hit
-    std::uint64_t true_hits;  ///< rays that truly hit
+    std::uint64_t agreed_count;    ///< rays whose error is measured: form and truth agree on the hit
+    std::uint64_t true_hit_count;  ///< rays that truly hit
 
     /// Fraction of the true hits that agree; NaN if no ray truly hits.
-    [[nodiscard]] double agreed_fraction() const { return truth::fraction(agreed, true_hits); }
+    [[nodiscard]] double agreed_fraction() const { return truth::fraction(agreed_count, true_hit_count); }
     /// True if a quantile over the agreed hits may stand for the form.
     [[nodiscard]] bool is_enough() const {
-        return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
+        return agreed_count > 0 &&
+               static_cast<double>(agreed_count) >= least_agreement * static_cast<double>(true_hit_count);
     }
     /// Text beside a quantile: `of 55 agreed hits`.
-    [[nodiscard]] std::string of_agreed_hits() const { return "of " + text::count_with_noun(agreed, "agreed hit"); }
+    [[nodiscard]] std::string of_agreed_hits() const {
+        return "of " + text::count_with_noun(agreed_count, "agreed hit");
+    }
     /// Text in place of a withheld quantile: `55 of 16384 hits agree`.
     [[nodiscard]] std::string too_few() const {
-        return std::to_string(agreed) + " of " + text::count_with_noun(true_hits, "hit") +
-               (agreed == 1 ? " agrees" : " agree");
+        return std::to_string(agreed_count) + " of " + text::count_with_noun(true_hit_count, "hit") +
+               (agreed_count == 1 ? " agrees" : " agree");
     }
 };
 
@@ -222,8 +225,8 @@ struct Spread {
     int draws;  ///< number of draws on which the number exists
 };
 
-/// Spread over a file's own draw and other ones. NaN marks a draw on which the number does not exist; all results are
-/// NaN if it exists on none.
+/// Spread of a number over the draw of the file and further draws. A NaN means that a draw has no such number; if none
+/// has, all three values are NaN.
 inline Spread spread_of(double own, const std::vector<double>& other_draws) {
     std::vector<double> values;
     const auto exists = [](double x) { return !std::isnan(x); };

@@ -104,12 +104,12 @@ struct RenderSummary {
 };
 
 /// Lists the fields for shards. The stage and its rule are those of the study, and are left out.
-template <class Bits>
-void fields(Bits& bits, RenderSummary& whole) {
+template <class Archive>
+void fields(Archive& archive, RenderSummary& whole) {
     auto& [stage, rule, pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
            colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual] = whole;
-    bits(pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
-         colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual);
+    archive(pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
+            colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual);
 }
 
 /// Adds a band to the summary of one stage, pixel by pixel from the top. `stage_index` is the index of the stage in the

@@ -81,7 +81,7 @@ struct ObjectQuery {
         ray = object_ray.ray;
         primitive = scaled(world_primitive, object_ray.scale);
     }
-    [[nodiscard]] truth::Enclosed<E> enclosed() const {
+    [[nodiscard]] truth::EnclosedHit<E> enclosed() const {
         return on_rendered(primitive, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
     }
 };
@@ -99,7 +99,7 @@ Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
 template <class E>
 Tri blocks(const Primitive<E>& primitive, const Vec<E>& p, const Vec<E>& light) {
     const ObjectQuery<E> segment({p, light - p}, primitive);
-    const truth::Enclosed<E> enclosed = segment.enclosed();
+    const truth::EnclosedHit<E> enclosed = segment.enclosed();
     if (!enclosed.hit.is_yes()) return enclosed.hit;
     return enclosed.t > E(0) && enclosed.t < E(1);
 }
@@ -164,7 +164,7 @@ private:
         const Ray<E> ray = lift_ray<E>(rays_[i]);
         const Primitive<E> primitive = lift_primitive<E>(primitives_[primitive_index]);
         const ObjectQuery<E> query(ray, primitive);
-        const truth::Enclosed<E> enclosed = query.enclosed();
+        const truth::EnclosedHit<E> enclosed = query.enclosed();
         if (!enclosed.hit.is_yes()) return false;
 
         const Vec<E> p = point_at<E>(ray, enclosed.t);

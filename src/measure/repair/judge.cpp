@@ -92,7 +92,7 @@ Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const Rep
 
 }  // namespace
 
-const std::string& RepairRequest::id() const { return scene ? scene->id : rays->id; }
+const std::string& RepairRequest::id() const { return scene ? scene->id : rays->result_name; }
 
 /// Part of the rays, with their truth and everything that rows with the contract and format of the request's row share.
 class Judge::Part {

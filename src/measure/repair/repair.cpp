@@ -229,8 +229,8 @@ private:
             last_passed_ = sets[k];
             return SymmetricSet{.operations = operations_in(sets[k]),
                                 .quality = quality[k],
-                                .groups = sets[k].size(),
-                                .all_groups = groups_.size()};
+                                .group_count = sets[k].size(),
+                                .total_group_count = groups_.size()};
         }
         return std::nullopt;
     }

@@ -33,10 +33,10 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `find_exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    FormQuality quality{}, held_out{};       ///< quality on the scene, and on rays that were not searched on
-    std::vector<FormQuality> probed = {};    ///< quality on each probe
-    std::size_t groups = 0, all_groups = 0;  ///< number of groups in the set, and of all groups
-    bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
+    FormQuality quality{}, held_out{};     ///< quality on the scene, and on rays that were not searched on
+    std::vector<FormQuality> probed = {};  ///< quality on each probe
+    std::size_t group_count = 0, total_group_count = 0;  ///< number of groups in the set, and of all groups
+    bool is_smallest = false;  ///< no set of groups with fewer operations passes: all were tried
 };
 
 /// RewrittenForm form, equal to the original in real arithmetic.

@@ -89,7 +89,7 @@ std::vector<double> forward_derivatives(const Tape& tape) {
     return derivatives;
 }
 
-bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Certified& truth,
+bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::CertifiedNumber& truth,
                    double t) {
     const double true_t = std::ldexp(truth.hi, static_cast<int>(truth.exponent));
     const auto is_near = [&](double other) { return std::fabs(t - other) <= std::fabs(other - true_t) / 4; };

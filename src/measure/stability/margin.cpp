@@ -98,7 +98,7 @@ std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const Spa
 }
 template <class E, class S>
 std::optional<SpanDecision> decide_exactly(const S& span, const SpanRange<E>* range, intersect::Convention convention) {
-    const Enclosed<E> enclosed = enclose<E>(span, range, convention);
+    const EnclosedHit<E> enclosed = enclose<E>(span, range, convention);
     return enclosed.hit.is_unknown() ? std::nullopt : std::optional(SpanDecision{enclosed.hit, enclosed.crossing});
 }
 
@@ -228,7 +228,7 @@ private:
             } else {
                 if (decision_->hit.is_no() && misses(span)) return SpanDecision{Tri::no};
                 Near::computes_signs_only = true;
-                const Enclosed<Near> enclosed = enclose<Near>(span, range, span_convention);
+                const EnclosedHit<Near> enclosed = enclose<Near>(span, range, span_convention);
                 Near::computes_signs_only = false;
                 return SpanDecision{enclosed.hit, enclosed.crossing};
             }

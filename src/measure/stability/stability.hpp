@@ -96,6 +96,7 @@ std::vector<double> forward_derivatives(const Tape& tape);
 /// True if t belongs to another crossing of the ray's line, ahead or behind, with the surface that the ray truly hits
 /// at `truth`: t is nearer to that crossing than a quarter of its distance from the true one. Checks the three
 /// crossings after the true one, and the three nearest behind the origin.
-bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Certified& truth, double t);
+bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::CertifiedNumber& truth,
+                   double t);
 
 }  // namespace lostbits::measure::stability

@@ -74,8 +74,8 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const Spa
     const E zero(0);
     const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
     const auto outside = begin.value > zero, inside = begin.value < zero;
-    const auto near_in_range = entry_in_time(end.compare_near_root(), range),
-               far_in_range = is_before_range_end(end.compare_far_root(), range);
+    const auto near_in_range = entry_in_time(end.order_of_near_root(), range),
+               far_in_range = is_before_range_end(end.order_of_far_root(), range);
     const auto hits_far = inside.yes() && far_in_range.yes();
     const auto hits_near = outside.yes() && (begin.half_slope < zero).yes() && near_in_range.yes();
     const auto hit = (s.q > zero).yes() && (hits_near || hits_far);
@@ -244,7 +244,7 @@ template <class W>
 SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_span_hit_of_wall<E>(s, RayOrigin(), {always, always});
+    return first_span_hit_of_wall<E>(s, ZeroParameter(), {always, always});
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
@@ -301,7 +301,7 @@ template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(const Span<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_span_hit_from<E>(s, RayOrigin(), always, always);
+    return first_span_hit_from<E>(s, ZeroParameter(), always, always);
 }
 
 /// Answer of `truth::enclose` for a ray with a range.

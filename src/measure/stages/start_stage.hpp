@@ -24,8 +24,8 @@ inline constexpr bool is_quartic_along<ShapeOver<E>> = true;
 /// Two words of a dyadic number of any length, and their bound. If the number is outside the range of `is_close`, the
 /// words are {0, NaN} and the bound is infinite: nothing is known about the number.
 ///
-/// `Scaled` is off by less than 2^-51 of itself: it has the three highest limbs, 64 bits or more, rounded at each step.
-/// The second word is the rest after the first, computed in the same way, so it is also off by less than 2^-51 of
+/// `ScaledDouble` is off by less than 2^-51 of itself: it has the three highest limbs, 64 bits or more, rounded at each
+/// step. The second word is the rest after the first, computed in the same way, so it is also off by less than 2^-51 of
 /// itself.
 inline constexpr std::array<double, 3> unknown_words{0, NAN, HUGE_VAL};
 template <class P>

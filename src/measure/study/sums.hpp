@@ -11,13 +11,14 @@
 
 namespace lostbits::measure::study {
 
-/// Defines `fields(bits, whole)`, which passes the fields of a struct to `bits` in the order of their declaration. A
-/// structured binding names all fields of the struct, so a field that is missing in the list does not compile.
-#define LOSTBITS_FIELDS(Struct, ...)         \
-    template <class Bits>                    \
-    void fields(Bits& bits, Struct& whole) { \
-        auto& [__VA_ARGS__] = whole;         \
-        bits(__VA_ARGS__);                   \
+/// Defines `fields(archive, whole)`, which passes the fields of a struct to `archive` in the order of their
+/// declaration. A structured binding names all fields of the struct, so a field that is missing in the list does not
+/// compile.
+#define LOSTBITS_FIELDS(Struct, ...)               \
+    template <class Archive>                       \
+    void fields(Archive& archive, Struct& whole) { \
+        auto& [__VA_ARGS__] = whole;               \
+        archive(__VA_ARGS__);                      \
     }
 
 struct AnyVisitor {

@@ -45,7 +45,7 @@ bool measures_transform_step(const Metric& m) {
 /// Adds a loss of 1, 4 and 8 bits, of half and of all bits, for each quantile.
 void add_losses(std::vector<Event>& events, double precision, const std::vector<const Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
-    for (const metric::Statistic& s : metric::quantiles) {
+    for (const metric::Statistic& s : metric::quantile_statistics) {
         for (const double bits : {1.0, 4.0, 8.0, precision / 2, precision}) {
             if (bits > precision) continue;
             events.push_back({"lost_bits", std::string(s.name), bits, [lost_bits_index, s](const FormSummary& summary) {
@@ -60,7 +60,7 @@ void add_step_losses(std::vector<Event>& events, const std::vector<const Metric*
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (!measures_transform_step(*metrics[m])) continue;
         events.push_back({std::string(metrics[m]->name), "p50", 1,
-                          [m](const FormSummary& s) { return metric::quantiles.front().of(s.metrics[m]); }});
+                          [m](const FormSummary& s) { return metric::quantile_statistics.front().of(s.metrics[m]); }});
     }
 }
 

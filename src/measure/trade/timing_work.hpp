@@ -116,7 +116,7 @@ struct TimedKernel {
 
 /// Object that is created at its first use.
 template <class T>
-class Lazy {
+class LazyObject {
 public:
     template <class... Args>
     const std::shared_ptr<T>& operator()(Args&&... args) {
@@ -143,9 +143,9 @@ private:
     const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& box_structs();
 
     std::size_t bytes_;
-    Lazy<BoxField<float>> f32_;
-    Lazy<BoxField<double>> f64_;
-    Lazy<std::vector<intersect::simd::PlainBox>> box_structs_;
+    LazyObject<BoxField<float>> f32_;
+    LazyObject<BoxField<double>> f64_;
+    LazyObject<std::vector<intersect::simd::PlainBox>> box_structs_;
 };
 
 /// Many rays against the primitive of `ray_pool`, half of which hit it; otherwise like `BoxWork`.
@@ -159,7 +159,7 @@ public:
 
 private:
     template <class S>
-    using Stores = std::array<Lazy<RayStore<S>>, shape_names.size()>;
+    using Stores = std::array<LazyObject<RayStore<S>>, shape_names.size()>;
     template <class S>
     const std::shared_ptr<RayStore<S>>& store(Stores<S>& stores, Shape shape) {
         return stores[static_cast<std::size_t>(shape)](ray_pool(shape), bytes_, 0.5, std::size_t{0}, std::uint64_t{1});

@@ -27,11 +27,11 @@ double scale(double x, std::int64_t e) {
     return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000)));
 }
 
-/// The number (hi + lo ± bound)·2^exponent in the form that `Certified` requires.
-Certified normalise(double hi, double lo, double bound, std::int64_t exponent) {
+/// The number (hi + lo ± bound)·2^exponent in the form that `CertifiedNumber` requires.
+CertifiedNumber normalise(double hi, double lo, double bound, std::int64_t exponent) {
     const DoubleDouble s = two_sum(hi, lo);
     const int e = exponent_of(s.hi);
-    Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
+    CertifiedNumber r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
     // Scaling is exact unless it underflows. Underflow changes lo and bound by at most half of 2^-1074 each.
     if (scale(r.lo, e) != s.lo || scale(r.bound, e) != bound) r.bound += 0x1p-1074;
     return r;
@@ -39,33 +39,33 @@ Certified normalise(double hi, double lo, double bound, std::int64_t exponent) {
 
 }  // namespace
 
-long Certified::floor_log2() const {
+long CertifiedNumber::floor_log2() const {
     if (hi == 0) return std::numeric_limits<int>::min() / 2;
     // hi = ±1 with lo pointing to zero lies in the binade below.
     const bool is_in_lower_binade = std::fabs(hi) == 1 && ((hi > 0 && lo < 0) || (hi < 0 && lo > 0));
     return static_cast<long>(exponent) - (is_in_lower_binade ? 1 : 0);
 }
 
-Certified as_certified(double x) {
+CertifiedNumber as_certified(double x) {
     if (x == 0) return {};
     const int e = exponent_of(x);
     return {scale(x, -e), 0, 0, e};
 }
 
-Certified make_certified(double hi, double lo, double bound) {
-    return hi == 0 ? Certified{} : normalise(hi, lo, bound, 0);
+CertifiedNumber make_certified(double hi, double lo, double bound) {
+    return hi == 0 ? CertifiedNumber{} : normalise(hi, lo, bound, 0);
 }
 
-std::optional<Certified> certify(const Ball& x, double tightness) {
+std::optional<CertifiedNumber> certify(const Ball& x, double tightness) {
     if (!x.is_bounded()) return std::nullopt;
-    if (x.hi() == 0) return x.is_exact() ? std::optional<Certified>(Certified{}) : std::nullopt;
+    if (x.hi() == 0) return x.is_exact() ? std::optional<CertifiedNumber>(CertifiedNumber{}) : std::nullopt;
     if (x.radius() > tightness * std::fabs(x.hi())) return std::nullopt;
     return normalise(x.hi(), x.lo(), x.radius(), 0);
 }
 
-std::optional<Certified> certify(const Interval& x, double tightness) {
+std::optional<CertifiedNumber> certify(const Interval& x, double tightness) {
     if (!x.is_bounded()) return std::nullopt;
-    if (mpfr_zero_p(x.lower()) != 0 && mpfr_zero_p(x.upper()) != 0) return Certified{};
+    if (mpfr_zero_p(x.lower()) != 0 && mpfr_zero_p(x.upper()) != 0) return CertifiedNumber{};
     if (mpfr_sgn(x.lower()) * mpfr_sgn(x.upper()) <= 0) return std::nullopt;
     const mpfr_exp_t e = mpfr_get_exp(x.lower()) - 1;
     // All numbers are in units of 2^e. hi + lo is the lower end to 106 bits, and the rest of the interval goes into the
@@ -88,7 +88,7 @@ std::optional<Certified> certify(const Interval& x, double tightness) {
     return normalise(hi, lo, bound, e);
 }
 
-double scaled_difference(const Certified& x, const Certified& y, std::int64_t e) {
+double scaled_difference(const CertifiedNumber& x, const CertifiedNumber& y, std::int64_t e) {
     if (y.is_zero()) return scale(x.hi + x.lo, x.exponent - e);
     if (x.is_zero()) return scale(-(y.hi + y.lo), y.exponent - e);
     const std::int64_t larger_exponent = std::max(x.exponent, y.exponent);
@@ -102,7 +102,7 @@ double scaled_difference(const Certified& x, const Certified& y, std::int64_t e)
     return scale(sum.hi + (sum.lo + d.lo + tail.lo), larger_exponent - e);
 }
 
-int compare(const Certified& x, const Certified& y) {
+int compare(const CertifiedNumber& x, const CertifiedNumber& y) {
     const std::int64_t larger_exponent =
         std::max(x.is_zero() ? y.exponent : x.exponent, y.is_zero() ? x.exponent : y.exponent);
     const double d = scaled_difference(x, y, larger_exponent);
@@ -113,19 +113,19 @@ int compare(const Certified& x, const Certified& y) {
     return 0;
 }
 
-Certified nearer(const Certified& x, const Certified& y) {
+CertifiedNumber nearer(const CertifiedNumber& x, const CertifiedNumber& y) {
     const int order = compare(x, y);
     if (order != 0) return order < 0 ? x : y;
     // The order is not decided. The smaller number lies within both bounds plus the distance of the midpoints, from
     // either midpoint.
     if (x.is_zero()) return x;
-    Certified enclosure = x;
+    CertifiedNumber enclosure = x;
     const double midpoint_distance = std::fabs(scaled_difference(x, y, x.exponent));
     enclosure.bound = (x.bound + scale(y.bound, y.exponent - x.exponent) + midpoint_distance) * (1 + 0x1p-40);
     return enclosure;
 }
 
-Neighbours round_ends(const Certified& x, const FloatFormat& format) {
+Neighbours round_ends(const CertifiedNumber& x, const FloatFormat& format) {
     if (x.is_zero()) return {0, 0};
     const auto round_shifted = [&](double shift) {
         // hi + lo + shift = nearest double + rest, exactly. Correct rounding needs only the sign of the rest.
@@ -153,7 +153,7 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format) {
     return {round_shifted(-x.bound), round_shifted(x.bound)};
 }
 
-std::optional<double> round_certified(const Certified& x, const FloatFormat& format) {
+std::optional<double> round_certified(const CertifiedNumber& x, const FloatFormat& format) {
     const Neighbours ends = round_ends(x, format);
     if (ends.lower == ends.upper) return ends.lower;
     return std::nullopt;

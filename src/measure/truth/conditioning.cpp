@@ -238,7 +238,7 @@ double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention con
     if (!ray_truth.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = primitives[static_cast<std::size_t>(ray_truth.primitive)];
-        const Certified& answer = length == Length::distance ? ray_truth.distance : ray_truth.t;
+        const CertifiedNumber& answer = length == Length::distance ? ray_truth.distance : ray_truth.t;
         const double tmin = range(i).tmin;
         const bool begins_inside =
             tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.for_shape(primitive.shape).inside) &&

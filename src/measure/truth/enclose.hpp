@@ -25,7 +25,7 @@ enum class Crossing : std::uint8_t { begin, near, far };
 
 /// Answer of one precision for one primitive. The other members are valid only if `hit` is certain.
 template <class E>
-struct Enclosed {
+struct EnclosedHit {
     Tri hit;  ///< hit of the closed primitive: touching counts
     E t = E(0);
     E distance = E(0);
@@ -49,7 +49,7 @@ E begin_of(const SpanRange<E>* range) {
 /// Hit at the start of the ray. The distance of t = 0 is 0 itself, not a product with 0, whose enclosure would be
 /// wider.
 template <class E>
-Enclosed<E> enclose_begin(const E& d2, const SpanRange<E>* range, bool touching = false, bool on_surface = false) {
+EnclosedHit<E> enclose_begin(const E& d2, const SpanRange<E>* range, bool touching = false, bool on_surface = false) {
     const E begin = begin_of(range);
     const bool begins_at_0 = (begin <= E(0)).is_yes();
     return {Tri::yes, begin, begins_at_0 ? begin : begin * sqrt(d2), touching, on_surface};
@@ -57,7 +57,7 @@ Enclosed<E> enclose_begin(const E& d2, const SpanRange<E>* range, bool touching 
 
 /// Hit at one of the roots.
 template <class E>
-Enclosed<E> enclose_root(const QuadraticSpan<E>& s, Crossing root, bool touching = false, bool on_surface = false) {
+EnclosedHit<E> enclose_root(const QuadraticSpan<E>& s, Crossing root, bool touching = false, bool on_surface = false) {
     const E square_root = sqrt(s.q);
     const bool is_h_positive = (s.h > E(0)).is_yes();
     const E sum = is_h_positive ? square_root + s.h : square_root - s.h;
@@ -68,8 +68,8 @@ Enclosed<E> enclose_root(const QuadraticSpan<E>& s, Crossing root, bool touching
 
 /// Answer of a convention for a ray that begins on the surface, where q = h².
 template <class E>
-Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const SpanRange<E>* range,
-                                 intersect::Convention convention) {
+EnclosedHit<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const SpanRange<E>* range,
+                                    intersect::Convention convention) {
     const E zero(0);
     const Tri crosses = h > zero || h < zero;
     if (crosses.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
@@ -95,8 +95,8 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
 /// start of the ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From
 /// inside (c < 0), the convention defines t.
 template <class E>
-Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& start, const SpanRange<E>* range,
-                          intersect::Convention convention) {
+EnclosedHit<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& start, const SpanRange<E>* range,
+                             intersect::Convention convention) {
     const auto& [c, h] = start;
     const E zero(0);
     const Tri outside = c > zero;
@@ -110,7 +110,7 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& start
     const bool inside_returns_zero = convention.inside == intersect::Inside::zero;
     if (outside.is_no() && (inside_returns_zero || convention.inside == intersect::Inside::miss)) {
         if (!(c < zero).is_yes()) return {Tri::unknown};
-        return inside_returns_zero ? enclose_begin(s.d2, range) : Enclosed<E>{Tri::no};
+        return inside_returns_zero ? enclose_begin(s.d2, range) : EnclosedHit<E>{Tri::no};
     }
     const Tri crosses = outside.is_no() ? Tri::yes : s.q > zero;
     if (crosses.is_unknown()) return {Tri::unknown};
@@ -120,15 +120,15 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& start
 /// First hit of a quadratic surface by a ray with a range (null: everything ahead): the root that a ray from tmin
 /// meets, if that root comes no later than tmax.
 template <class E>
-Enclosed<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullptr,
-                    intersect::Convention convention = {}) {
+EnclosedHit<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullptr,
+                       intersect::Convention convention = {}) {
     if (!range) return enclose_ahead<E>(s, {s.c, s.h}, range, convention);
-    Enclosed<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
+    EnclosedHit<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
     if (!found.hit.is_yes()) return found;
     const QuadraticAt<E> end = quadratic_at(s, range->end);
-    const Order<Tri> entry = end.compare_near_root();
+    const Order<Tri> entry = end.order_of_near_root();
     if (found.crossing != Crossing::begin)
-        found.hit = is_before_range_end(found.crossing == Crossing::near ? entry : end.compare_far_root(), *range);
+        found.hit = is_before_range_end(found.crossing == Crossing::near ? entry : end.order_of_far_root(), *range);
     if (found.hit.is_yes() && entry.less.is_unknown()) found.hit = Tri::unknown;
     found.touching = found.hit.is_yes() && (found.touching || entry.less.is_no());
     return found;
@@ -138,11 +138,11 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullp
 /// tmin < b, the ray begins inside or, if it touches, on a face along which it runs. If a = tmin, it enters at its
 /// start; if b = tmin, it leaves there; if both, it touches in one point. An exit beyond tmax does not count.
 template <class E>
-Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* range, intersect::Convention convention,
-                                bool touching) {
+EnclosedHit<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* range,
+                                   intersect::Convention convention, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
-    const Enclosed<E> miss{Tri::no};
+    const EnclosedHit<E> miss{Tri::no};
     Tri entered = Tri::yes;
     if (range) entered = compare_entries_with_begin(slabs, *range).less;
     else
@@ -184,7 +184,7 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* ra
 /// conventions differ; like every other member, it is known only if `hit` is. For a Dual, the gradient is that of the
 /// chosen axis: if two entries are equal, t has a kink, and the gradient is one-sided.
 template <class E>
-Enclosed<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, intersect::Convention convention) {
+EnclosedHit<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, intersect::Convention convention) {
     const E zero(0);
     const SlabHit<E> overlap = range ? slab_hit(slabs, *range) : slab_hit(slabs);
     if (overlap.closed.is_no()) return {Tri::no};
@@ -198,7 +198,7 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, interse
     if (begins_inside.is_yes()) {
         const bool answers_begin =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
-        Enclosed<E> found =
+        EnclosedHit<E> found =
             answers_begin ? enclose_begin(slabs.d2, range) : enclose_from_inside(slabs, range, convention, touching);
         found.touching = touching;
         return found;
@@ -209,12 +209,12 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, interse
 
 /// Hit at one of the crossings of a surface, by its index.
 template <class E>
-Enclosed<E> enclose_crossing(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
+EnclosedHit<E> enclose_crossing(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
     const E t = s.at.n / s.at.m;
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, Crossing::near};
 }
 template <class E>
-Enclosed<E> enclose_crossing(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
+EnclosedHit<E> enclose_crossing(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
     return enclose_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
@@ -233,11 +233,11 @@ Tri faces(const WallSpan<E>&, intersect::Facing) {
 /// touches it. A crossing at the start of the ray is a root, and the convention decides whether this root counts. If
 /// there are two crossings, the near one is an entry and the far one an exit; a single crossing is both.
 template <class E, SurfaceSpan<E> S>
-Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention convention) {
+EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention convention) {
     using intersect::AtOrigin, intersect::Touching;
     const E zero(0);
     const Fraction<E> begin{begin_of(range), E(1)};
-    Enclosed<E> miss{Tri::no};
+    EnclosedHit<E> miss{Tri::no};
     for (int i = 0; i < S::crossings; ++i) {
         const auto crossing = s.crossing(i);
         const auto to_begin = s.compare_crossing(i, begin);
@@ -265,7 +265,7 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
 
 /// Hit at the entry (`Crossing::near`) or exit of the line, through a cap or at a root.
 template <class E>
-Enclosed<E> enclose_crossing(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+EnclosedHit<E> enclose_crossing(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
     const bool is_entry = crossing == Crossing::near;
     const Tri by_cap = is_entry ? s.enters_by_cap() : s.leaves_by_cap();
     if (by_cap.is_unknown()) return {Tri::unknown};
@@ -275,19 +275,19 @@ Enclosed<E> enclose_crossing(const CappedSpan<E>& s, Crossing crossing, bool tou
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, crossing};
 }
 template <class E>
-Enclosed<E> enclose_crossing(const JoinedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+EnclosedHit<E> enclose_crossing(const JoinedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
     return enclose_root(crossing == Crossing::near ? s.enter : s.leave, crossing, touching, on_surface);
 }
 
 /// Answer of a convention for a ray that begins inside a primitive or on its surface.
 template <class E, ComparableSpan<E> S>
-Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const SpanRange<E>* range,
-                                intersect::Convention convention, bool touching) {
+EnclosedHit<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const SpanRange<E>* range,
+                                   intersect::Convention convention, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const Tri entered = s.compare_entry(begin).less, leaving = s.compare_exit(begin).at_most;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool on_surface = touching || entered.is_no() || leaving.is_yes();
-    const Enclosed<E> miss{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
+    const EnclosedHit<E> miss{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
     const bool ignores_exits = convention.inside == Inside::miss && !touching;
 
     if (on_surface) {
@@ -303,7 +303,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Span
 
     if (range) {
         const Tri in_range = is_before_range_end(s.compare_exit(range->end), *range);
-        if (!in_range.is_yes()) return in_range.is_no() ? miss : Enclosed<E>{Tri::unknown};
+        if (!in_range.is_yes()) return in_range.is_no() ? miss : EnclosedHit<E>{Tri::unknown};
     }
     return enclose_crossing<E>(s, Crossing::far, touching, on_surface);
 }
@@ -311,7 +311,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Span
 /// t* is the entry for a ray from outside and the exit for a ray from inside. A line touches if it runs along the
 /// surface or meets only a rim, and so does a ray that ends where it enters.
 template <class E, ComparableSpan<E> S>
-Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention convention) {
+EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention convention) {
     const Fraction<E> begin{begin_of(range), E(1)};
     Order<Tri> to_end{Tri::yes, Tri::yes};
     if (range) {
@@ -332,7 +332,7 @@ Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention
 
 /// Defined in side.hpp.
 template <class E>
-Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention);
+EnclosedHit<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention);
 
 /// Convention by which to enclose a span. If a span cannot be hit behind a touch, touching counts here, and the caller
 /// decides whether it is a hit.
@@ -344,8 +344,8 @@ intersect::Convention convention_for_span(intersect::Convention convention) {
 
 /// First hit of a primitive of any shape. `range` (null: everything ahead) is not empty.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const SpanRange<E>* range = nullptr,
-                    intersect::Convention convention = {}) {
+EnclosedHit<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const SpanRange<E>* range = nullptr,
+                       intersect::Convention convention = {}) {
     return with_span(ray, primitive, [&]<class Span>(const Span& span) {
         return enclose<E>(span, range, convention_for_span<Span>(convention));
     });

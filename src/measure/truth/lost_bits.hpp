@@ -11,14 +11,14 @@ namespace lostbits::measure::truth {
 
 /// True if t is x rounded to the format, or may be, because x is not known closely enough to tell. If t is infinite, x
 /// overflows by rounding alone.
-inline bool may_round_to(const Certified& x, double t, const FloatFormat& format) {
+inline bool may_round_to(const CertifiedNumber& x, double t, const FloatFormat& format) {
     const Neighbours ends = round_ends(x, format);
     return ends.lower == t || ends.upper == t;
 }
 
 /// (t − t*)/ulp(t*) in the format. An infinite answer has an infinite error, unless t* itself rounds to infinity: then
 /// the error is 0.
-inline double ulp_error(double t, const Certified& true_t, const FloatFormat& format) {
+inline double ulp_error(double t, const CertifiedNumber& true_t, const FloatFormat& format) {
     if (std::isinf(t)) return may_round_to(true_t, t, format) ? 0 : t;
     return scaled_difference(as_certified(t), true_t, ulp_exponent(format, true_t.floor_log2()));
 }
@@ -33,17 +33,17 @@ inline double lost_bits(double ulps, int precision) {
 
 /// log2 of the unit of a `reach` (reach.hpp). The unit is the power of two of t*, so that a reach does not leave the
 /// range of double only because t* does. If t* is 0, the unit is 1.
-inline std::int64_t exponent_of_unit(const Certified& true_t) { return true_t.is_zero() ? 0 : true_t.exponent; }
+inline std::int64_t exponent_of_unit(const CertifiedNumber& true_t) { return true_t.is_zero() ? 0 : true_t.exponent; }
 
 /// Bits that a `reach` can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
-inline double inherent_bits(double reach, const Certified& true_t, const FloatFormat& format) {
+inline double inherent_bits(double reach, const CertifiedNumber& true_t, const FloatFormat& format) {
     const auto ulp = ulp_exponent(format, true_t.floor_log2());
     return lost_bits(std::ldexp(reach, static_cast<int>(exponent_of_unit(true_t) - ulp)), format.precision);
 }
 
 /// Lost bits beyond `inherent_bits`. If `inherent_bits` is p (t* = 0, or t* is smaller than its reach), a loss of all
 /// bits is still compared with `reach`: log2(|t − t*| / reach), from 0 to p.
-inline double excess_bits(double t, const Certified& true_t, const FloatFormat& format, double reach) {
+inline double excess_bits(double t, const CertifiedNumber& true_t, const FloatFormat& format, double reach) {
     const int precision = format.precision;
     const double inherent = inherent_bits(reach, true_t, format);
     if (inherent < precision) return std::max(0.0, lost_bits(ulp_error(t, true_t, format), precision) - inherent);

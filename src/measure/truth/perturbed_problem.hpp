@@ -106,7 +106,7 @@ public:
         return is_distance_ ? unit(UnitKind::length) : unit(UnitKind::length) - unit(UnitKind::direction);
     }
     /// t, or the distance, in its unit.
-    [[nodiscard]] BoundedDouble in_units(const Certified& t) const {
+    [[nodiscard]] BoundedDouble in_units(const CertifiedNumber& t) const {
         const auto e = std::clamp<std::int64_t>(t.exponent - unit_exponent(), -5000, 5000);
         const double value = std::ldexp(t.hi, static_cast<int>(e));
         return BoundedDouble(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + underflow_loss);

@@ -272,7 +272,7 @@ double bound_answer(const PerturbedProblem& problem, const Shape& s, const Ray<D
     } else return bound_root(problem, s.span(ray));
 }
 
-double find_reach(const ProblemNumbers& numbers, const Certified& answer, AnswerFaces answer_faces) {
+double find_reach(const ProblemNumbers& numbers, const CertifiedNumber& answer, AnswerFaces answer_faces) {
     const PerturbedProblem problem(numbers);
     const BoundedDouble t = problem.in_units(answer);
     const double root = problem.in_object_space_from(t, [&](const auto& shape, const Ray<DualNumber>& ray) {
@@ -286,11 +286,11 @@ double find_reach(const ProblemNumbers& numbers, const Certified& answer, Answer
 
 }  // namespace
 
-double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
+double reach(const Ray<double>& ray, const Primitive<double>& primitive, const CertifiedNumber& answer, Length length,
              const FloatFormat& format, Perturbed perturbed, AnswerFaces answer_faces) {
     return find_reach(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
 }
-double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
+double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const CertifiedNumber& answer, Length length,
              const FloatFormat& format, Perturbed perturbed, AnswerFaces answer_faces) {
     return find_reach(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
 }

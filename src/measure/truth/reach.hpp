@@ -31,10 +31,10 @@ enum class AnswerFaces : std::uint8_t { every_face, entered_faces };
 /// the power of two of `answer` (`exponent_of_unit`). If the errors may move the line past the rim, or the origin
 /// across the surface, a problem within the errors may also miss or meet another root first. The inputs do not decide
 /// then, and the bound does not cover such answers.
-double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
+double reach(const Ray<double>& ray, const Primitive<double>& primitive, const CertifiedNumber& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
              AnswerFaces answer_faces = AnswerFaces::every_face);
-double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
+double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const CertifiedNumber& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
              AnswerFaces answer_faces = AnswerFaces::every_face);
 

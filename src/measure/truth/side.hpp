@@ -85,7 +85,7 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
                            intersect::Convention convention) {
     Crossing crossing = Crossing::far;
     if (range) {
-        const Enclosed<E> found = enclose(s, range, convention);
+        const EnclosedHit<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
         crossing = found.crossing;
     } else {
@@ -124,7 +124,7 @@ template <class E, class S>
 requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
                                                                                const SpanRange<E>* range,
                                                                                intersect::Convention convention) {
-    const Enclosed<E> found = enclose<E>(s, range, convention);
+    const EnclosedHit<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
     return side_at<E>(s, found.crossing, m, length);
@@ -137,7 +137,7 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
                            intersect::Convention convention) {
     Fraction<E> answer = range ? largest_entry(s, *range) : largest_entry(s);
     if (range) {
-        const Enclosed<E> found = enclose(s, range, convention);
+        const EnclosedHit<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
         if (found.crossing == Crossing::far) answer = smallest_exit(s);
     } else if (convention.inside == intersect::Inside::exit && (answer.n <= E(0)).is_yes()) {
@@ -282,7 +282,7 @@ RootHit<F> root_hit(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
 /// Encloses the hit of a quartic. If the numbers have a gradient, that of the root x follows from f(x) = 0: x' =
 /// −f'/(∂f/∂x). At a double root the gradient is unknown.
 template <class E>
-Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
+EnclosedHit<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
     if (found.crossing == Crossing::begin) return enclose_begin(s.d2, range, found.touching, found.on_surface);

@@ -17,7 +17,7 @@ namespace {
 
 /// Exponent k of the power of two that the bound of x > 0 straddles; empty if the binade of x is certain. (The bound is
 /// below 2^-72, and hi + lo is at least 2^-53 below 2, so it never reaches the binade above.)
-std::optional<std::int64_t> straddled_power(const Certified& x) {
+std::optional<std::int64_t> straddled_power(const CertifiedNumber& x) {
     if (x.hi == 1 && x.lo < x.bound && x.lo >= -x.bound) return x.exponent;
     return std::nullopt;
 }
@@ -35,7 +35,7 @@ Interval power_of_two_interval(std::int64_t exponent) {
 }
 
 /// x, narrowed to one side of the power of two that its bound straddles: below it, at it or above it.
-Certified narrow_to_side(const Certified& x, int side) {
+CertifiedNumber narrow_to_side(const CertifiedNumber& x, int side) {
     if (side == 0) return {.hi = 1, .lo = 0, .bound = 0, .exponent = x.exponent};
     // The interval [lo − bound, 0] or [0, lo + bound], given by its middle. Below the power, the middle must stay
     // negative even where it underflows.
@@ -48,7 +48,7 @@ Certified narrow_to_side(const Certified& x, int side) {
 /// `decide_binade(x, Length)` narrows a length x to one binade, which its ulp depends on; it returns false if this
 /// precision does not decide the binade.
 template <class E, class DecideBinade>
-bool settle(const Enclosed<E>& enclosed, Convention convention, Truth& truth, const DecideBinade& decide_binade) {
+bool settle(const EnclosedHit<E>& enclosed, Convention convention, Truth& truth, const DecideBinade& decide_binade) {
     truth.on_surface = enclosed.on_surface;
     if (enclosed.hit.is_yes() && enclosed.touching) {
         truth.touches = true;
@@ -104,7 +104,7 @@ struct ProofOptions {
 };
 
 template <class E>
-Enclosed<E> enclose_under(const Ray<E>& ray, const Primitive<E>& primitive, const ProofOptions& options) {
+EnclosedHit<E> enclose_under(const Ray<E>& ray, const Primitive<E>& primitive, const ProofOptions& options) {
     const auto range = range_over<E>(options.range);
     return enclose<E>(ray, primitive, range ? &*range : nullptr, options.convention);
 }
@@ -120,7 +120,7 @@ Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const 
         const Primitive<Interval> wide_primitive = lift_primitive<Interval>(primitive);
 
         // Narrows a length to one side of a power of two that its bound straddles.
-        const auto decide_binade = [&](Certified& x, Length length) {
+        const auto decide_binade = [&](CertifiedNumber& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
             const auto range = range_over<Interval>(options.range);
@@ -150,7 +150,7 @@ Truth find_first_hit(const Ray<S>& ray, std::span<const Primitive<S>> primitives
         if (!options.range.holds_any() || !is_valid_primitive(primitive)) continue;
         Truth truth;
         truth.proof_bits = 106;
-        const auto is_binade_known = [](const Certified& x, Length) { return !straddled_power(x); };
+        const auto is_binade_known = [](const CertifiedNumber& x, Length) { return !straddled_power(x); };
         if (!settle(enclose_under(ball_ray, lift_primitive<Ball>(primitive), options), options.convention, truth,
                     is_binade_known))
             truth = find_in_intervals(ray, primitive, options);

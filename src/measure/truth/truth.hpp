@@ -31,9 +31,9 @@ struct Truth {
     bool on_surface = false;
     /// The ray parameter, in lengths of the direction as stored. Its binade is proved, and so is that of the distance:
     /// the bound never straddles a power of two.
-    Certified t;
+    CertifiedNumber t;
     /// Same length as a distance, t·|d|: the answer that is expected of a form for unit directions.
-    Certified distance;
+    CertifiedNumber distance;
 
     [[nodiscard]] bool is_hit() const { return decision == Decision::hit; }
 };

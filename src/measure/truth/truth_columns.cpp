@@ -142,7 +142,7 @@ private:
         out_.decision[i] = truth.decision;
         out_.hi[i] = out_.lo[i] = out_.bound[i] = 0;
         if (truth.is_hit()) {
-            const Certified& t = options_.length == Length::parameter ? truth.t : truth.distance;
+            const CertifiedNumber& t = options_.length == Length::parameter ? truth.t : truth.distance;
             const bool in_range = t.is_zero() || (t.exponent >= -900 && t.exponent < 900);
             const auto scale_part = [&](double x) {
                 return in_range ? std::ldexp(x, static_cast<int>(t.exponent)) : missing;
@@ -173,7 +173,7 @@ void find_columns(const ProblemColumns<S>& problems, const TruthOptions& options
     ColumnSearch<S>(problems, options, out).find();
 }
 
-bool are_equal(const Certified& a, const Certified& b) {
+bool are_equal(const CertifiedNumber& a, const CertifiedNumber& b) {
     return a.hi == b.hi && a.lo == b.lo && a.bound == b.bound && a.exponent == b.exponent;
 }
 
@@ -218,7 +218,7 @@ bool RayTruths::store(std::size_t i, const Truth& truth) {
 
     // Columns hold no length beyond 2^±900. NaN as the length marks a truth that they do not hold exactly.
     bool is_exact = truth.decision != Truth::Decision::unresolved;
-    const auto store_length = [&](const Certified& x, Lengths& lengths) {
+    const auto store_length = [&](const CertifiedNumber& x, Lengths& lengths) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
         const auto scaled_part = [&](double part) {
             return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0;

@@ -26,7 +26,7 @@ E length_of(const Vec<double>& d) {
 }
 
 double exact_component(double coordinate, const Vec<double>& d, const FloatFormat& format) {
-    std::optional<Certified> last;
+    std::optional<CertifiedNumber> last;
     for (int bits = 192; bits <= 8192; bits *= 2) {
         const Interval::Precision precision(bits);
         const Interval length = length_of<Interval>(d);

@@ -12,27 +12,29 @@ namespace lostbits::number::wide {
 
 /// m·2^e with a double m and any e, accurate to the last places of a double.
 template <class Tag>
-struct Scaled {
+struct ScaledDouble {
     double m = 0;
     int e = 0;
 
-    Scaled() = default;
-    explicit Scaled(double x, int exponent = 0) {
+    ScaledDouble() = default;
+    explicit ScaledDouble(double x, int exponent = 0) {
         m = std::frexp(x, &e);
         e += exponent;
     }
     /// Rounded once more if the result is subnormal.
     [[nodiscard]] double value() const { return std::ldexp(m, e); }
-    friend Scaled operator+(const Scaled& a, const Scaled& b) {
+    friend ScaledDouble operator+(const ScaledDouble& a, const ScaledDouble& b) {
         if (a.m == 0 || b.m == 0) return a.m == 0 ? b : a;
         const int top_exponent = std::max(a.e, b.e);
-        return Scaled(std::ldexp(a.m, a.e - top_exponent) + std::ldexp(b.m, b.e - top_exponent), top_exponent);
+        return ScaledDouble(std::ldexp(a.m, a.e - top_exponent) + std::ldexp(b.m, b.e - top_exponent), top_exponent);
     }
-    friend Scaled operator/(const Scaled& a, const Scaled& b) { return Scaled(a.m / b.m, a.e - b.e); }
-    friend Scaled abs(const Scaled& a) { return Scaled(std::fabs(a.m), a.e); }
-    friend Scaled sqrt(const Scaled& a) {
+    friend ScaledDouble operator/(const ScaledDouble& a, const ScaledDouble& b) {
+        return ScaledDouble(a.m / b.m, a.e - b.e);
+    }
+    friend ScaledDouble abs(const ScaledDouble& a) { return ScaledDouble(std::fabs(a.m), a.e); }
+    friend ScaledDouble sqrt(const ScaledDouble& a) {
         const int odd = a.e & 1;
-        return Scaled(std::sqrt(std::ldexp(a.m, odd)), (a.e - odd) / 2);
+        return ScaledDouble(std::sqrt(std::ldexp(a.m, odd)), (a.e - odd) / 2);
     }
 };
 
@@ -70,11 +72,11 @@ public:
 
     [[nodiscard]] int sign() const { return size_ == 0 ? 0 : negative_ ? -1 : 1; }
     /// Value computed from the three highest limbs, accurate to the last place of a double.
-    [[nodiscard]] Scaled<Tag> scaled() const {
+    [[nodiscard]] ScaledDouble<Tag> scaled() const {
         double leading = 0;
         const int lowest = std::max(size_ - 3, 0);
         for (int i = size_; i-- > lowest;) leading = leading * 0x1p32 + limbs_[i];
-        return Scaled<Tag>(negative_ ? -leading : leading, 32 * (first_ + lowest));
+        return ScaledDouble<Tag>(negative_ ? -leading : leading, 32 * (first_ + lowest));
     }
 
     friend Dyadic operator-(Dyadic a) {

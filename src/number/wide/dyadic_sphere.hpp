@@ -30,7 +30,7 @@ template <class Tag>
     const D disc = h * h - a * c;
     if (disc.sign() < 0) return;
     out[0] = 1;
-    const Scaled<Tag> q = abs(h.scaled()) + sqrt(disc.scaled());
+    const ScaledDouble<Tag> q = abs(h.scaled()) + sqrt(disc.scaled());
     out[1] = (c.sign() < 0 && h.sign() <= 0 ? q / a.scaled() : abs(c.scaled()) / q).value();
 }
 

@@ -20,7 +20,7 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
     const std::string decision_line = decision_text("The form", outcome, log.hit.t, true_t);
     if (!decision_line.empty()) return decision_line;
 
-    const measure::truth::Certified& t = ray.true_t(*form.info);
+    const measure::truth::CertifiedNumber& t = ray.true_t(*form.info);
     const double ulps = measure::truth::ulp_error(log.hit.t, t, format.parameters);
     return fmt::format(
         "The form reports a hit at {} ({}), and the true hit is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",

@@ -77,7 +77,7 @@ struct VerdictCounts {
     std::size_t with_criterion = 0;  ///< confirmed verdicts that follow from a criterion
 
     void add(const Claim& claim, const ClaimResult& result);
-    [[nodiscard]] std::size_t confirmed() const { return held + qualified + refuted; }
+    [[nodiscard]] std::size_t agreeing_count() const { return held + qualified + refuted; }
     /// `4 hold, 1 is qualified, 2 are refuted`; `none` if none is confirmed.
     [[nodiscard]] std::string text() const;
 };

@@ -114,7 +114,7 @@ std::string claim_row_text(const Claim& claim, const ClaimResult& result) {
 std::string introduction(const std::filesystem::path& folder, const std::vector<Claim>& claims,
                          const std::vector<ClaimResult>& results) {
     const CountsBySource counts = count_verdicts(claims, results);
-    const std::size_t unconfirmed_count = claims.size() - counts.all.confirmed();
+    const std::size_t unconfirmed_count = claims.size() - counts.all.agreeing_count();
     const auto quoted_count = std::ranges::count_if(claims, [](const Claim& c) { return !c.quotation.empty(); });
     return fmt::format(
         "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. "

@@ -169,8 +169,8 @@ std::string VerdictCounts::text() const {
 
 std::string CountsBySource::text() const {
     std::string text;
-    if (sourced.confirmed() > 0) text = "from a source: " + sourced.text();
-    if (own.confirmed() > 0) text += (text.empty() ? "" : "; ") + ("our own: " + own.text());
+    if (sourced.agreeing_count() > 0) text = "from a source: " + sourced.text();
+    if (own.agreeing_count() > 0) text += (text.empty() ? "" : "; ") + ("our own: " + own.text());
     return text.empty() ? "no verdict is confirmed" : text;
 }
 

@@ -73,7 +73,7 @@ KindTexts kind_texts(const Claim& claim, const SceneSubject& subject) {
 
 KindTexts kind_texts(const Claim& claim, const SweepSubject& subject) {
     KindTexts texts{measuring_command(claim, "sweep", "", metric_option(claim))};
-    if (const auto* const at_values = subject.part_if<SweepSubject::At>())
+    if (const auto* const at_values = subject.part_if<SweepSubject::SweepPosition>())
         texts.axis_values = file::number_list(at_values->values, file::decimal, ", ");
     if (const auto* const tested_case = subject.part_if<SweepSubject::Case>())
         texts.name_suffix = ": " + (texts.position = tested_case->name);

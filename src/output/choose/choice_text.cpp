@@ -149,7 +149,7 @@ std::string margin_text(const GrowthMargin& margin, const ChoiceResult& result, 
 
 /// Sentence on the cheapest strategies that start the next ray safely.
 std::string next_ray_text(const ChoiceResult& result) {
-    if (!result.offsets || result.offsets->points == 0) return "";
+    if (!result.offsets || result.offsets->point_count == 0) return "";
     const auto& [outside, both, points, rays] = *result.offsets;
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("none")

@@ -76,7 +76,7 @@ public:
     [[nodiscard]] std::string take_lines() { return std::exchange(finished_lines_, {}); }
     /// Receives a cell and the index of its column, counted from 0.
     using CellReceiver = std::function<void(std::size_t column, const Cell& cell)>;
-    /// Makes no text, but passes each cell to `receive_cell`, row by row.
+    /// Writes nothing: passes each cell to `receive_cell`, in the order of the rows.
     CsvWriter(std::vector<Column> columns, CellReceiver receive_cell)
         : columns_(std::move(columns)), receive_cell_(std::move(receive_cell)) {}
     /// Adds rows that `take_lines` of a writer with the same columns returned.
@@ -111,8 +111,9 @@ private:
     std::optional<AtomicFile> file_;  // missing: rows go to `finished_lines_` or `receive_cell_`
 };
 
-/// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. A
-/// formula begins with = + - @, a tab or a carriage return. Numbers, and texts of digits and signs alone (`-`,
+/// Returns the text as valid UTF-8 (`to_valid_utf8`). If a spreadsheet would take it for a formula, puts an apostrophe
+/// in front. A formula begins with = + - @, a tab or a carriage return. Numbers, and texts of digits and signs alone
+/// (`-`,
 /// `+2^127`), get no apostrophe.
 [[nodiscard]] std::string escape_formula(std::string_view text);
 

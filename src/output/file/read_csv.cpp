@@ -22,7 +22,7 @@ namespace {
 /// cell is one contiguous part of the text.
 class Parser {
 public:
-    Parser(std::string& text, const std::string& source) : text_(text), source_(source) {}
+    Parser(std::string& text, const std::string& file_name) : text_(text), file_name_(file_name) {}
 
     bool is_at_end() const { return position_ == text_.size(); }
     std::size_t line() const { return line_; }
@@ -45,7 +45,7 @@ public:
     }
 
     [[noreturn]] void fail(std::size_t line, const std::string& problem) const {
-        throw InputError(source_ + ":" + std::to_string(line) + ": " + problem);
+        throw InputError(file_name_ + ":" + std::to_string(line) + ": " + problem);
     }
 
 private:
@@ -93,7 +93,7 @@ private:
     }
 
     std::string& text_;
-    const std::string& source_;
+    const std::string& file_name_;
     std::size_t position_ = 0, line_ = 1;
 };
 
@@ -154,9 +154,9 @@ const CsvColumn* CsvTable::find(std::string_view name) const {
     return entry == column_indices.end() ? nullptr : &columns[entry->second];
 }
 
-CsvTable parse_csv(std::string text, const std::string& source) {
-    CsvTable table{source, {}, {}, std::make_unique<std::string>(std::move(text))};
-    Parser parser(*table.text, source);
+CsvTable parse_csv(std::string text, const std::string& file_name) {
+    CsvTable table{file_name, {}, {}, std::make_unique<std::string>(std::move(text))};
+    Parser parser(*table.text, file_name);
     parser.skip_byte_order_mark();
     if (parser.is_at_end()) parser.fail(1, "is not a CSV file: it is empty; a CSV file begins with a header");
 

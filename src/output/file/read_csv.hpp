@@ -34,12 +34,12 @@ struct CsvTable {
 /// Reads the table in `text`: a header, then rows. Lines end with LF or CRLF; the last line may end without either. A
 /// quoted cell may hold commas, line breaks and doubled quotes. A byte order mark at the beginning is skipped.
 ///
-/// Throws InputError, with `source:line:`, if the text is not CSV:
+/// Throws InputError, with `file_name:line:`, if the text is not CSV:
 /// - it is empty, or has a NUL byte;
 /// - a row has another number of cells than the header;
 /// - a quote never closes, or is inside an unquoted cell;
 /// - a column name occurs twice.
-[[nodiscard]] CsvTable parse_csv(std::string text, const std::string& source);
+[[nodiscard]] CsvTable parse_csv(std::string text, const std::string& file_name);
 
 /// Reads a file with `read_file` and `parse_csv`, and throws as they do.
 [[nodiscard]] CsvTable read_csv(const std::filesystem::path& path);

@@ -38,7 +38,7 @@ fs::path find_module() {
         tried_paths);
 }
 
-[[noreturn]] void throw_cannot_load(const fs::path& path, const char* reason) {
+[[noreturn]] void fail_cannot_load(const fs::path& path, const char* reason) {
     if (reason != nullptr && intersect::device::lacks_memory(reason))
         throw EnvironmentError(path.string() + ": cannot load the image module: " + reason +
                                "; the module and its libraries take 500 MB of address space: raise `ulimit -v`");
@@ -48,7 +48,7 @@ fs::path find_module() {
                            "target `lostbits_image`");
 }
 
-[[noreturn]] void throw_wrong_module(const fs::path& path, const char* reason) {
+[[noreturn]] void fail_wrong_module(const fs::path& path, const char* reason) {
     throw EnvironmentError(path.string() + ": " + reason + "; rebuild the target `lostbits_image`");
 }
 
@@ -59,12 +59,12 @@ ImageBackend& load_backend() {
     // are resolved lazily, because resolving all 168 000 symbols of the library and its dependencies at once takes a
     // tenth of a second.
     void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
-    if (handle == nullptr) throw_cannot_load(path, ::dlerror());
+    if (handle == nullptr) fail_cannot_load(path, ::dlerror());
 
     const auto abi = reinterpret_cast<int (*)()>(::dlsym(handle, "lostbits_image_abi"));
     const auto get_backend = reinterpret_cast<ImageBackend* (*)()>(::dlsym(handle, "lostbits_image_backend"));
-    if (abi == nullptr || get_backend == nullptr) throw_wrong_module(path, "is not an image module of lostbits");
-    if (abi() != image_module_abi) throw_wrong_module(path, "this image module belongs to another build");
+    if (abi == nullptr || get_backend == nullptr) fail_wrong_module(path, "is not an image module of lostbits");
+    if (abi() != image_module_abi) fail_wrong_module(path, "this image module belongs to another build");
     return *get_backend();
 }
 

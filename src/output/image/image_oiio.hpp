@@ -76,7 +76,7 @@ public:
             pixels_ += saturating_product(head.pixels.width, head.pixels.height);
             require_pixel_memory(path_, head.pixels, 1);
         }
-        if (saturating_product(blocks, 8) > file_bytes_ - position_) throw_cut_off();
+        if (saturating_product(blocks, 8) > file_bytes_ - position_) fail_cut_off();
     }
     /// Number of pixels of all parts together.
     [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
@@ -123,14 +123,14 @@ private:
                                                                                        {"v3i", 12}}};
     static constexpr auto not_found = std::string::npos;
 
-    [[noreturn]] void throw_cut_off() const {
+    [[noreturn]] void fail_cut_off() const {
         throw InputError(path_.string() + ": the file is cut off, or its header is damaged; give a complete file");
     }
     std::uint64_t read_number(std::uint64_t bytes) {
         std::array<unsigned char, 8> raw{};
         if (bytes > file_bytes_ - position_ ||
             !in_.read(reinterpret_cast<char*>(raw.data()), static_cast<std::streamsize>(bytes)))
-            throw_cut_off();
+            fail_cut_off();
         position_ += bytes;
         std::uint64_t value = 0;
         for (std::uint64_t i = bytes; i-- > 0;) value = value << 8 | raw[i];
@@ -140,7 +140,7 @@ private:
         std::string text;
         for (std::uint64_t c = read_number(1); c != 0; c = read_number(1)) {
             text += static_cast<char>(c);
-            if (text.size() > 255) throw_cut_off();
+            if (text.size() > 255) fail_cut_off();
         }
         return text;
     }
@@ -151,7 +151,7 @@ private:
             head.is_empty = false;
             const std::string type = read_name();
             const std::uint64_t bytes = read_number(4), begin = position_, end = position_ + bytes;
-            if (bytes > file_bytes_ - position_) throw_cut_off();
+            if (bytes > file_bytes_ - position_) fail_cut_off();
             require_value(type, bytes);
 
             // The attributes that tell how many pixels and blocks the part has.
@@ -174,18 +174,18 @@ private:
     /// allocates memory for lengths inside the value.
     void require_value(const std::string& type, std::uint64_t bytes) {
         const auto fixed_size = std::ranges::find(type_sizes, type, &std::pair<std::string_view, unsigned>::first);
-        if (fixed_size != type_sizes.end() && fixed_size->second != bytes) throw_cut_off();
+        if (fixed_size != type_sizes.end() && fixed_size->second != bytes) fail_cut_off();
 
         const std::uint64_t end = position_ + bytes;
         if (type == "chlist") static_cast<void>(pixel_bytes(end));
         if (type == "preview") {
             const std::uint64_t width = read_number(4), height = read_number(4);
-            if (saturating_product(saturating_product(width, height), 4) != end - position_) throw_cut_off();
+            if (saturating_product(saturating_product(width, height), 4) != end - position_) fail_cut_off();
         }
-        if (type == "idmanifest" && read_number(4) / 1032 > bytes) throw_cut_off();
+        if (type == "idmanifest" && read_number(4) / 1032 > bytes) fail_cut_off();
         while (type == "stringvector" && position_ < end) {
             const std::uint64_t length = read_number(4);
-            if (position_ > end || length > end - position_) throw_cut_off();
+            if (position_ > end || length > end - position_) fail_cut_off();
             seek_to(position_ + length);
         }
     }
@@ -195,7 +195,7 @@ private:
     }
     std::string read_text(std::uint64_t bytes) {
         std::string content(bytes, '\0');
-        if (!in_.read(content.data(), static_cast<std::streamsize>(bytes))) throw_cut_off();
+        if (!in_.read(content.data(), static_cast<std::streamsize>(bytes))) fail_cut_off();
         position_ += bytes;
         return content;
     }
@@ -205,11 +205,11 @@ private:
         std::uint64_t bytes = 0;
         while (!read_name().empty()) {
             const std::uint64_t type = read_number(4);
-            if (type > 2) throw_cut_off();  // OpenImageIO 2.4 aborts
+            if (type > 2) fail_cut_off();  // OpenImageIO 2.4 aborts
             bytes += type == 1 ? 2 : 4;
             static_cast<void>(read_text(12));
         }
-        if (position_ != end) throw_cut_off();
+        if (position_ != end) fail_cut_off();
         return bytes;
     }
     void read_window(ClaimedPixels& pixels) {

@@ -265,8 +265,8 @@ std::string MetricPaint::hit_summary(const FormSummary& summary,
 
     // The errors of the agreed hits, or why there is no p99.
     const measure::metric::Agreement hits = summary.agreement();
-    if (hits.agreed == 0) {
-        add(hits.true_hits == 0 ? "no ray hits" : "no correct hit");
+    if (hits.agreed_count == 0) {
+        add(hits.true_hit_count == 0 ? "no ray hits" : "no correct hit");
     } else if (!hits.is_enough()) {
         add("no p99: " + hits.too_few());
     } else if (distribution.count() == 0) {
@@ -275,7 +275,7 @@ std::string MetricPaint::hit_summary(const FormSummary& summary,
         const double p99 = distribution.quantile(0.99);
         add("p99 " +
             (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit_suffix()));
-        add(measure::metric::Agreement{distribution.count(), hits.true_hits}.of_agreed_hits());
+        add(measure::metric::Agreement{distribution.count(), hits.true_hit_count}.of_agreed_hits());
     }
     return text;
 }

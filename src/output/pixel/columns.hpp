@@ -39,10 +39,10 @@ struct Strip {
     CategoryCounts counts;
 };
 
-template <class Bits>
-void fields(Bits& bits, Strip& strip) {
+template <class Archive>
+void fields(Archive& archive, Strip& strip) {
     auto& [colours, counts] = strip;
-    bits(colours, counts);
+    archive(colours, counts);
 }
 
 /// A sheet of columns.

@@ -22,10 +22,10 @@ struct ExrScanlines {
     std::vector<std::uint32_t> samples;
 };
 
-template <class Bits>
-void fields(Bits& bits, ExrScanlines& piece) {
+template <class Archive>
+void fields(Archive& archive, ExrScanlines& piece) {
     auto& [part, y0, rows, samples] = piece;
-    bits(part, y0, rows, samples);
+    archive(part, y0, rows, samples);
 }
 
 /// Everything that the files receive from one band of a series. A shard stores the piece; other runs write it.
@@ -38,10 +38,10 @@ struct Piece {
     [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
 };
 
-template <class Bits>
-void fields(Bits& bits, Piece& piece) {
+template <class Archive>
+void fields(Archive& archive, Piece& piece) {
     auto& [y0, strips, exr, lines] = piece;
-    bits(y0, strips, exr, lines);
+    archive(y0, strips, exr, lines);
 }
 
 /// Receives the pieces of each row in place of the files, which are then not opened.

@@ -20,10 +20,10 @@ using image::TextBitmap;
 namespace {
 
 constexpr int point_margin = 14;
-constexpr double half_marker = 5, hole_radius = 1.7, front_thickness = 1.6, least_leader_length = 13;
+constexpr double half_marker = 5, hole_radius = 1.7, pareto_front_thickness = 1.6, least_leader_length = 13;
 constexpr std::array<Rgb8, ink_colour + 1> point_colours{
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}, image::style::ink}};
-constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
+constexpr Rgb8 faint_colour{186, 186, 188}, pareto_front_colour{120, 120, 126};
 constexpr std::array<double, 2> dashes{5, 4};
 
 Rgb8 point_colour(std::size_t colour, bool is_faint) {
@@ -102,20 +102,20 @@ public:
     ScatterPlotter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
-    void draw_front(Canvas& canvas) {
+    void draw_pareto_front(Canvas& canvas) {
         for (const bool is_solid : {true, false}) {
             for (std::size_t i = 0; i + 1 < spec_.pareto_front.size(); ++i) {
                 if (spec_.pareto_front[i].is_solid != is_solid) continue;
                 const Point a = point_at(spec_.pareto_front[i].x, spec_.pareto_front[i].y),
                             b = point_at(spec_.pareto_front[i + 1].x, spec_.pareto_front[i + 1].y);
                 const std::array<Point, 3> corners{a, {b.x, a.y}, b};
-                stroke_.polyline(corners, front_thickness, is_solid ? std::span<const double>() : dashes);
+                stroke_.polyline(corners, pareto_front_thickness, is_solid ? std::span<const double>() : dashes);
             }
-            stroke_.paint(canvas, front_colour);
+            stroke_.paint(canvas, pareto_front_colour);
         }
     }
 
-    enum class PointKind { faint, clear };
+    enum class PointKind { faint, prominent };
     void draw_points(Canvas& canvas, PointKind kind) {
         const bool is_faint = kind == PointKind::faint;
         for (const auto& p : spec_.points) {
@@ -134,7 +134,7 @@ public:
     }
 
     void draw_labels(Canvas& canvas) {
-        // Labels never cover points on the front or with a name, and avoid other points and the bars.
+        // Labels never cover a point that is not faint. They avoid faint points and the bars.
         std::vector<Box2> forbidden, avoided;
         std::vector<LabelRequest> requests;
         std::vector<TextBitmap> texts;
@@ -227,8 +227,8 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     axes.draw_grid(page, frame);
     ScatterPlotter plotter(spec, x, y, frame);
     plotter.draw_points(page, ScatterPlotter::PointKind::faint);
-    plotter.draw_front(page);
-    plotter.draw_points(page, ScatterPlotter::PointKind::clear);
+    plotter.draw_pareto_front(page);
+    plotter.draw_points(page, ScatterPlotter::PointKind::prominent);
     plotter.draw_labels(page);
     axes.draw(page, frame);
     legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);

@@ -9,7 +9,7 @@
 
 namespace lostbits::output::plot {
 
-/// Palette index of ink, for legend entries that explain another property than colour, such as a marker.
+/// Palette index of the black of texts, for legend entries that explain the marker rather than the colour.
 inline constexpr std::size_t ink_colour = 4;
 
 struct ScatterPoint {

@@ -90,7 +90,7 @@ std::string held_out_text(const RepairSummary& summary, const FormQuality& on_se
         summary.request.scene
             ? fmt::format("{}x{} other pixels, which the search did not use", repair.held_out_scene.width,
                           repair.held_out_scene.height)
-            : fmt::format("all {} of the file", text::count_with_noun(summary.request.rays->rays, "ray"));
+            : fmt::format("all {} of the file", text::count_with_noun(summary.request.rays->ray_count, "ray"));
     std::string text = fmt::format("  On {}: {}; without the change: {}.\n", rays_text,
                                    quality_text(held_out, summary.request.requirement),
                                    quality_text(repair.own_held_out, summary.request.requirement));
@@ -159,7 +159,7 @@ std::string symmetric_set_text(const RepairSummary& summary) {
 
     // How small it is, and how well it does elsewhere.
     text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
-                        symmetric_set.groups, symmetric_set.all_groups,
+                        symmetric_set.group_count, symmetric_set.total_group_count,
                         symmetric_set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
                                                   : "none of these can be spared");
     return text + probes_text(summary, symmetric_set.probed) +

@@ -221,12 +221,12 @@ private:
             case TapeOp::min: return is_double(typed_node) ? "least_of_doubles($1, $2)" : "least($1, $2)";
             case TapeOp::max: return is_double(typed_node) ? "most_of_doubles($1, $2)" : "most($1, $2)";
             case TapeOp::fma:
-                return is_double(typed_node) ? refuse_operation("an fma of doubles") : "fused($1, $2, $3)";
+                return is_double(typed_node) ? fail_missing_operation("an fma of doubles") : "fused($1, $2, $3)";
             case TapeOp::copysign:
-                return is_double(typed_node) ? refuse_operation("the sign of a double on another")
+                return is_double(typed_node) ? fail_missing_operation("the sign of a double on another")
                                              : "with_sign($1, $2)";
             case TapeOp::next_up:
-            case TapeOp::next_down: return refuse_operation("the number next to another");
+            case TapeOp::next_down: return fail_missing_operation("the number next to another");
             default: return measure::attribution::text_of(op).plain.text;
         }
     }
@@ -251,10 +251,10 @@ private:
             case TapeOp::greater_equal: return "not_above($2, $1)";
             case TapeOp::min: return "below($1, $2) ? $1 : $2";
             case TapeOp::max: return "below($2, $1) ? $1 : $2";
-            default: return refuse_operation("this operation of two floats");
+            default: return fail_missing_operation("this operation of two floats");
         }
     }
-    [[noreturn]] static std::string_view refuse_operation(const char* what) {
+    [[noreturn]] static std::string_view fail_missing_operation(const char* what) {
         throw InputError(std::string("GLSL does not have ") + what +
                          ", which the repaired form needs; use --emit NAME.hpp to write it as C++");
     }

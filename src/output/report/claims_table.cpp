@@ -77,7 +77,7 @@ std::string cell_query(const Claim& claim, const SweepSubject& subject, const Sw
 
     // The step on each axis.
     std::string text;
-    const auto* const point = subject.part_if<SweepSubject::At>();
+    const auto* const point = subject.part_if<SweepSubject::SweepPosition>();
     for (std::size_t a = 0; point && a < point->values.size(); ++a) {
         if (a >= section.axes.size()) return "";
         auto values = section.axes[a];

@@ -36,7 +36,7 @@ bool is_condition(const Metric& m) { return m.name == "condition"; }
 constexpr std::int16_t exact_bound = -32768;
 
 /// Exponent of the least power of two that is at least the bound.
-std::int16_t bound_exponent(const measure::truth::Certified& x) {
+std::int16_t bound_exponent(const measure::truth::CertifiedNumber& x) {
     if (x.bound == 0) return exact_bound;
     int e = 0;
     const double m = std::frexp(x.bound, &e);  // bound = m 2^e, 1/2 <= m < 1
@@ -68,7 +68,7 @@ struct MapData::Group {
         if (!ray_truth.is_hit()) return;
 
         // A true hit also has t*: rounded, with the remainder and its bound.
-        const measure::truth::Certified& exact = direction == Direction::unit ? ray_truth.distance : ray_truth.t;
+        const measure::truth::CertifiedNumber& exact = direction == Direction::unit ? ray_truth.distance : ray_truth.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
         truth.set(pixel, truth_predictor_.encode(std::bit_cast<std::uint64_t>(rounded), 8));
         remainder.set(pixel, static_cast<float>(
@@ -245,7 +245,7 @@ Json statistics_json(const MapStudy& request, const FormSummary& s) {
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
         statistics[std::string(request.metrics[m]->name)] =
-            json_array(measure::metric::quantiles,
+            json_array(measure::metric::quantile_statistics,
                        [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
     return statistics;

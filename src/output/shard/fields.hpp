@@ -18,9 +18,9 @@
 namespace lostbits::output::shard {
 
 /// For a type with a member function that lists its fields.
-template <class Bits, class T>
-requires requires(Bits& bits, T& value) { value.fields(bits); }
-void fields(Bits& bits, T& value) { value.fields(bits); }
+template <class Archive, class T>
+requires requires(Archive& archive, T& value) { value.fields(archive); }
+void fields(Archive& archive, T& value) { value.fields(archive); }
 
 LOSTBITS_FIELDS(Vec<double>, x, y, z)
 LOSTBITS_FIELDS(Ray<double>, origin, direction)
@@ -31,11 +31,11 @@ LOSTBITS_FIELDS(scene::rays::RayBlock, width, y0, y1, ox, oy, oz, dx, dy, dz, tm
 LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps,
                 secant_steps, bisect_steps)
 
-template <class Bits>
-void fields(Bits& bits, scene::rays::RayGroup& group) {
+template <class Archive>
+void fields(Archive& archive, scene::rays::RayGroup& group) {
     // A group that names one ray holds its primitives itself. It has no mesh and no scene.
     auto& [rays, primitives, march, paired, mesh, scene] = group;
-    bits(rays, primitives, march, paired);
+    archive(rays, primitives, march, paired);
 }
 
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)
@@ -43,12 +43,12 @@ LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, primitive_index, size,
                 truth, touching, given)
 LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits, metrics, categories, worst, faults)
 
-template <class Bits>
-void fields(Bits& bits, measure::evaluate::BitsNeededSummary& summary) {
+template <class Archive>
+void fields(Archive& archive, measure::evaluate::BitsNeededSummary& summary) {
     auto& [hits, misses, hits_beyond, misses_beyond, unresolved] = summary;
-    bits(static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(hits),
-         static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(misses), hits_beyond,
-         misses_beyond, unresolved);
+    archive(static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(hits),
+            static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(misses), hits_beyond,
+            misses_beyond, unresolved);
 }
 
 LOSTBITS_FIELDS(measure::sweep::SweepStep, values, rows)
@@ -69,8 +69,8 @@ LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
 LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, is_unit, true_t, other_t, hit, t)
 LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
-LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, float_answers, most_digits,
-                inexact_decimals, first_samples, groups)
+LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded_count, nonzero_answer_count, float_answers,
+                most_digits, inexact_decimals, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
 LOSTBITS_FIELDS(measure::check::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
                 further_measured, bounds, seconds)

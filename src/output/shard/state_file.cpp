@@ -96,12 +96,12 @@ StateFileReader::StateFileReader(fs::path path, std::string damage_text)
     pause();
 }
 
-void StateFileReader::refuse_damaged() const { throw InputError(path_.string() + ": " + damage_text_); }
+void StateFileReader::fail_damaged() const { throw InputError(path_.string() + ": " + damage_text_); }
 
 void StateFileReader::require_matching_hash() {
     std::error_code ignored;
     const std::uint64_t size = fs::file_size(path_, ignored);
-    if (ignored || size < heading.size() + sizeof(std::uint64_t)) refuse_damaged();
+    if (ignored || size < heading.size() + sizeof(std::uint64_t)) fail_damaged();
     end_ = size - sizeof(std::uint64_t);
 
     // Hash everything before the stored hash, and compare the two.
@@ -109,26 +109,26 @@ void StateFileReader::require_matching_hash() {
     while (position_ < end_) hash.add(read_bytes(std::min<std::uint64_t>(end_ - position_, 1 << 16)));
     std::uint64_t stored_hash = 0;
     if (!in_.read(reinterpret_cast<char*>(&stored_hash), sizeof stored_hash) || stored_hash != hash.value())
-        refuse_damaged();
+        fail_damaged();
 
     in_.seekg(0);
     position_ = 0;
 }
 
 std::string StateFileReader::read_bytes(std::uint64_t size) {
-    if (size > end_ - position_) refuse_damaged();
+    if (size > end_ - position_) fail_damaged();
     std::string text(size, '\0');
-    if (!in_.read(text.data(), static_cast<std::streamsize>(size))) refuse_damaged();
+    if (!in_.read(text.data(), static_cast<std::streamsize>(size))) fail_damaged();
     position_ += size;
     return text;
 }
 
 std::string StateFileReader::read_line(std::string_view name) {
     std::string text;
-    if (!std::getline(in_, text)) refuse_damaged();
+    if (!std::getline(in_, text)) fail_damaged();
     position_ += text.size() + 1;
     if (position_ > end_ || !text.starts_with(name))
-        refuse_damaged();  // a head without an end would run into the hash behind it
+        fail_damaged();  // a head without an end would run into the hash behind it
     return text.substr(std::min(text.size(), name.size() + 1));
 }
 
@@ -136,17 +136,17 @@ void StateFileReader::read_head() {
     const std::string excess = read_line(heading);
     head_.program = read_line("program");
     head_.command = from_one_line(read_line("command"));
-    if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) refuse_damaged();
+    if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) fail_damaged();
 
     // `shard 2/5`
     const std::string shard = read_line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
     if (!parse_integer(std::string_view(shard).substr(0, slash), head_.share.number) ||
         !parse_integer(std::string_view(shard).substr(slash + 1), head_.share.count))
-        refuse_damaged();
+        fail_damaged();
     const auto [number, count] = head_.share;
-    if (number < 1 || number > count || count > measure::shard::Share::max_count) refuse_damaged();
-    if (!read_line("").empty()) refuse_damaged();
+    if (number < 1 || number > count || count > measure::shard::Share::max_count) fail_damaged();
+    if (!read_line("").empty()) fail_damaged();
 }
 
 void StateFileReader::read_names() {
@@ -155,7 +155,7 @@ void StateFileReader::read_names() {
         const std::string name = read_bytes(read_number());
         if (names_.empty() || names_.back() != name) names_.push_back(name);
         const std::uint64_t size = read_number();
-        if (size > end_ - position_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) refuse_damaged();
+        if (size > end_ - position_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) fail_damaged();
         position_ += size;
     }
     position_ = start;
@@ -187,9 +187,9 @@ bool StateFileReader::next(std::string_view name, const std::function<void(BitRe
     try {
         BitReader reader(read_bytes(read_number()));
         read_record(reader);
-        if (!reader.is_at_end()) refuse_damaged();
+        if (!reader.is_at_end()) fail_damaged();
     } catch (const std::out_of_range&) {
-        refuse_damaged();
+        fail_damaged();
     }
     return true;
 }
@@ -225,7 +225,7 @@ void UnfinishedFile::read(const std::function<void(BitReader&)>& read_record) co
             "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
             "--resume to start over");
 
-    if (!file.next(job_, read_record) || !file.is_at_end()) file.refuse_damaged();
+    if (!file.next(job_, read_record) || !file.is_at_end()) file.fail_damaged();
 }
 
 }  // namespace lostbits::output::shard

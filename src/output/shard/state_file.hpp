@@ -79,7 +79,7 @@ public:
     /// True if all records were read.
     [[nodiscard]] bool is_at_end() const { return position_ == end_; }
     /// Throws the InputError for a damaged file.
-    [[noreturn]] void refuse_damaged() const;
+    [[noreturn]] void fail_damaged() const;
 
 private:
     void require_matching_hash();

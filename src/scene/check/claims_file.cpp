@@ -156,7 +156,7 @@ void read_expect(TableReader table, Claim& claim) {
         toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
 
     const auto* const sweep = claim.subject_if<SweepSubject>();
-    const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::Along>(),
+    const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::WholeSweep>(),
                is_every_float = sweep && sweep->part_if<SweepSubject::EveryFloat>();
     if (!claim.onset.empty()) read_onset(table, is_whole_sweep, is_every_float, claim);
     else if (is_whole_sweep)
@@ -172,7 +172,7 @@ void read_expect(TableReader table, Claim& claim) {
     claim.criterion = read_criterion(table);
     if (claim.criterion) claim.criterion->require_verdict(table, name_of(claim.verdict), claim.low, claim.high);
     claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
-    table.reject_unknown_keys();
+    table.require_known_keys();
 }
 
 Claim read_claim(TableReader& table, Claim::Profile profile) {
@@ -191,7 +191,7 @@ Claim read_claim(TableReader& table, Claim::Profile profile) {
 
     read_given(table.table("given"), claim);
     read_expect(table.table("expect"), claim);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return claim;
 }
 
@@ -234,7 +234,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         if (!ids.insert(table.string("id")).second) table.fail_at("id", "is given twice; each id may be used once");
         claims.push_back(read_claim(table, profile));
     }
-    file.reject_unknown_keys();
+    file.require_known_keys();
     return claims;
 }
 

@@ -49,8 +49,8 @@ struct Claim {
     Severity severity = Severity::error;
     Profile profile = Profile::results;
     Evidence evidence = Evidence::none;
-    std::string lemma;  ///< the inequality of a proof, or where to find it
-    toml::Where where;  ///< position of the claim, for messages
+    std::string lemma;           ///< the inequality of a proof, or where to find it
+    toml::SourcePosition where;  ///< position of the claim, for messages
     /// True if the command line named its file; otherwise the file is in the data folder.
     bool named = false;
 
@@ -77,7 +77,7 @@ struct Claim {
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;
     std::vector<std::string> operations;  ///< for `culprit_fraction`: the operations whose shares are summed
-    toml::Where quantity;                 ///< position of the metric, or of its operations, for messages
+    toml::SourcePosition quantity;        ///< position of the metric, or of its operations, for messages
     std::string onset, statistic;         ///< event and statistic, as in `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends included; they guard against drift, and are fitted to the measurement

@@ -14,7 +14,7 @@ ReportFile read_report_file(const std::filesystem::path& path) {
                       file.strings("formats"),
                       file.optional_strings("offsets").value_or(std::vector<std::string>{}),
                       file.optional_strings("mends").value_or(std::vector<std::string>{})};
-    file.reject_unknown_keys();
+    file.require_known_keys();
     return report;
 }
 

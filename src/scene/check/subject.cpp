@@ -51,7 +51,7 @@ Subject read_timing(TableReader& table, Claim& claim, std::string name) {
             table.reject("over", "cannot be combined with all_processors, which compares with one processor");
         timing.baseline_form = over->optional_string("form").value_or(claim.form);
         timing.baseline_kernel = over->optional_string("kernel").value_or(timing.kernel);
-        over->reject_unknown_keys();
+        over->require_known_keys();
     } else if (!timing.uses_all_processors) {
         toml::fail(table.where(),
                    "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or "
@@ -69,7 +69,7 @@ Subject read_choice(TableReader& table, Claim& claim, std::string name) {
             table.reject(key, "belongs to a requirement, but `over` compares two times; write one of the two");
         choice.against = ChoiceSubject::RelativeTime{over->optional_string("form").value_or(claim.form),
                                                      over->optional_string("format").value_or(claim.format)};
-        over->reject_unknown_keys();
+        over->require_known_keys();
     } else {
         if (!table.has("bits"))
             toml::fail(
@@ -138,7 +138,7 @@ Subject read_sweep(TableReader& table, Claim& claim, std::string name) {
     SweepSubject sweep{.name = std::move(name)};
     read_row(table, claim);
     const bool has_position = table.has("at");
-    if (has_position) sweep.part = SweepSubject::At{read_at(table)};
+    if (has_position) sweep.part = SweepSubject::SweepPosition{read_at(table)};
     const std::string case_name = table.optional_string("case").value_or("");
     if (has_position) table.reject("case", needs_cases);
     if (!case_name.empty()) sweep.part = SweepSubject::Case{case_name};
@@ -255,7 +255,7 @@ std::pair<const Kind*, std::string> find_named_subject(TableReader& table, bool 
 }
 
 /// Rejects the keys that have a meaning only for subjects of other kinds.
-void reject_foreign_keys(TableReader& table, const Kind& kind, bool is_study) {
+void require_no_foreign_keys(TableReader& table, const Kind& kind, bool is_study) {
     if (!kind.no_position_reason.empty()) {
         for (const char* key : {"at", "case", "convention"}) table.reject(key, kind.no_position_reason);
     }
@@ -265,7 +265,7 @@ void reject_foreign_keys(TableReader& table, const Kind& kind, bool is_study) {
 }
 
 /// Rejects the keys of a position that does not fit the subject.
-void reject_foreign_positions(TableReader& table, const Subject& subject) {
+void require_no_foreign_positions(TableReader& table, const Subject& subject) {
     if (!std::holds_alternative<SweepSubject>(subject)) {
         if (table.optional_string("case")) table.reject("case", needs_cases);
         read_every_float(table, false);
@@ -282,11 +282,11 @@ Subject read_measured(TableReader& table, Claim& claim) {
         table.reject(timed_kind.key, "needs `profile = \"timing\"` at the head of the file");
     const bool is_study = table.has("study");
     auto [kind, name] = find_named_subject(table, is_study);
-    reject_foreign_keys(table, *kind, is_study);
+    require_no_foreign_keys(table, *kind, is_study);
 
     Subject subject = kind->read(table, claim, std::move(name));
     mark_position_keys(table);
-    reject_foreign_positions(table, subject);
+    require_no_foreign_positions(table, subject);
     claim.convention = sweep::read_convention(table);
     return subject;
 }
@@ -302,7 +302,7 @@ void read_given(TableReader table, Claim& claim) {
     else if (table.has(repair_kind.key)) claim.subject = read_subject(repair_kind);
     else claim.subject = read_measured(table, claim);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
-    table.reject_unknown_keys();
+    table.require_known_keys();
 }
 
 }  // namespace lostbits::scene::check

@@ -21,8 +21,8 @@ struct SceneSubject {
 };
 
 struct SweepSubject {
-    struct Along {};  ///< the whole sweep, for an onset
-    struct At {
+    struct WholeSweep {};  ///< for an onset
+    struct SweepPosition {
         std::vector<double> values;  ///< one per axis
     };
     struct Case {
@@ -35,7 +35,7 @@ struct SweepSubject {
     };
 
     std::string name;
-    std::variant<Along, At, Case, EveryFloat> part = {};
+    std::variant<WholeSweep, SweepPosition, Case, EveryFloat> part = {};
 
     template <class Part>
     [[nodiscard]] const Part* part_if() const {

@@ -111,7 +111,7 @@ bool BinaryDump::looks_byte_swapped(const Records& records, const std::vector<st
     return number_count >= 6 && 2 * usual_count <= number_count && 10 * reversed_usual_count >= 9 * number_count;
 }
 
-void BinaryDump::reject_byte_swapped(const Records& records) const {
+void BinaryDump::require_not_byte_swapped(const Records& records) const {
     // t may have any value: the number that means a miss may be of any size.
     std::vector<std::size_t> float_columns, hit_columns;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
@@ -185,7 +185,7 @@ void BinaryDump::put_rounded(const ColumnReader& reader, std::uint64_t record, C
 }
 
 Chunk BinaryDump::decode(const Records& records) const {
-    if (records.first == 0 && !record_layout_.records) reject_byte_swapped(records);
+    if (records.first == 0 && !record_layout_.records) require_not_byte_swapped(records);
     Chunk chunk;
     chunk.first = records.first;
     std::vector<ColumnReader> readers = make_column_readers(records);
@@ -224,7 +224,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
             type = find_item_type(type_name);
             if (!type)
                 throw InputError(fmt::format("--columns: {}: \"{}\" is not a type of numbers; write {}", name,
-                                             type_name, known_item_types));
+                                             type_name, item_type_advice));
         }
 
         if (name.empty())

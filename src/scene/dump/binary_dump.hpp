@@ -56,7 +56,7 @@ private:
                                           const std::function<bool(double)>& is_usual,
                                           std::string& first_unusual) const;
     /// Throws InputError if these records, which are raw numbers, look byte-swapped.
-    void reject_byte_swapped(const Records& records) const;
+    void require_not_byte_swapped(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
     /// Walks through the numbers of one column.

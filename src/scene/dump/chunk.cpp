@@ -37,7 +37,9 @@ std::string ChunkWriter::slot_name(std::size_t slot) const {
     return layout_.has(slot) ? layout_.columns()[layout_.index_of(slot)].name : std::string(name_of_slot(slot, shape_));
 }
 
-void ChunkWriter::fail(const std::string& place, const std::string& why) { throw InputError(place + ": " + why); }
+void ChunkWriter::fail(const std::string& message_prefix, const std::string& why) {
+    throw InputError(message_prefix + ": " + why);
+}
 
 namespace {
 

@@ -53,7 +53,7 @@ struct Chunk {
     /// The hit_index (−1: the ray has no hit), crossings, parity or inside of each record; empty for other answers.
     std::vector<std::int32_t> counts = {};
     std::vector<std::string> kept = {};  ///< the user's own columns, record by record, if they are stored
-    std::uint64_t rounded = 0;           ///< count of numbers that were rounded, since the format does not have them
+    std::uint64_t rounded_count = 0;     ///< count of numbers that were rounded, since the format does not have them
     int digits = 0;                      ///< largest number of decimal digits of a number, see `NumberParser::Parsed`
     std::uint64_t decimals = 0;          ///< count of numbers that are written with decimal digits
 
@@ -70,7 +70,7 @@ public:
     void put(std::size_t slot, double value, bool is_representable, int digits = 0) {
         numbers_[slot] = value;
         present_ |= std::uint64_t{1} << slot;
-        chunk_.rounded += is_representable ? 0 : 1;
+        chunk_.rounded_count += is_representable ? 0 : 1;
         chunk_.digits = std::max(chunk_.digits, digits);
         chunk_.decimals += digits > 0 ? 1 : 0;
     }
@@ -100,7 +100,7 @@ private:
     [[nodiscard]] std::optional<Fault> find_fault_of_hit_index();
     /// A fault of one number: its name and its value, then `why`.
     [[nodiscard]] Fault fault_at(std::size_t slot, std::string_view why) const;
-    [[noreturn]] static void fail(const std::string& place, const std::string& why);
+    [[noreturn]] static void fail(const std::string& message_prefix, const std::string& why);
     [[nodiscard]] Primitive<double> primitive() const;  ///< of this record
     [[nodiscard]] Range<double> range() const;          ///< of this record's ray
     void store_record();

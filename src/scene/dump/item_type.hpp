@@ -36,7 +36,7 @@ struct ItemType {
 std::optional<ItemType> find_item_type(std::string_view word);
 
 /// Advice for an unknown type.
-inline constexpr std::string_view known_item_types =
+inline constexpr std::string_view item_type_advice =
     "f16, f32, f64, i8 to i64, u8 to u64 or bool, followed by be if the most significant byte comes first";
 
 }  // namespace lostbits::scene::dump

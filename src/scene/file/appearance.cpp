@@ -33,7 +33,7 @@ void read_coefficient(TableReader& table, std::string_view key, Real& x, const S
 
 Vec<Real> read_light(TableReader table, const StoredNumbers& numbers) {
     const Vec<Real> position = table.vec3("position");
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return numbers.finite(table, "position", position);
 }
 
@@ -50,7 +50,7 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     table.read("offset", rule.offset, offset_names);
     read_coefficient(table, "epsilon", rule.epsilon, numbers);
     table.read("ulps", rule.ulps, 0, most_ulps);
-    table.reject_unknown_keys();  // in front of the keys that need another key, which may be the misspelt one
+    table.require_known_keys();  // in front of the keys that need another key, which may be the misspelt one
 
     if (!rule.tests_departed_sphere) {
         for (const char* key : {"offset", "epsilon", "ulps"})
@@ -102,7 +102,7 @@ Appearance read_appearance(TableReader& file, const StoredNumbers& numbers) {
         file.fail_at("shadows", "need a light to cast them; add [light] with position = [x, y, z]");
     if (auto table = file.optional_table("material")) {
         read_paint(*table, look.base, numbers);
-        table->reject_unknown_keys();
+        table->require_known_keys();
     }
     return look;
 }

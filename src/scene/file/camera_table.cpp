@@ -46,7 +46,7 @@ CameraProjection read_projection(TableReader table, const StoredNumbers& numbers
                           "singular; write a larger number, or inputs = \"own\"");
         numbers.positive(table, "far", *projection.far * projection.near / (*projection.far - projection.near));
     }
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return projection;
 }
 
@@ -170,7 +170,7 @@ Camera read_camera(TableReader table, const StoredNumbers& numbers) {
             if (kind == camera.kind && !key.empty()) table.reject(key, message);
     if (camera.kind == Camera::Kind::pixel_plane) read_pixel_plane(table, numbers, camera);
     else read_view(table, numbers, camera);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return camera;
 }
 

@@ -52,7 +52,7 @@ MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
     constants.max_steps = read_count(table, "max_steps", 1, 100000, constants.max_steps);
     constants.secant_steps = read_count(table, "secant_steps", 0, 200, constants.secant_steps);
     constants.bisect_steps = read_count(table, "bisect_steps", 0, 200, constants.bisect_steps);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return constants;
 }
 

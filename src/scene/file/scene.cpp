@@ -66,7 +66,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
     require_limits_when_rounded(primitive, table, numbers);
 
     primitive.placed = read_transform(table, numbers);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return primitive;
 }
 
@@ -82,7 +82,7 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     range.tmin = number("tmin", range.tmin);
     range.tmax = number("tmax", range.tmax);
     table.read("open_ends", range.open_ends, open_ends_names);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     if (range.tmin < 0) table.fail_at("tmin", "is below 0, but a ray only looks ahead; write 0 or more");
     if (!range.holds_any())
         table.fail_at(table.has("tmax") ? "tmax" : "tmin",
@@ -107,8 +107,8 @@ std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& o
         std::size_t k = 0;
         for (const TableReader& table : file.tables(shape_row.name)) {
             constexpr int last_line = std::numeric_limits<int>::max();
-            const toml::Where where =
-                count == 0 ? toml::Where{"", last_line, 0} : original_list->items[std::min(k++, count - 1)].where;
+            const toml::SourcePosition where = count == 0 ? toml::SourcePosition{"", last_line, 0}
+                                                          : original_list->items[std::min(k++, count - 1)].where;
             tables.push_back({shape_row.shape, table, {where.line, where.column}});
         }
     }
@@ -132,7 +132,7 @@ bool is_plain_name(std::string_view name) {
 }
 
 Override size_override(const std::pair<int, int>& size) {
-    const toml::Where where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
+    const toml::SourcePosition where{"--size " + std::to_string(size.first) + 'x' + std::to_string(size.second), 0, 0};
     return {"size", Node::of_array({Node::of_integer(size.first, where), Node::of_integer(size.second, where)}, where),
             where};
 }
@@ -153,7 +153,7 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
             table.fail_at("name", "is \"" + variant.name +
                                       "\", which is also the name of another variant; give each its own name");
         table.table("set");
-        table.reject_unknown_keys();
+        table.require_known_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
         variant.changes = toml::overrides_in(*node.find("set"));
         variants_.push_back(std::move(variant));
@@ -257,7 +257,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
 
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
-    file.reject_unknown_keys();
+    file.require_known_keys();
 
     if (scene.shapes().empty())
         toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());

@@ -53,7 +53,7 @@ Map read_rotation(TableReader table) {
     const Vec<Real> axis_vector = table.vec3("axis");
     if (is_zero_vector(axis_vector)) table.fail_at("axis", "is zero, which is not a direction; write [0, 0, 1]");
     const Real degrees = table.number("degrees");
-    table.reject_unknown_keys();
+    table.require_known_keys();
     // Right angles are exact.
     const Real quarter_turns = degrees / 90;
     const bool is_right_angle = quarter_turns == floor(quarter_turns);
@@ -72,7 +72,7 @@ Map read_look_at(TableReader table) {
     const Vec<Real> from = table.vec3("from"), to = table.vec3("to");
     Vec<Real> up = axis(1);
     table.read("up", up);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     const Vec<Real> view = to - from, across = cross(up, view);
     if (is_zero_vector(view)) table.fail_at("to", "equals from, which gives no direction; move one of them");
     if (is_zero_vector(across))
@@ -125,7 +125,7 @@ MapSteps read_steps(TableReader& table) {
     if (table.has("steps"))
         for (TableReader& step : table.tables("steps")) {
             steps.add(read_steps(step));
-            step.reject_unknown_keys();
+            step.require_known_keys();
         }
     if (table.has("scale")) steps.add(table, "scale", read_scale(table));
     if (table.has("rotate")) steps.add(table, "rotate", read_rotation(table.table("rotate")));
@@ -164,7 +164,7 @@ std::optional<Placement<Real>> read_transform(TableReader& primitive, const Stor
     bool is_inverse = false;
     table->read("stored", is_inverse, stored_names);
     const MapSteps steps = read_steps(*table);
-    table->reject_unknown_keys();
+    table->require_known_keys();
 
     // Fails, at the step that causes it, if the matrix is singular or has numbers that the scene cannot hold.
     const auto is_singular = [](const Map& map) { return !to_placement(map, false).is_proper(); };

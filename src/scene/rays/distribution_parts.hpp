@@ -46,7 +46,7 @@ void read_common_keys(toml::TableReader& table, F& distribution) {
     table.read("views", distribution.views, 1, 4096);
     table.read("rays", distribution.rays, 1, 65536);
     table.read("seed", distribution.seed, 0, 1LL << 53);
-    table.reject_unknown_keys();
+    table.require_known_keys();
 }
 
 /// Vector by which everything is moved, in no special direction.

@@ -128,7 +128,7 @@ CaseFile::PrimitiveSpec CaseFile::read_primitive_spec(TableReader& table, const 
         spec.is_inverse = is_inverse;
         if (!spec.primitive_in(binary64, 0).placed->is_proper()) table.fail_at(key, std::string(singular_reason));
     }
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return spec;
 }
 
@@ -137,7 +137,7 @@ std::vector<CaseFile::PrimitiveSpec> CaseFile::read_primitive_specs(TableReader&
     for (const ShapeRow& shape_row : shape_rows) {
         for (TableReader& table : case_table.tables(shape_row.plural)) {
             PrimitiveSpec spec = read_primitive_spec(table, shape_row);
-            const toml::Where where = table.where();
+            const toml::SourcePosition where = table.where();
             by_position.emplace_back(std::pair(where.line, where.column), std::move(spec));
         }
     }
@@ -157,7 +157,7 @@ CaseFile::RaySpec CaseFile::read_ray_spec(TableReader& table, OpenEnds open) {
         return values.empty() ? default_t : values.front().value_in(binary64, 0);
     };
     require_range(table, {end(ray.tmin, 0), end(ray.tmax, HUGE_VAL), open});
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return ray;
 }
 
@@ -177,7 +177,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     new_case.primitives = read_primitive_specs(table);
     table.read("open_ends", new_case.open_ends, open_ends_names);
     for (TableReader& ray : table.tables("rays")) new_case.rays.push_back(read_ray_spec(ray, new_case.open_ends));
-    table.reject_unknown_keys();
+    table.require_known_keys();
 
     if (new_case.primitives.empty())
         toml::fail(table.where(), "a case needs " + primitives_of_a_case() + "; write one of them");
@@ -222,7 +222,7 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
         require_limits(new_case, table);
         cases_.push_back(std::move(new_case));
     }
-    file.reject_unknown_keys();
+    file.require_known_keys();
     if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
 }
 
@@ -256,7 +256,7 @@ std::vector<Shape> CaseFile::shapes() const {
     return found;
 }
 
-std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::Where& where) const {
+std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::SourcePosition& where) const {
     std::vector<std::string> names;
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -312,7 +312,7 @@ namespace {
 
 /// Fails for a misspelt table. Such a table gives the file another kind, and the error would be about a table that this
 /// kind lacks.
-void reject_misspelt_tables(const Node& root) {
+void require_no_misspelt_tables(const Node& root) {
     std::vector<std::string> tables{"axis", "case", "edge_search", "march", "mark", "ray", "search"};
     for (const ShapeRow& shape_row : shape_rows) tables.emplace_back(shape_row.name);
     for (const DistributionRow& distribution_row : distributions()) tables.emplace_back(distribution_row.table);
@@ -330,7 +330,7 @@ SweepKind sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     if (TableReader file(root); file.has("schema")) {
         toml::require_schema(file, sweep_schema);
-        reject_misspelt_tables(root);
+        require_no_misspelt_tables(root);
     }
     const Node* const axis = root.find("axis");
     // Old files of every float have one [axis] table without steps. An [axis] table with steps is a mistake for

@@ -123,10 +123,10 @@ void ExhaustiveFile::read_axis(TableReader& table) {
     if (ray_indices.empty() && primitive_indices.empty())
         table.fail_at("set", "is empty; name a number of the ray or of its primitive");
     read_range(table);
-    table.reject_unknown_keys();
+    table.require_known_keys();
 }
 
-void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& axis_table) const {
+void ExhaustiveFile::require_valid_primitives(TableReader& file, const TableReader& axis_table) const {
     if (mesh) return;
     const std::string name(name_of(primitive.shape));
     if (primitive_indices.empty()) {
@@ -164,7 +164,7 @@ void ExhaustiveFile::read_primitive(TableReader& file) {
         if (key.count() == 1) primitive.numbers[k] = read_float(table, key.name);
         else primitive.set_point(k, read_float_vector(table, key.name));
     });
-    table.reject_unknown_keys();
+    table.require_known_keys();
 }
 
 void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& data_dir,
@@ -183,7 +183,7 @@ void ExhaustiveFile::read_ray(TableReader& table) {
     if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_reason(primitive.shape));
     else if (table.has("tmax")) ray.tmax = read_float(table, "tmax");
     if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
-    table.reject_unknown_keys();
+    table.require_known_keys();
     rays.push_back(std::move(ray));
 }
 
@@ -207,8 +207,8 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
         file.fail_at("axis", "must be one [[axis]] table: a file with [[ray]] tables tries every float of one number");
 
     read_axis(axes.front());
-    check_primitives(file, axes.front());
-    file.reject_unknown_keys();
+    require_valid_primitives(file, axes.front());
+    file.require_known_keys();
 }
 
 std::uint64_t ExhaustiveFile::floats() const {
@@ -217,7 +217,7 @@ std::uint64_t ExhaustiveFile::floats() const {
     return sum;
 }
 
-void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where& where) {
+void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::SourcePosition& where) {
     const auto index_in_ranges = [&](const Real& x) {
         const auto exact = exact_float(x);
         if (!exact) toml::fail(where, "a number is not representable in binary32; " + nearest_text(x));

@@ -51,7 +51,7 @@ public:
     [[nodiscard]] std::uint64_t floats() const;
     /// Narrows the sweep to the floats from `from` to `to`. Throws InputError with `where` in front unless both are
     /// floats of the file's ranges.
-    void narrow(const Real& from, const Real& to, const toml::Where& where);
+    void narrow(const Real& from, const Real& to, const toml::SourcePosition& where);
 
     [[nodiscard]] bool accepts(Shapes form_shapes) const { return form_shapes == primitive.shape; }
     /// A ray, its primitive, and both as a group, with the axis at a float.
@@ -71,7 +71,7 @@ private:
     void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);
-    void check_primitives(toml::TableReader& file, const toml::TableReader& axis_table) const;
+    void require_valid_primitives(toml::TableReader& file, const toml::TableReader& axis_table) const;
 
     std::vector<FloatRange> ranges_;
 };

@@ -45,8 +45,8 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     read_ranges(table);
     read_drawing(table);
     read_goal(table);
-    table.reject_unknown_keys();
-    file.reject_unknown_keys();
+    table.require_known_keys();
+    file.require_known_keys();
 }
 
 /// Reads the ranges of the ray's numbers, then those of a primitive, whose keys tell its shape.
@@ -156,8 +156,8 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
     table.read("seed", seed, 0, 1LL << 53);
     table.read("rays", rays, 1, 1LL << 40);
     table.read("census", census, 0, 1LL << 40);
-    table.reject_unknown_keys();
-    file.reject_unknown_keys();
+    table.require_known_keys();
+    file.require_known_keys();
 }
 
 }  // namespace lostbits::scene::sweep

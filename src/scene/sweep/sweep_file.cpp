@@ -107,7 +107,7 @@ Axis read_axis(TableReader table, const std::string& prefix) {
                                 .base = bases ? static_cast<double>((*bases)[i]) : 0.0,
                                 .where = table.where("set")});
     }
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return axis;
 }
 
@@ -127,9 +127,9 @@ SweepFile::Mark read_mark(TableReader& mark) {
                            : result.event == "lost_bits" ? "p50"
                                                          : "count";
         result.threshold = static_cast<double>(measured->number("threshold"));
-        measured->reject_unknown_keys();
+        measured->require_known_keys();
     }
-    mark.reject_unknown_keys();
+    mark.require_known_keys();
     return result;
 }
 
@@ -162,9 +162,9 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
         toml::fail(file.where(),
                    "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
     for (TableReader& mark : file.tables("mark")) marks.push_back(read_mark(mark));
-    file.reject_unknown_keys();
-    reject_changes_of_axes(changes);
-    check_both_ends();
+    file.require_known_keys();
+    require_no_changes_of_axes(changes);
+    read_both_ends();
 }
 
 /// Applies changes to the file, and stores the changes of its scene for later.
@@ -212,13 +212,13 @@ void SweepFile::apply_steps(const SweepChanges& changes) {
         if (steps < least_steps || steps > most_steps)
             throw InputError(
                 fmt::format("--steps {}: give a whole number from {} to {}", steps, least_steps, most_steps));
-        const toml::Where where{"--steps " + std::to_string(steps), 0, 0};
+        const toml::SourcePosition where{"--steps " + std::to_string(steps), 0, 0};
         toml::apply_override(root_, {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
     }
 }
 
 /// Fails for a change of a number that an axis sets at every step, because this change would silently have no effect.
-void SweepFile::reject_changes_of_axes(const SweepChanges& changes) const {
+void SweepFile::require_no_changes_of_axes(const SweepChanges& changes) const {
     for (const toml::Override& change : changes.set) {
         for (const Axis& axis : axes) {
             for (const Axis::Target& target : axis.targets) {
@@ -263,7 +263,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
 }
 
 /// Reads the rays at both ends of the axes, so that errors show up before the first of a thousand steps.
-void SweepFile::check_both_ends() {
+void SweepFile::read_both_ends() {
     for (const bool is_last : {false, true}) {
         std::vector<double> values;
         for (const Axis& axis : axes) values.push_back(is_last ? axis.values.back() : axis.values.front());

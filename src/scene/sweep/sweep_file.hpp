@@ -23,7 +23,7 @@ struct Axis : AxisName {
         std::string path;   ///< in the scene, or in the table of the ray distribution
         double factor = 1;  ///< the path is set to base + factor · value
         double base = 0;
-        toml::Where where = {};
+        toml::SourcePosition where = {};
     };
     std::vector<Target> targets;
 
@@ -85,9 +85,9 @@ public:
 private:
     void apply_changes(const SweepChanges& changes);
     void apply_steps(const SweepChanges& changes);
-    void reject_changes_of_axes(const SweepChanges& changes) const;
+    void require_no_changes_of_axes(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
-    void check_both_ends();
+    void read_both_ends();
     [[nodiscard]] std::vector<rays::RayGroup> rays_of_distribution(const std::vector<toml::Override>& changes) const;
     [[nodiscard]] std::vector<rays::RayGroup> rays_of_scene(const std::vector<toml::Override>& changes) const;
 

@@ -25,10 +25,10 @@ struct SweepHead {
 SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path);
 
 struct AxisName {
-    std::string name;        ///< name of the column: `distance_over_radius`
-    std::string unit;        ///< unit of the values; may be empty
-    std::string label;       ///< label in plots, in words and with the unit: `distance, in radii`
-    toml::Where where = {};  ///< position of the name
+    std::string name;                 ///< name of the column: `distance_over_radius`
+    std::string unit;                 ///< unit of the values; may be empty
+    std::string label;                ///< label in plots, in words and with the unit: `distance, in radii`
+    toml::SourcePosition where = {};  ///< position of the name
 };
 
 /// Reads the name of an axis. Throws InputError if it is not a valid name of a column.

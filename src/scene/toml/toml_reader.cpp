@@ -99,7 +99,7 @@ std::string TableReader::path_to(std::string_view key) const {
     return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
 }
 
-Where TableReader::where(std::string_view key) const {
+SourcePosition TableReader::where(std::string_view key) const {
     const Node* node = table_->find(key);
     return node == nullptr ? table_->where : node->where;
 }
@@ -227,7 +227,7 @@ void TableReader::reject(std::string_view key, std::string_view why) {
         if (entry.key == key) fail(entry.key_where, path_to(key) + ' ' + std::string(why));
 }
 
-void TableReader::reject_unknown_keys() const {
+void TableReader::require_known_keys() const {
     for (const Node::Entry& entry : table_->entries) {
         if (std::find(requested_keys_.begin(), requested_keys_.end(), entry.key) != requested_keys_.end()) continue;
         fail(entry.key_where, "unknown key " + path_to(text::excerpt(entry.key)) + "; " +

@@ -18,7 +18,7 @@
 
 namespace lostbits::scene::toml {
 
-/// Reads one table, key by key, and records which keys were requested. At the end, `reject_unknown_keys` reports all
+/// Reads one table, key by key, and records which keys were requested. At the end, `require_known_keys` reports all
 /// other keys as mistakes. `x(key)` requires the key, `optional_x(key)` does not. Throws InputError at the value for a
 /// key of the wrong type and for a number that is not finite, and InputError at the table for a missing key. The tree
 /// must outlive the reader.
@@ -105,11 +105,11 @@ public:
     /// Rejects a key that has no meaning here. `why` continues the sentence after `path.key`.
     void reject(std::string_view key, std::string_view why);
     /// Throws InputError with did-you-mean for every key that was not requested. Call this last.
-    void reject_unknown_keys() const;
+    void require_known_keys() const;
 
     /// Position of the value, or of the table if the key is missing.
-    [[nodiscard]] Where where(std::string_view key) const;
-    [[nodiscard]] Where where() const { return table_->where; }
+    [[nodiscard]] SourcePosition where(std::string_view key) const;
+    [[nodiscard]] SourcePosition where() const { return table_->where; }
     /// Path of a key, as in `camera.eye`.
     [[nodiscard]] std::string path_to(std::string_view key) const;
     /// Throws InputError `file:line:col: path.key message`.

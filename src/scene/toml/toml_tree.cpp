@@ -62,11 +62,11 @@ public:
     }
 
 private:
-    [[nodiscard]] Where position_of(const ::toml::source_region& region) const {
+    [[nodiscard]] SourcePosition position_of(const ::toml::source_region& region) const {
         return {source_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
     }
 
-    [[nodiscard]] std::string digits_at(const Where& where) const {
+    [[nodiscard]] std::string digits_at(const SourcePosition& where) const {
         const std::string_view line = lines_.at(static_cast<std::size_t>(where.line) - 1);
         std::size_t byte = byte_of(where, line);
         constexpr std::string_view number_characters = "0123456789+-._eEinfa";
@@ -78,7 +78,7 @@ private:
 
     /// Returns the byte of a column. Columns count characters, so the continuation bytes of UTF-8 are not counted. A
     /// million numbers may be in one line, so the starts of the characters of the last line are stored.
-    [[nodiscard]] std::size_t byte_of(const Where& where, std::string_view line) const {
+    [[nodiscard]] std::size_t byte_of(const SourcePosition& where, std::string_view line) const {
         if (where.line != counted_line_) {
             counted_line_ = where.line;
             character_begins_.clear();
@@ -114,11 +114,11 @@ Node parse(std::string_view text, const std::string& source) {
 
 }  // namespace
 
-std::string Where::text() const {
+std::string SourcePosition::text() const {
     return line == 0 ? source : source + ':' + std::to_string(line) + ':' + std::to_string(column);
 }
 
-void fail(const Where& where, const std::string& message) { throw InputError(where.text() + ": " + message); }
+void fail(const SourcePosition& where, const std::string& message) { throw InputError(where.text() + ": " + message); }
 
 const Node* Node::find(std::string_view key) const {
     for (const Entry& entry : entries)
@@ -147,7 +147,7 @@ std::string Node::describe() const {
     return "a date or time";
 }
 
-Node Node::of_string(std::string text, Where where) {
+Node Node::of_string(std::string text, SourcePosition where) {
     Node node;
     node.kind = Kind::string;
     node.where = std::move(where);
@@ -155,7 +155,7 @@ Node Node::of_string(std::string text, Where where) {
     return node;
 }
 
-Node Node::of_integer(std::int64_t value, Where where) {
+Node Node::of_integer(std::int64_t value, SourcePosition where) {
     Node node;
     node.kind = Kind::integer;
     node.where = std::move(where);
@@ -163,9 +163,9 @@ Node Node::of_integer(std::int64_t value, Where where) {
     return node;
 }
 
-Node Node::of_number(const Real& value, Where where) { return of_string(exact_text(value), std::move(where)); }
+Node Node::of_number(const Real& value, SourcePosition where) { return of_string(exact_text(value), std::move(where)); }
 
-Node Node::of_array(std::vector<Node> items, Where where) {
+Node Node::of_array(std::vector<Node> items, SourcePosition where) {
     Node node;
     node.kind = Kind::array;
     node.where = std::move(where);
@@ -177,7 +177,7 @@ namespace {
 
 /// Fails for a very long key: toml++ 3.3 recurses once for each part of a dotted key, and overflows the stack on a key
 /// of 50000 parts.
-void reject_long_keys(const std::string& text, const std::string& source) {
+void require_no_long_keys(const std::string& text, const std::string& source) {
     constexpr int most_parts = 256;
     int line = 1, dots = 0;
     for (const char c : text) {
@@ -191,19 +191,19 @@ void reject_long_keys(const std::string& text, const std::string& source) {
 }  // namespace
 
 Node read_toml(const std::filesystem::path& path, intersect::process::StopToken stop) {
-    const Where start{path.string(), 1, 1}, unread{path.string(), 0, 0};
+    const SourcePosition start{path.string(), 1, 1}, unread{path.string(), 0, 0};
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) fail(unread, "is a folder; name a .toml file in it");
     ByteSource file(path, stop);
     std::string text;
     file.read(text, most_bytes + 1);
     if (text.size() > most_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
-    reject_long_keys(text, start.source);
+    require_no_long_keys(text, start.source);
     return parse(text, start.source);
 }
 
 Override parse_override(std::string_view assignment, std::string_view option) {
-    const Where where{std::string(option) + ' ' + std::string(assignment), 0, 0};
+    const SourcePosition where{std::string(option) + ' ' + std::string(assignment), 0, 0};
     const std::size_t equals_sign = assignment.find('=');
     if (equals_sign == std::string_view::npos || equals_sign == 0)
         fail(where, "is not an assignment; write path=value, as in sphere[0].radius=1e3");

@@ -16,7 +16,7 @@ namespace lostbits::scene::toml {
 
 /// A position in a file (line and column from 1, columns in characters) or, with line 0, an option of the command
 /// line.
-struct Where {
+struct SourcePosition {
     std::string source;
     int line = 0;
     int column = 0;
@@ -24,7 +24,7 @@ struct Where {
 };
 
 /// Throws InputError `where: message`.
-[[noreturn]] void fail(const Where& where, const std::string& message);
+[[noreturn]] void fail(const SourcePosition& where, const std::string& message);
 
 /// One value. The set of kinds is closed; dates have the kind `other`, because no key uses them.
 struct Node {
@@ -32,7 +32,7 @@ struct Node {
     struct Entry;
 
     Kind kind = Kind::other;
-    Where where;
+    SourcePosition where;
     std::string text;  ///< string: its contents; floating: its digits as written, without underscores
     std::int64_t integer = 0;
     bool boolean = false;
@@ -45,15 +45,15 @@ struct Node {
     /// Describes the value for an error: `the string "abc"`, `an array of 3`, …
     [[nodiscard]] std::string describe() const;
 
-    static Node of_string(std::string text, Where where);
-    static Node of_integer(std::int64_t value, Where where);
-    static Node of_number(const Real& value, Where where);
-    static Node of_array(std::vector<Node> items, Where where);
+    static Node of_string(std::string text, SourcePosition where);
+    static Node of_integer(std::int64_t value, SourcePosition where);
+    static Node of_number(const Real& value, SourcePosition where);
+    static Node of_array(std::vector<Node> items, SourcePosition where);
 };
 
 struct Node::Entry {
     std::string key;
-    Where key_where;
+    SourcePosition key_where;
     Node value;
 };
 
@@ -65,7 +65,7 @@ Node read_toml(const std::filesystem::path& path, intersect::process::StopToken 
 struct Override {
     std::string path;  ///< `sphere[0].radius`, `camera.eye`, `sphere[0].centre[2]`: keys and indices from 0
     Node value;
-    Where where;  ///< position of the path, for errors
+    SourcePosition where;  ///< position of the path, for errors
 };
 
 /// Reads `path=value` with the value in TOML's notation. A text that is not TOML is taken as a string

@@ -93,10 +93,10 @@ struct Capsule {
         const QuadraticSpan<T> first_ball = select(is_upward || (is_parallel && !is_above), at_start, at_end);
         const QuadraticSpan<T> last_ball = select(is_upward || (is_parallel && !is_below), at_end, at_start);
         const auto is_along_axis = a <= zero,
-                   enters_before_first = quadratic_at(side, first_plane_t).compare_near_root().less;
-        const auto enters_before_last = quadratic_at(side, last_plane_t).compare_near_root().at_most;
-        const auto leaves_before_first = quadratic_at(side, first_plane_t).compare_far_root().less;
-        const auto leaves_before_last = quadratic_at(side, last_plane_t).compare_far_root().at_most;
+                   enters_before_first = quadratic_at(side, first_plane_t).order_of_near_root().less;
+        const auto enters_before_last = quadratic_at(side, last_plane_t).order_of_near_root().at_most;
+        const auto leaves_before_first = quadratic_at(side, first_plane_t).order_of_far_root().less;
+        const auto leaves_before_last = quadratic_at(side, last_plane_t).order_of_far_root().at_most;
         return {.enter = select(is_along_axis || enters_before_first, first_ball,
                                 select(enters_before_last, side, last_ball)),
                 .leave = select(is_along_axis || !leaves_before_last, last_ball,

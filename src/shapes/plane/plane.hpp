@@ -44,7 +44,8 @@ struct Plane {
     }
     [[nodiscard]] std::optional<Plane> scaled_about_nearest(const Vec<T>&, const T&) const { return *this; }
 
-    /// t = n·(through − o)/(n·d): dyadic polynomials of degree two, for doubles 2 (1024 + 1074) + 3 < 4200 bits.
+    /// t = n·(through − o)/(n·d). Numerator and denominator have degree two in the inputs, so for doubles each fits in
+    /// 2 (1024 + 1074) + 3 < 4200 bits.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), m = dot(normal, ray.direction), k = dot(normal, Vec<T>(through - ray.origin));
         const auto is_back = m > zero, is_front = m < zero, is_crossed = is_back || is_front;

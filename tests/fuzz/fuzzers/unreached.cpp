@@ -29,7 +29,7 @@ const table::Intersector& transformed_form(const TransformMethod& /*space*/, con
 }  // namespace lostbits::intersect
 
 namespace lostbits::measure::columns {
-void add_sizes(std::span<const double> /*values*/, RawSizes& /*sizes*/) { unreached(); }
+void add_absolute_values(std::span<const double> /*values*/, RawAbsoluteSums& /*sizes*/) { unreached(); }
 }  // namespace lostbits::measure::columns
 
 namespace lostbits::output {

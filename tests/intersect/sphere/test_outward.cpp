@@ -10,7 +10,7 @@
 namespace lostbits::test {
 namespace {
 
-using intersect::Outward;
+using intersect::OutwardInterval;
 
 double value(float x) { return x; }
 double value(Half x) { return x.value(); }
@@ -18,7 +18,7 @@ double value(Half x) { return x.value(); }
 /// Bounds drawn in the format, and a point of the interval: one of its ends or a number between them.
 template <class T>
 struct Drawn {
-    Outward<T> interval{0};
+    OutwardInterval<T> interval{0};
     Mpfr point{200};
 };
 
@@ -48,11 +48,11 @@ void enclose(const FloatFormat& f) {
         for (int i = 0; i < rounds; ++i) {
             const Drawn<T> a = draw<T>(random, f, op == Op::root), b = draw<T>(random, f, false);
             const auto& [x, y] = std::tie(a.interval, b.interval);
-            const Outward<T> r = op == Op::add        ? x + y
-                                 : op == Op::subtract ? x - y
-                                 : op == Op::multiply ? x * y
-                                 : op == Op::divide   ? x / y
-                                                      : sqrt(x);
+            const OutwardInterval<T> r = op == Op::add        ? x + y
+                                         : op == Op::subtract ? x - y
+                                         : op == Op::multiply ? x * y
+                                         : op == Op::divide   ? x / y
+                                                              : sqrt(x);
             Mpfr down(400), up(400);
             evaluate(op, down, {a.point, b.point, b.point}, MPFR_RNDD);
             evaluate(op, up, {a.point, b.point, b.point}, MPFR_RNDU);
@@ -62,7 +62,7 @@ void enclose(const FloatFormat& f) {
         }
     for (int i = 0; i < rounds; ++i) {
         const Drawn<T> a = draw<T>(random, f, false);
-        const Outward<T> r = square(a.interval);
+        const OutwardInterval<T> r = square(a.interval);
         Mpfr exact(400);
         mpfr_sqr(exact, a.point, MPFR_RNDN);
         wrong += !(mpfr_cmp_d(exact, value(r.lo)) >= 0 && mpfr_cmp_d(exact, value(r.hi)) <= 0);
@@ -80,7 +80,7 @@ TEST_CASE("outward rounding encloses the exact result", "[intersect][outward]") 
 
 TEST_CASE("outward roots of sums of squares are never NaN", "[intersect][outward]") {
     // The lower bound of 0² + 0² is the largest negative number, and its root must not be NaN.
-    const Outward<float> zero(0), root = sqrt(square(zero) + square(zero));
+    const OutwardInterval<float> zero(0), root = sqrt(square(zero) + square(zero));
     CHECK((square(zero) + square(zero)).lo < 0);
     CHECK(root.lo == 0);
     CHECK(root.hi > 0);

@@ -33,7 +33,7 @@ Rational power(std::int64_t e) {
 }
 
 /// True if the certified number encloses the fraction.
-bool encloses(const measure::truth::Certified& x, const Rational& t) {
+bool encloses(const measure::truth::CertifiedNumber& x, const Rational& t) {
     if (x.is_zero()) return t == 0;
     const Rational scaled = t / power(x.exponent);
     return abs(scaled - Rational(x.hi) - Rational(x.lo)) <= Rational(x.bound);
@@ -160,7 +160,7 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
                 for (std::size_t i = 0; i < rays.size(); ++i) {
                     different += found.decision[i] != right[i].decision;
                     if (!right[i].is_hit()) continue;
-                    const measure::truth::Certified t =
+                    const measure::truth::CertifiedNumber t =
                         measure::truth::make_certified(found.hi[i], found.lo[i], found.bound[i]);
                     different += compare(t, right[i].t) != 0;
                 }

@@ -88,16 +88,16 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     request.scene = &scene;
     const auto expected = measure_quality(request);
     request.scene = nullptr;
-    const FileOptions options{.id = "rays", .primitives = scene::rays::shared_primitives(scene)};
+    const FileOptions options{.result_name = "rays", .primitives = scene::rays::shared_primitives(scene)};
     const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
-    const FileRays one = judge_rays(*whole, options, request);
-    CHECK(one.rays == rays.size());
+    const FileRays one = judge_and_sample(*whole, options, request);
+    CHECK(one.ray_count == rays.size());
     CHECK_FALSE(one.answers);
     std::vector<std::unique_ptr<scene::dump::Dump>> parts;
     parts.push_back(opened(written(folder, "first", columns_of(rays, 0, 1000)), false));
     parts.push_back(opened(written(folder, "second", columns_of(rays, 1000, rays.size())), false));
-    const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), options, request);
-    CHECK(two.rays == rays.size());
+    const FileRays two = judge_and_sample(*scene::dump::join_dumps(std::move(parts)), options, request);
+    CHECK(two.ray_count == rays.size());
     for (std::size_t r = 0; r < 2; ++r) {
         require_same(one.quality[r], expected[r]);
         require_same(two.quality[r], expected[r]);
@@ -125,8 +125,8 @@ TEST_CASE("the sample of a long file is every n-th ray") {
     }
     const auto dump = opened(written(folder, "long", columns), true);
     ChoiceRequest request = requirement_of(8, {test::row("sphere.schoolbook", "f32")});
-    const FileRays judged = judge_rays(*dump, {.id = "long"}, request);
-    CHECK(judged.rays == rays);
+    const FileRays judged = judge_and_sample(*dump, {.result_name = "long"}, request);
+    CHECK(judged.ray_count == rays);
     CHECK(judged.quality.front().hits == rays);
     const auto& sample = judged.sample;
     REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
@@ -304,7 +304,7 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     const TestedForm row = test::row("sphere.double_inside", "f32");
     const auto safe = safe_offsets(scene, row);
     REQUIRE(safe);
-    CHECK(safe->points > 100);
+    CHECK(safe->point_count > 100);
     REQUIRE_FALSE(safe->outside.empty());
     CHECK(safe->outside.front().operations == 0);  // the primitive is at least not tested
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);

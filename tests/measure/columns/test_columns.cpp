@@ -15,7 +15,7 @@ namespace lostbits::test::test_columns {
 
 using measure::columns::TrueLengths;
 using measure::metric::Sample;
-using measure::truth::Certified;
+using measure::truth::CertifiedNumber;
 using measure::truth::missing;
 using measure::truth::Truth;
 
@@ -48,7 +48,7 @@ struct Problems {
                                          : random.between(-12, std::min(30, f.parameters.emax - 2)));
             double hi = std::ldexp(1 + random.unit(), e);
             if (random.one_in(8)) hi = std::ldexp(1.0, e);  // where the binade depends on lo
-            Certified t = measure::truth::as_certified(hi);
+            CertifiedNumber t = measure::truth::as_certified(hi);
             if (!random.one_in(6))
                 t.lo = random.sign() *
                        std::ldexp(random.unit(), -54 - static_cast<int>(random.between(0, extreme ? 240 : 40)));

@@ -130,7 +130,7 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
 }
 
 TEST_CASE("an answer keeps B bits up to an error of half an ulp of B bits", "[needed]") {
-    const measure::truth::Certified one = as_certified(1);
+    const measure::truth::CertifiedNumber one = as_certified(1);
     CHECK(has_correct_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
     CHECK_FALSE(has_correct_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
     CHECK(has_correct_bits(1 - 0x1p-12, one, 12));

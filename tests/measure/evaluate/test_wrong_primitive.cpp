@@ -51,8 +51,8 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     const FormSummary& s = summaries.front();
     CHECK(s.count(Outcome::wrong_primitive) == single.wrong);
     CHECK(s.metrics[0].count() == s.count(Outcome::agree_hit));
-    CHECK(s.agreement().agreed == s.count(Outcome::agree_hit));
-    CHECK(s.agreement().true_hits == s.true_hits);
+    CHECK(s.agreement().agreed_count == s.count(Outcome::agree_hit));
+    CHECK(s.agreement().true_hit_count == s.true_hits);
     CHECK(s.true_hits ==
           s.count(Outcome::agree_hit) + s.count(Outcome::wrong_primitive) + s.count(Outcome::false_miss));
     // The wrong primitive is the most frequent wrong decision here, so the first fault is such a ray.

@@ -58,7 +58,7 @@ TEST_CASE("the residual belongs to the point that the format computes, and table
 TEST_CASE("the error of a normal is the angle to the normal at the true hit", "[measure][metric]") {
     const auto error = [](const Primitive<double>& primitive, const Ray<double>& ray, double t, double exact) {
         const Format in = *find_format("f64");
-        const measure::truth::Certified truth = measure::truth::as_certified(exact);
+        const measure::truth::CertifiedNumber truth = measure::truth::as_certified(exact);
         return measure::metric::find_metric("normal_error")
             ->value({.t = t, .format = &in, .true_t = &truth, .ray = &ray, .primitive = &primitive});
     };

@@ -69,7 +69,7 @@ double& number_of(Problem& p, std::size_t k) {
     return k < 3 ? p.ray.origin[static_cast<int>(k)] : p.ray.direction[static_cast<int>(k) - 3];
 }
 
-const measure::truth::Certified& length_of(const Truth& truth, Length length) {
+const measure::truth::CertifiedNumber& length_of(const Truth& truth, Length length) {
     return length == Length::parameter ? truth.t : truth.distance;
 }
 

@@ -32,12 +32,12 @@ struct Counted {
 Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm& row, float value) {
     const Ray<double> ray = file.group_at(0, value).rays[0];
     Counted counted;
-    std::vector<measure::truth::Certified> apart;
+    std::vector<measure::truth::CertifiedNumber> apart;
     for (std::size_t s = 0; s < file.mesh->size(); ++s) {
         const Primitive<double> triangle = (*file.mesh)[s];
         counted.claimed += asked_alone(row, ray, triangle).has_value();
         const auto truth = measure::truth::find_truth(ray, triangle, {}, row.convention());
-        const auto same = [&](const measure::truth::Certified& other) { return compare(other, truth.t) == 0; };
+        const auto same = [&](const measure::truth::CertifiedNumber& other) { return compare(other, truth.t) == 0; };
         if (truth.is_hit() && std::ranges::none_of(apart, same)) apart.push_back(truth.t);
     }
     counted.crossed = apart.size();

@@ -6,7 +6,7 @@
 
 namespace lostbits::test {
 
-using measure::truth::Certified;
+using measure::truth::CertifiedNumber;
 
 Dyadic::Dyadic(double x) {
     int e = 0;
@@ -108,18 +108,18 @@ int ExactHit::distance_side(const Dyadic& x) const {
     return past > 0 ? -1 : q;
 }
 
-Dyadic lower_end(const Certified& x) { return Dyadic(x) - Dyadic(x.bound).scaled(x.exponent); }
-Dyadic upper_end(const Certified& x) { return Dyadic(x) + Dyadic(x.bound).scaled(x.exponent); }
+Dyadic lower_end(const CertifiedNumber& x) { return Dyadic(x) - Dyadic(x.bound).scaled(x.exponent); }
+Dyadic upper_end(const CertifiedNumber& x) { return Dyadic(x) + Dyadic(x.bound).scaled(x.exponent); }
 
-bool encloses(const Certified& t, const ExactHit& exact) {
+bool encloses(const CertifiedNumber& t, const ExactHit& exact) {
     return exact.side(lower_end(t)) >= 0 && exact.side(upper_end(t)) <= 0;
 }
 
-bool encloses_distance(const Certified& s, const ExactHit& exact) {
+bool encloses_distance(const CertifiedNumber& s, const ExactHit& exact) {
     return exact.distance_side(lower_end(s)) >= 0 && exact.distance_side(upper_end(s)) <= 0;
 }
 
-bool is_in_binade(const Certified& x, const std::function<int(const Dyadic&)>& side) {
+bool is_in_binade(const CertifiedNumber& x, const std::function<int(const Dyadic&)>& side) {
     if (x.is_zero()) return side(Dyadic()) == 0;
     const Dyadic start = Dyadic(1.0).scaled(x.floor_log2());
     return side(start) >= 0 && side(start.scaled(1)) < 0;

@@ -22,7 +22,8 @@ public:
     explicit Dyadic(double x);
     explicit Dyadic(mpfr_srcptr x);
     explicit Dyadic(const Real& x) : Dyadic(x.backend().data()) {}
-    explicit Dyadic(const measure::truth::Certified& x) : Dyadic((Dyadic(x.hi) + Dyadic(x.lo)).scaled(x.exponent)) {}
+    explicit Dyadic(const measure::truth::CertifiedNumber& x)
+        : Dyadic((Dyadic(x.hi) + Dyadic(x.lo)).scaled(x.exponent)) {}
 
     [[nodiscard]] int sign() const { return m_.sign(); }
     [[nodiscard]] Dyadic scaled(std::int64_t e) const;
@@ -73,15 +74,15 @@ private:
 };
 
 /// (hi + lo ∓ bound)·2^exponent.
-Dyadic lower_end(const measure::truth::Certified& x);
-Dyadic upper_end(const measure::truth::Certified& x);
+Dyadic lower_end(const measure::truth::CertifiedNumber& x);
+Dyadic upper_end(const measure::truth::CertifiedNumber& x);
 
 /// True if t* lies between both ends, and the distance too.
-bool encloses(const measure::truth::Certified& t, const ExactHit& exact);
-bool encloses_distance(const measure::truth::Certified& distance, const ExactHit& exact);
+bool encloses(const measure::truth::CertifiedNumber& t, const ExactHit& exact);
+bool encloses_distance(const measure::truth::CertifiedNumber& distance, const ExactHit& exact);
 
 /// True if 2^k ≤ x* < 2^(k + 1) for the k = ⌊log2 x⌋ that x gives, `side(m)` being the sign of x* − m; or both are 0.
-bool is_in_binade(const measure::truth::Certified& x, const std::function<int(const Dyadic&)>& side);
+bool is_in_binade(const measure::truth::CertifiedNumber& x, const std::function<int(const Dyadic&)>& side);
 
 /// True if `rounded` is a number x* ≥ 0 rounded to nearest, ties to even, where `side(m)` is the sign of x* − m: x*
 /// lies between the midpoints on either side of `rounded`, and on one of them only where `rounded` is the even

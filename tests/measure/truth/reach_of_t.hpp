@@ -8,8 +8,8 @@
 
 namespace lostbits::test {
 
-inline double reach_of_t(const Ray<double>& ray, const Primitive<double>& primitive, const measure::truth::Certified& t,
-                         const FloatFormat& format,
+inline double reach_of_t(const Ray<double>& ray, const Primitive<double>& primitive,
+                         const measure::truth::CertifiedNumber& t, const FloatFormat& format,
                          measure::truth::Perturbed perturbed = measure::truth::Perturbed::componentwise) {
     const double reach = measure::truth::reach(ray, primitive, t, measure::truth::Length::parameter, format, perturbed);
     const double in_t = std::ldexp(reach, static_cast<int>(measure::truth::exponent_of_unit(t)));

@@ -14,7 +14,7 @@ namespace test_certified {
 using namespace lostbits;
 using namespace lostbits::test;
 using measure::truth::as_certified;
-using measure::truth::Certified;
+using measure::truth::CertifiedNumber;
 using measure::truth::certify;
 using measure::truth::nearer;
 using measure::truth::ordinal;
@@ -24,8 +24,8 @@ using measure::truth::scaled_difference;
 namespace {
 
 /// Two words and a valid bound of any size; the words are often on a boundary of some format.
-Certified any_certified(Seeded& rng, int exponents) {
-    Certified x;
+CertifiedNumber any_certified(Seeded& rng, int exponents) {
+    CertifiedNumber x;
     x.hi = rng.signed_magnitude(0, 0);
     if (rng.coin()) {  // few bits: powers of two and ties among them
         const double unit = std::ldexp(1.0, -rng.index(53));
@@ -46,8 +46,8 @@ Certified any_certified(Seeded& rng, int exponents) {
 }
 
 /// A number that differs from x by a few units of its last places.
-Certified close_to(Seeded& rng, const Certified& x) {
-    Certified y = x;
+CertifiedNumber close_to(Seeded& rng, const CertifiedNumber& x) {
+    CertifiedNumber y = x;
     if (rng.coin()) y.hi += std::ldexp(rng.sign(), -52);
     if (std::fabs(y.hi) < 1 || std::fabs(y.hi) >= 2) y.hi = x.hi;
     if (rng.coin()) y.lo = rng.signed_magnitude(-60, -54);
@@ -60,8 +60,8 @@ Certified close_to(Seeded& rng, const Certified& x) {
 TEST_CASE("scaled_difference is accurate even where the words cancel") {
     Seeded rng(11);
     for (int i = 0; i < 200'000; ++i) {
-        const Certified x = any_certified(rng, rng.coin() ? 5 : 2000);
-        const Certified y = rng.coin() ? any_certified(rng, 2000) : close_to(rng, x);
+        const CertifiedNumber x = any_certified(rng, rng.coin() ? 5 : 2000);
+        const CertifiedNumber y = rng.coin() ? any_certified(rng, 2000) : close_to(rng, x);
         const std::int64_t e = std::max(x.exponent, y.exponent);
         const double computed = scaled_difference(x, y, e);
         const Dyadic exact = (Dyadic(x) - Dyadic(y)).scaled(-e);
@@ -75,7 +75,7 @@ TEST_CASE("scaled_difference is accurate even where the words cancel") {
 }
 
 TEST_CASE("scaled_difference overflows to infinity and underflows to zero with its scale") {
-    const Certified x = as_certified(3.0), y = as_certified(1.0);
+    const CertifiedNumber x = as_certified(3.0), y = as_certified(1.0);
     CHECK(scaled_difference(x, y, -3000) == HUGE_VAL);
     CHECK(scaled_difference(y, x, -3000) == -HUGE_VAL);
     CHECK(scaled_difference(x, y, 3000) == 0);
@@ -89,8 +89,8 @@ TEST_CASE("compare answers only where both bounds allow it, and always where the
     Seeded rng(12);
     int told = 0, value_of = 0;
     for (int i = 0; i < 200'000; ++i) {
-        const Certified x = any_certified(rng, 3);
-        Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
+        const CertifiedNumber x = any_certified(rng, 3);
+        CertifiedNumber y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
         if (rng.index(20) == 0) y = {};
         const int order = lostbits::measure::truth::compare(x, y);
         const bool below = compare(upper_end(x), lower_end(y))<0, above = compare(lower_end(x), upper_end(y))> 0;
@@ -112,9 +112,9 @@ TEST_CASE("nearer encloses the smaller of any two numbers within the bounds") {
     Seeded rng(13);
     const auto smaller = [](const Dyadic& a, const Dyadic& b) { return compare(a, b) <= 0 ? a : b; };
     for (int i = 0; i < 200'000; ++i) {
-        const Certified x = any_certified(rng, 3);
-        const Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
-        const Certified r = nearer(x, y);
+        const CertifiedNumber x = any_certified(rng, 3);
+        const CertifiedNumber y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
+        const CertifiedNumber r = nearer(x, y);
         INFO(std::hexfloat << x.hi << ' ' << x.lo << ' ' << x.bound << "; " << y.hi << ' ' << y.lo << ' ' << y.bound);
         if (compare(lower_end(r), smaller(lower_end(x), lower_end(y))) > 0) FAIL("lower end");
         if (compare(upper_end(r), smaller(upper_end(x), upper_end(y))) < 0) FAIL("upper end");
@@ -128,7 +128,7 @@ TEST_CASE("both ends round correctly to any format, also ties and tails of a tho
     for (int i = 0; i < 400'000; ++i) {
         const FloatFormat f =
             rng.coin() ? formats[rng.index(5)] : FloatFormat{static_cast<int>(rng.integer(2, 53)), -1022, 1023};
-        Certified x = any_certified(rng, 1100);
+        CertifiedNumber x = any_certified(rng, 1100);
         if (rng.coin()) x.exponent = rng.integer(f.emin - f.precision - 2, f.emin + 1);
         if (rng.index(8) == 0) x.exponent = f.emax + rng.index(2);
         if (rng.coin()) x.hi = std::copysign(2 - std::ldexp(1.0, -rng.index(53)), x.hi);  // all ones
@@ -187,17 +187,17 @@ TEST_CASE("certify keeps the enclosure of a ball or an interval") {
 
 TEST_CASE("a double certifies itself, and its binade is known") {
     for (const double x : {1.0, -1.0, 1.5, 0x1p-1074, 0x1.8p-1073, 0x1.fffffffffffffp+1023, -0x1p-1022}) {
-        const Certified c = as_certified(x);
+        const CertifiedNumber c = as_certified(x);
         CHECK(compare(Dyadic(c), Dyadic(x)) == 0);
         CHECK(c.bound == 0);
         CHECK(c.floor_log2() == std::ilogb(x));
         CHECK(round_certified(c, binary64) == x);
     }
     CHECK(as_certified(0.0).is_zero());
-    CHECK(Certified{1, -0x1p-70, 0, 5}.floor_log2() == 4);
-    CHECK(Certified{-1, 0x1p-70, 0, 5}.floor_log2() == 4);
-    CHECK(Certified{1, 0x1p-70, 0, 5}.floor_log2() == 5);
-    CHECK(Certified{-1, -0x1p-70, 0, 5}.floor_log2() == 5);
+    CHECK(CertifiedNumber{1, -0x1p-70, 0, 5}.floor_log2() == 4);
+    CHECK(CertifiedNumber{-1, 0x1p-70, 0, 5}.floor_log2() == 4);
+    CHECK(CertifiedNumber{1, 0x1p-70, 0, 5}.floor_log2() == 5);
+    CHECK(CertifiedNumber{-1, -0x1p-70, 0, 5}.floor_log2() == 5);
 }
 
 TEST_CASE("ordinals are the bit patterns of the formats") {
@@ -226,9 +226,9 @@ TEST_CASE("an infinite answer loses nothing where the truth rounds to infinity, 
     using measure::truth::ulp_error;
     for (const FloatFormat& format : {binary32, binary64, FloatFormat(binary16)}) {
         const int p = format.precision;
-        Certified tie{.hi = 2 - std::ldexp(1.0, -p), .exponent = 1 - format.emin};
+        CertifiedNumber tie{.hi = 2 - std::ldexp(1.0, -p), .exponent = 1 - format.emin};
         if (p == 53) tie = {.hi = 2 - 0x1p-52, .lo = 0x1p-53, .exponent = 1 - format.emin};
-        Certified below = tie, beyond = tie;
+        CertifiedNumber below = tie, beyond = tie;
         below.lo -= 0x1p-70, beyond.exponent += 5000;
         for (const auto& x : {tie, beyond}) CHECK(ulp_error(HUGE_VAL, x, format) == 0);
         CHECK(ulp_error(HUGE_VAL, below, format) == HUGE_VAL);

@@ -18,7 +18,7 @@ using namespace lostbits;
 using measure::stability::backward_error;
 using measure::stability::CountedChange;
 using measure::truth::as_certified;
-using measure::truth::Certified;
+using measure::truth::CertifiedNumber;
 using measure::truth::Perturbed;
 using test::reach_of_t;
 using test::Seeded;
@@ -26,7 +26,7 @@ using test::Seeded;
 namespace {
 
 /// |t - t*|, to 2^-50 of itself.
-double forward_error(double t, const Certified& truth) {
+double forward_error(double t, const CertifiedNumber& truth) {
     return std::fabs(measure::truth::scaled_difference(as_certified(t), truth, 0));
 }
 
@@ -56,7 +56,7 @@ struct Tally {
 struct Problem {
     const Ray<double>& ray;
     Primitive<double> primitive;
-    Certified truth;
+    CertifiedNumber truth;
 
     [[nodiscard]] double t() const { return std::ldexp(truth.hi, static_cast<int>(truth.exponent)); }
     /// The e from which on the same root or face is met by far: with m the least change that turns it, 2^-e <= m²/64.

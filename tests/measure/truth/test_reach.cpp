@@ -92,7 +92,7 @@ private:
         act(0, 3), act(3, 6);
         for_each_key(primitive_.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
     }
-    void find_root(const measure::truth::Certified& truth) {
+    void find_root(const measure::truth::CertifiedNumber& truth) {
         const auto is_it = [&](const Wide& t) {
             const Wide apart = abs(Wide(t - Wide(truth.hi) * ldexp(Wide(1), static_cast<int>(truth.exponent)) -
                                         Wide(truth.lo) * ldexp(Wide(1), static_cast<int>(truth.exponent))));
@@ -136,7 +136,7 @@ private:
     bool is_decided_ = true;
     Numbers x_;
     Textbook book_;
-    measure::truth::Certified certified_;
+    measure::truth::CertifiedNumber certified_;
     std::optional<Wide> t_;
 };
 

@@ -15,7 +15,7 @@
 
 namespace lostbits::test::test_reach_of_kinds {
 
-using measure::truth::Certified;
+using measure::truth::CertifiedNumber;
 using measure::truth::find_truth;
 using measure::truth::Length;
 using measure::truth::Perturbed;
@@ -153,13 +153,13 @@ public:
     }
 
 private:
-    [[nodiscard]] const Certified& answer(const Truth& truth) const {
+    [[nodiscard]] const CertifiedNumber& answer(const Truth& truth) const {
         return length_ == Length::distance ? truth.distance : truth.t;
     }
     /// The part of |d| in the slope of the distance by a component of d, over |d|: t dᵢ/d².
     [[nodiscard]] double turn(std::size_t i) const {
         const Vec<double>& d = plain_.ray.direction;
-        const Certified t = find_truth(plain_.ray, plain_.primitive).t;
+        const CertifiedNumber t = find_truth(plain_.ray, plain_.primitive).t;
         return std::ldexp(t.hi, static_cast<int>(t.exponent)) * d[static_cast<int>(i) - 3] / dot(d, d);
     }
     /// Change of the answer, in the unit of the bound; 0 if the changed problem has no answer.
@@ -260,7 +260,7 @@ void check_kind(Shape shape, Kind kind, int draws, bool scale, int percent) {
 double inherent_bits(const Ray<double>& ray, const Primitive<double>& primitive, Length length = Length::parameter) {
     const Truth truth = find_truth(ray, primitive);
     REQUIRE(truth.is_hit());
-    const Certified& answer = length == Length::distance ? truth.distance : truth.t;
+    const CertifiedNumber& answer = length == Length::distance ? truth.distance : truth.t;
     return measure::truth::inherent_bits(measure::truth::reach(ray, primitive, answer, length, binary64), answer,
                                          binary64);
 }

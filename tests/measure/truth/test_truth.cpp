@@ -17,8 +17,8 @@ namespace test_truth {
 using namespace lostbits;
 using namespace lostbits::test;
 using intersect::Touching;
-using measure::truth::Certified;
 using measure::truth::certified_tightness;
+using measure::truth::CertifiedNumber;
 using measure::truth::Length;
 using measure::truth::Truth;
 
@@ -90,7 +90,7 @@ int rays_of(const BoxDistribution& f, const FloatFormat&) { return f.rays; }
 std::string paste(const RaySample& s) { return test::paste(s.ray, s.sphere); }
 
 /// Describes the fault of a proved length; empty if it has none.
-std::string trouble_with(const Certified& x, const Side& side) {
+std::string trouble_with(const CertifiedNumber& x, const Side& side) {
     if (side(lower_end(x)) < 0 || side(upper_end(x)) > 0) return "is not within its bound";
     if (x.bound > certified_tightness * std::fabs(x.hi)) return "is not tight";
     return is_in_binade(x, side) ? "" : "is not in the binade that its ulp is taken of";
@@ -101,7 +101,9 @@ std::string trouble_with(const Certified& x, const Side& side) {
 std::string disagreement(const Ray<double>& ray, const Primitive<double>& primitive, const Exact& want,
                          const Range<double>& range, Touching touching, bool& escalated) {
     const Truth truth = measure::truth::find_truth(ray, primitive, {}, touching, range);
-    const auto beside_power = [](const Certified& x) { return x.hi == 1 && std::fabs(x.lo) <= certified_tightness; };
+    const auto beside_power = [](const CertifiedNumber& x) {
+        return x.hi == 1 && std::fabs(x.lo) <= certified_tightness;
+    };
     escalated = truth.proof_bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
     if (truth.decision == Truth::Decision::unresolved) return "unresolved";
     if (truth.is_hit() != want.hit) return truth.is_hit() ? "a hit that is none" : "a hit is missed";

@@ -42,7 +42,7 @@ void require_same(const std::vector<Chunk>& chunks, const Columns& c) {
     std::size_t row = 0;
     for (const Chunk& chunk : chunks) {
         REQUIRE(chunk.first == row);
-        REQUIRE(chunk.rounded == 0);
+        REQUIRE(chunk.rounded_count == 0);
         REQUIRE(chunk.primitives.size() == chunk.size());
         for (std::size_t i = 0; i < chunk.size(); ++i, ++row) {
             const Ray<double> ray = chunk.rays[i];

@@ -88,7 +88,7 @@ TEST_CASE("a sweep moves several numbers together, a range may fall, and -0 diff
 
 TEST_CASE("a narrowed sweep visits the floats between two others") {
     ExhaustiveFile sweep = swept(good_sweep);
-    const toml::Where where{"c.toml", 3, 4};
+    const toml::SourcePosition where{"c.toml", 3, 4};
     sweep.narrow(real("0x1.8p0"), real("0x1.80001p0"), where);
     CHECK(sweep.floats() == 9);
     CHECK(has(error_of([&] { sweep.narrow(real("1"), real("2"), where); }), "c.toml:3:4: \"0x1p+0\" lies outside"));

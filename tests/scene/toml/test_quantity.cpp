@@ -20,7 +20,7 @@ constexpr FloatFormat p5{5, -1022, 1023};
 constexpr FloatFormat every_format[] = {binary16, bfloat16, tensor_float32, binary32, binary64, p5};
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-const Where here{"t.toml", 3, 7};
+const SourcePosition here{"t.toml", 3, 7};
 Node word(const std::string& text) { return Node::of_string(text, here); }
 
 int exponent(const std::string& text, const FloatFormat& f) { return Exponent(word(text)).value_in(f); }

@@ -216,7 +216,7 @@ TEST_CASE("an unknown key is an error with a suggestion") {
     const auto read = [](TableReader& t) {
         t.number("radius");
         t.optional_string("title");
-        t.reject_unknown_keys();
+        t.require_known_keys();
     };
     CHECK(text.error(read) == "t.toml:2:3: unknown key raduis; did you mean \"radius\"?");
     CHECK(Text("radius = 1\nzzz = 2\n").error(read) ==

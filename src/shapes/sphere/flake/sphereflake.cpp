@@ -76,7 +76,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
             table.fail_at("axis", "is not a direction in binary64; write [0, 0, 1]");
         flake.axis = a;
     }
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return flake;
 }
 

@@ -18,7 +18,7 @@ struct PbrtInterval {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
-        using I = Outward<T>;
+        using I = OutwardInterval<T>;
         const I dx(ray.direction.x), dy(ray.direction.y), dz(ray.direction.z), r(sphere.radius), two(2), four(4);
         const I fx = I(ray.origin.x) - I(sphere.centre.x);
         const I fy = I(ray.origin.y) - I(sphere.centre.y);

@@ -36,7 +36,7 @@ public:
         const std::string version = root_.at("asset").at("version").text();
         if (!version.starts_with("2."))
             root_.at("asset").at("version").fail("is " + text::quoted_excerpt(version) + "; only 2.0 is supported");
-        refuse_extensions();
+        require_no_extensions();
 
         for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
             sections_[key] = root_.elements(key);
@@ -59,7 +59,7 @@ public:
 
 private:
     /// Refuses required extensions: by glTF 2.0, a reader that lacks an extension of this list must not read the file.
-    void refuse_extensions() const {
+    void require_no_extensions() const {
         std::string names;
         for (const GltfValue& name : root_.elements("extensionsRequired"))
             names += (names.empty() ? "" : ", ") + text::quoted_excerpt(name.text());

@@ -98,7 +98,7 @@ Mesh make_from_table(toml::TableReader& table, const MeshSettings& settings) {
 
 Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& settings) {
     Mesh mesh = table.has("file") ? read_named_file(table, folder, settings) : make_from_table(table, settings);
-    table.reject_unknown_keys();
+    table.require_known_keys();
     return mesh;
 }
 

@@ -34,7 +34,7 @@ std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, 
 
 /// Refuses a vertex or a face on a line that continues a statement. A comment may end with a backslash by accident, and
 /// the line below it would be ignored.
-void refuse_element(const TextLines& lines, std::string_view word) {
+void require_no_element(const TextLines& lines, std::string_view word) {
     if (word == "v" || word == "f")
         lines.fail(text::quoted_excerpt(word) +
                    " begins a line that continues the one above, which ends with \\, so a vertex or a face might be "
@@ -43,14 +43,14 @@ void refuse_element(const TextLines& lines, std::string_view word) {
 
 /// Skips the rest of a statement, including the lines on which it continues.
 void skip_rest(TextLines& lines) {
-    while (lines.next_continuation()) refuse_element(lines, lines.word());
+    while (lines.next_continuation()) require_no_element(lines, lines.word());
 }
 
 /// Skips the numbers that may follow x, y and z: a weight or a colour. Any other word is refused, because it may be
 /// part of a coordinate.
 void skip_more_numbers(TextLines& lines) {
     for (std::string_view word = lines.word(); !word.empty() && word[0] != '#'; word = lines.word()) {
-        refuse_element(lines, word);
+        require_no_element(lines, word);
         double x = 0;
         const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);

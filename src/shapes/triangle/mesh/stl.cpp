@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t header_size = 84, count_position = 80, facet_size = 50, normal_size = 12;
 
 /// Reads an STL in ASCII: solid, then facets, then endsolid.
-class StlText {
+class AsciiStlReader {
 public:
-    StlText(MeshBytes& bytes, const FloatFormat& vertex_format) : lines_(bytes), vertex_format_(vertex_format) {}
+    AsciiStlReader(MeshBytes& bytes, const FloatFormat& vertex_format) : lines_(bytes), vertex_format_(vertex_format) {}
 
     ParsedMesh read() {
         while (lines_.next())
@@ -46,7 +46,7 @@ private:
     }
     void begin_facet() {
         require_and_move(Position::in_solid, Position::in_facet);
-        corners_ = 0;
+        corner_count_ = 0;
     }
     void read_vertex_line() {
         require_and_move(Position::in_facet, Position::in_facet);
@@ -54,13 +54,13 @@ private:
         const double x = number("x"), y = number("y"), z = number("z");
         const auto index = static_cast<std::uint32_t>(parsed_mesh_.mesh.vertices.size());
         parsed_mesh_.mesh.vertices.emplace_back(x, y, z);
-        if (++corners_ == 3) parsed_mesh_.add(std::array{index - 2, index - 1, index}, lines_.line());
+        if (++corner_count_ == 3) parsed_mesh_.add(std::array{index - 2, index - 1, index}, lines_.line());
         if (parsed_mesh_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
     }
     void end_facet() {
         require_and_move(Position::in_facet, Position::in_solid);
-        if (corners_ != 3)
-            lines_.fail_line("ends a facet of " + text::count_with_noun(corners_, "vertex", "vertices") +
+        if (corner_count_ != 3)
+            lines_.fail_line("ends a facet of " + text::count_with_noun(corner_count_, "vertex", "vertices") +
                              "; an STL facet has 3");
     }
 
@@ -70,11 +70,12 @@ private:
     FloatFormat vertex_format_;
     ParsedMesh parsed_mesh_;
     Position position_ = Position::outside;
-    std::size_t corners_ = 0;  ///< number of vertices of the facet so far
+    std::size_t corner_count_ = 0;  ///< number of vertices of the facet so far
 };
 
 /// Reads a facet: three vertices of three floats, between a normal and two bytes that are ignored.
-void read_facet(MeshBytes& bytes, std::uint32_t index, const FloatFormat& vertex_format, ParsedMesh& parsed_mesh) {
+void read_binary_facet(MeshBytes& bytes, std::uint32_t index, const FloatFormat& vertex_format,
+                       ParsedMesh& parsed_mesh) {
     const std::uint64_t begin = bytes.position();
     const std::string_view facet = bytes.take(facet_size);
     if (facet.size() < facet_size)
@@ -105,7 +106,7 @@ ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
     if (first_bytes.size() < header_size || bytes.size() != size) {
         const bool is_text =
             std::string_view(first_bytes).substr(first_bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
-        if (is_text) return StlText(bytes, settings.vertex_format).read();
+        if (is_text) return AsciiStlReader(bytes, settings.vertex_format).read();
         throw InputError(
             fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
                         "would have {} bytes and not {}; was it cut short?",
@@ -115,7 +116,7 @@ ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
 
     ParsedMesh parsed_mesh;
     bytes.take(header_size);
-    for (std::uint32_t f = 0; f < count; ++f) read_facet(bytes, f, settings.vertex_format, parsed_mesh);
+    for (std::uint32_t f = 0; f < count; ++f) read_binary_facet(bytes, f, settings.vertex_format, parsed_mesh);
     return parsed_mesh;
 }
 

@@ -98,8 +98,8 @@ private:
         if (line_.size() > max_line_bytes) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);
         // Some programs treat these bytes as the end of a line, and hide the rest of it.
-        refuse_byte('\0', "has a zero byte; is it a text file?");
-        refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
+        require_without_byte('\0', "has a zero byte; is it a text file?");
+        require_without_byte('\r', "has a carriage return inside the line; end lines with line feeds");
         const std::size_t last_character = line_.find_last_not_of(" \t");
         continues_ = statement_ == Statement::continued_by_backslash && last_character < line_.size() &&
                      line_[last_character] == '\\';
@@ -119,7 +119,7 @@ private:
         }
         fail(std::string(number_name) + " is " + text::quoted_excerpt(text) + ", which overflows");
     }
-    void refuse_byte(char byte, const char* message) {
+    void require_without_byte(char byte, const char* message) {
         const void* const found = std::memchr(line_.data(), byte, line_.size());
         if (found == nullptr) return;
         word_start_ = static_cast<std::size_t>(static_cast<const char*>(found) - line_.data());

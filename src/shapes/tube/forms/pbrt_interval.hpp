@@ -20,7 +20,7 @@ struct PbrtTube {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
-        using I = Outward<T>;
+        using I = OutwardInterval<T>;
         const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
         const Vec<T> o = frame.to_frame(ray.origin - tube.bottom), d = frame.to_frame(ray.direction);
         const I ox(o.x), oy(o.y), dx(d.x), dy(d.y), r(tube.radius), two(2), four(4);
