@@ -173,7 +173,7 @@ ChoiceRequest make_request(const ChooseOptions& options, intersect::process::Sto
     request.limit.stop = request.plan.stop = stop;
     if (options.quick) {
         request.plan.repetitions = 5;
-        request.plan.least_seconds = 1e-4;
+        request.plan.min_seconds = 1e-4;
     }
     return request;
 }

@@ -66,9 +66,9 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
     const bool is_wide = format.parameters.precision > binary32.precision;
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
     // that is one digit short is therefore not reported.
-    const bool is_short = result.inexact_decimals > 10 && result.most_digits + 1 < digits_for(format);
+    const bool is_short = result.inexact_decimals > 10 && result.max_digits + 1 < digits_for(format);
     if (is_wide && result.nonzero_answer_count > 10 && result.float_answers == result.nonzero_answer_count &&
-        !(is_short && result.most_digits < digits_for(narrow)))
+        !(is_short && result.max_digits < digits_for(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
                    "{}; if the answers were computed in float, add --answer-format f32\n",
@@ -78,7 +78,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
             stderr,
             "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits that were not printed count as "
             "lost: print with %.{}g (std::setprecision({}))\n",
-            file, result.most_digits, format.name, digits_for(format),
+            file, result.max_digits, format.name, digits_for(format),
             is_wide ? fmt::format(" (f32 needs {})", digits_for(narrow)) : "", digits_for(format), digits_for(format));
 }
 

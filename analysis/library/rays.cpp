@@ -231,7 +231,7 @@ std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, Ca
     ResultColumn &decisions = table["decision"], &primitives = table["primitive"];
     ResultColumn &t_hi = table["t_hi"], &t_lo = table["t_lo"];
     const bool is_unit = contract.direction == intersect::Direction::unit;
-    for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
+    for_each_piece(given_rays, settings, rays.count, measure::culling::min_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const bool is_paired = group.paired;
                        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
@@ -254,7 +254,7 @@ std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, Ca
 std::vector<measure::crossing::MeshCrossings> find_crossings(GivenRays& given_rays, std::size_t count,
                                                              CallSettings& settings) {
     std::vector<measure::crossing::MeshCrossings> crossings_by_ray(count);
-    for_each_piece(given_rays, settings, count, measure::culling::least_primitives,
+    for_each_piece(given_rays, settings, count, measure::culling::min_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const auto primitives = scene::rays::primitive_list_of(group);
                        for (std::size_t i = 0; i < group.rays.size(); ++i)

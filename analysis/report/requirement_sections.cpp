@@ -102,7 +102,7 @@ output::report::ChoiceSection measure_choice_section(const PlannedChoice& planne
     measure::choose::ChoiceRequest request{
         .scene = &planned.scene, .tested_forms = planned.tested_forms, .requirement = planned.requirement};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
-    request.plan.least_seconds = 1e-4;
+    request.plan.min_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);

@@ -357,12 +357,12 @@ std::vector<std::string> list_suspicions(
     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     // A t that is off by 2^-8 counts as wrong. In a narrower format rounding alone explains it: 2^-8 is one ulp of
     // bf16.
-    constexpr int least_precision = 16;
+    constexpr int min_precision = 16;
     const auto catalogue = intersect::table::catalogue();
     std::vector<std::string> lines;
     for (const measure::evaluate::TestedForm& tested_form : tested_forms) {
         if (tested_form.form >= catalogue.data() && tested_form.form < catalogue.data() + catalogue.size()) continue;
-        if (tested_form.format.parameters.precision < least_precision) continue;
+        if (tested_form.format.parameters.precision < min_precision) continue;
         const std::string text = suspicion(tested_form);
         if (!text.empty())
             lines.push_back(fmt::format("{} {}: {}", tested_form.form->info->name, tested_form.format.name, text));

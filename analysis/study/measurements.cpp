@@ -112,7 +112,7 @@ measure::trade::TradeRequest trade_request(const scene::file::Scene* scene, cons
 measure::trade::TimingPlan quick_plan() {
     measure::trade::TimingPlan plan;
     plan.repetitions = 5;
-    plan.least_seconds = 1e-4;
+    plan.min_seconds = 1e-4;
     return plan;
 }
 

@@ -85,13 +85,13 @@ public:
         if (b.is_exact_zero()) return a.has_sign() ? Bounded(v, 0) : unknown(v);
         if (b.is_exact_infinity()) return a.error_ < infinity && !a.is_exact_infinity() ? Bounded(v, 0) : unknown(v);
         if (a.is_exact_infinity()) return b.has_sign() ? Bounded(v, 0) : unknown(v);
-        const F least_divisor = magnitude(b) * (1 - 4 * u) - b.error_;
-        if (!(least_divisor > 0)) return unknown(v);
+        const F min_divisor = magnitude(b) * (1 - 4 * u) - b.error_;
+        if (!(min_divisor > 0)) return unknown(v);
         if (a.is_exact_zero()) return {v, 0};
         // The underflow loss of a product is added before the division, because the divisor may be small.
         const F numerator = a.error_ + (magnitude(v) + smallest_subnormal) * b.error_ +
                             (a.error_ > 0 || b.error_ > 0 ? smallest_subnormal : F(0));
-        return with_rounding_error(v, numerator / least_divisor, rounding_bound(v), a, b);
+        return with_rounding_error(v, numerator / min_divisor, rounding_bound(v), a, b);
     }
     Bounded& operator+=(const Bounded& b) { return *this = *this + b; }
     Bounded& operator-=(const Bounded& b) { return *this = *this - b; }
@@ -102,9 +102,9 @@ public:
         const F v = sqrt(a.value_);
         if (a.is_exact_zero() || a.is_exact_infinity()) return {v, 0};
         if (a.error_ == 0 && a.value_ < 0) return {v, 0};  // NaN in any arithmetic
-        const F least_radicand = a.value_ * (1 - 4 * u) - a.error_;
-        if (a.error_ > 0 && !(least_radicand >= 0)) return unknown(v);
-        return with_rounding_error(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(least_radicand) * (1 - 4 * u)),
+        const F min_radicand = a.value_ * (1 - 4 * u) - a.error_;
+        if (a.error_ > 0 && !(min_radicand >= 0)) return unknown(v);
+        return with_rounding_error(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(min_radicand) * (1 - 4 * u)),
                                    rounding_bound(v), a, a);
     }
     friend Bounded fma(const Bounded& a, const Bounded& b, const Bounded& c) {

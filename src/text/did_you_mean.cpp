@@ -5,11 +5,11 @@
 namespace lostbits::text {
 namespace {
 
-constexpr std::size_t most_listed = 12;
+constexpr std::size_t max_listed = 12;
 
 char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-int most_edits(std::size_t letters) {
+int max_edits(std::size_t letters) {
     if (letters == 0) return 0;
     if (letters <= 5) return 1;
     if (letters <= 8) return 2;
@@ -35,9 +35,9 @@ bool is_subsequence(std::string_view part, std::string_view whole) {
 }  // namespace
 
 std::string excerpt(std::string_view text) {
-    constexpr std::size_t most_bytes = 400;
-    if (text.size() <= most_bytes) return std::string(text);
-    std::size_t end = most_bytes / 4;
+    constexpr std::size_t max_bytes = 400;
+    if (text.size() <= max_bytes) return std::string(text);
+    std::size_t end = max_bytes / 4;
     while ((text[end] & 0xC0) == 0x80) --end;  // so that no letter is cut
     return std::string(text.substr(0, end)) + "... (" + std::to_string(text.size()) + " bytes)";
 }
@@ -69,7 +69,7 @@ namespace {
 /// name.
 class FewestEdits {
 public:
-    explicit FewestEdits(std::string_view word) : edits(most_edits(word.size()) + 1), word_(word) {}
+    explicit FewestEdits(std::string_view word) : edits(max_edits(word.size()) + 1), word_(word) {}
     void consider(std::string_view part, const std::string& candidate) {
         // Each edit changes the length by at most one, so a name of a megabyte is rejected at once.
         const std::size_t longer = std::max(word_.size(), part.size()), shorter = std::min(word_.size(), part.size());
@@ -134,9 +134,9 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
         return "did you mean " + quoted_excerpt(*closest_name) + "?";
     const std::vector<std::string> ordered = most_alike_first(word, candidates);
     std::string text = "known here: ";
-    for (std::size_t i = 0; i < std::min(ordered.size(), most_listed); ++i)
+    for (std::size_t i = 0; i < std::min(ordered.size(), max_listed); ++i)
         text += (i > 0 ? ", " : "") + quoted_excerpt(ordered[i]);
-    if (candidates.size() > most_listed) text += " and " + std::to_string(candidates.size() - most_listed) + " more";
+    if (candidates.size() > max_listed) text += " and " + std::to_string(candidates.size() - max_listed) + " more";
     return text;
 }
 

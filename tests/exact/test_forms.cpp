@@ -279,7 +279,7 @@ constexpr Decided decided_of[] = {
     {"torus.pov_ray", 0, 0},         {"torus.brl_cad", 0, 0},        {"torus.double_inside", 0, 0},
     {"torus.closest_approach", 0, 0}};
 
-Decided least_decided(std::string_view form) {
+Decided min_decided(std::string_view form) {
     const Decided* const row = std::ranges::find(decided_of, form, &Decided::name);
     return row == std::end(decided_of) ? Decided{form, 96, 96} : *row;
 }
@@ -327,7 +327,7 @@ TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exac
                                  << e.doubles);
             CHECK(e.wrong == 0);
             CHECK(e.contradictory == 0);
-            const Decided least = least_decided(form.info->name);
+            const Decided least = min_decided(form.info->name);
             CHECK(100 * e.decided[1] >= least.hits * e.asked[1]);
             CHECK(100 * e.decided[0] >= least.misses * e.asked[0]);
             CHECK((e.asked[0] > 0 && e.asked[1] > 0));

@@ -18,7 +18,7 @@ namespace lostbits::intersect::simd {
 /// The least distance over the primitives, as in `intersect::table::Union`. Inlined into the forms, the distances of
 /// all shapes were a sixth of the code of a width.
 template <class P, class F>
-[[gnu::noinline, gnu::flatten]] P least_distance(const RawTarget<F>& target, const Vec<P>& p) {
+[[gnu::noinline, gnu::flatten]] P min_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
     for (std::size_t k = 0; k < target.primitives; ++k) {
         const F* const n = target.numbers + max_shape_numbers * k;
@@ -36,7 +36,7 @@ template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     sdf::NoMarchWatch unwatched;
     return Form::intersect(
-        ray, [&target](const Vec<P>& p) { return least_distance<P>(target, p); },
+        ray, [&target](const Vec<P>& p) { return min_distance<P>(target, p); },
         transformed(target.march, [](const F& x) { return P(x); }), unwatched);
 }
 

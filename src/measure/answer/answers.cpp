@@ -247,10 +247,10 @@ void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
                      Answers& answers) {
     answers.claimed.resize(in.candidates->pair_count());
     // Pairs of one part stay in a cache. Far from a large mesh a ray has all of its triangles as candidates.
-    constexpr std::size_t most_rays = 512, least_rays = 4, most_pairs = 1 << 18;
+    constexpr std::size_t max_rays = 512, min_rays = 4, max_pairs = 1 << 18;
     const std::size_t pairs_per_ray = in.candidates->pair_count() / std::max(rays.size(), std::size_t{1}) + 1;
-    const std::size_t rays_per_part = in_one_call ? std::max(rays.size(), std::size_t{1})
-                                                  : std::clamp(most_pairs / pairs_per_ray, least_rays, most_rays);
+    const std::size_t rays_per_part =
+        in_one_call ? std::max(rays.size(), std::size_t{1}) : std::clamp(max_pairs / pairs_per_ray, min_rays, max_rays);
     const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         PairColumns<S> pairs(rays, in, part * rays_per_part, std::min((part + 1) * rays_per_part, rays.size()));

@@ -51,7 +51,7 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
     return observed;
 }
 
-constexpr std::size_t most_primitives = 64;
+constexpr std::size_t max_primitives = 64;
 /// Numbers of rays that check the bounds: `drawn_rays_per_box` rays in each of `drawn_boxes` boxes.
 constexpr std::size_t drawn_boxes = 64;
 constexpr int drawn_rays_per_box = 64;
@@ -118,7 +118,7 @@ bool contains(const InputBox& box, const std::vector<double>& ray) {
 /// Error bound in ulps of the smallest |t| of a box.
 double ulps_of(const BoxBound& bound, const FloatFormat& f) {
     if (!(bound.error < HUGE_VAL)) return HUGE_VAL;
-    const long exponent = bound.least_t > 0 ? std::ilogb(bound.least_t) : f.emin;
+    const long exponent = bound.min_t > 0 ? std::ilogb(bound.min_t) : f.emin;
     return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
 }
 
@@ -165,7 +165,7 @@ void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, d
     // Shows which operations the bound of the worst box comes from.
     if (!worst) return;
     for (const double contribution : bound.node_contributions(worst->box))
-        result.node_contributions.push_back(ulps_of({.error = contribution, .least_t = worst->bound.least_t}, f));
+        result.node_contributions.push_back(ulps_of({.error = contribution, .min_t = worst->bound.min_t}, f));
 }
 
 }  // namespace
@@ -216,11 +216,11 @@ std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_
 RangesBound bound_over_ranges(const RangesRequest& request) {
     const GivenRays given(request);
     const std::size_t primitive_count = given.primitive_count();
-    if (primitive_count > most_primitives)
+    if (primitive_count > max_primitives)
         throw InputError(
             fmt::format("{}: it has {} primitives. Bounds over ranges are computed for each primitive separately, "
                         "for at most {} of them; write the primitives that you need into a scene of their own",
-                        request.id(), primitive_count, most_primitives));
+                        request.id(), primitive_count, max_primitives));
 
     // The operations of the form, which are the same for all primitives.
     const Primitive<double> first = given.primitive(0);

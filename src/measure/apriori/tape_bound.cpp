@@ -201,7 +201,7 @@ BoxBound TapeBound::bound_over(const InputBox& box) const {
     bound.decides = !hit.exact_decision.is_unknown() && hit.exact_decision == hit.computed_decision;
     const EnclosedNode& t = nodes[static_cast<std::size_t>(tape_.outputs.t)];
     if (bound.misses || !t.is_known) return bound;
-    bound.least_t = lower_magnitude(t.exact);
+    bound.min_t = lower_magnitude(t.exact);
     const auto slope = slopes_of_t(tape_, nodes);
     if (!slope) return bound;
     Interval error(0);

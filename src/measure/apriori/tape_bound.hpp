@@ -36,7 +36,7 @@ struct BoxBound {
     bool decides = false;  ///< true if hit or miss is known, and the same with and without rounding
     /// Upper bound of |t^ − t| wherever both hit, in units of t; infinite if unknown.
     double error = HUGE_VAL;
-    double least_t = 0;  ///< lower bound of |t|
+    double min_t = 0;  ///< lower bound of |t|
 };
 
 /// Bounds the error of a form that performs the same operations for every ray (`tape::record_tape`), over any number of

@@ -68,7 +68,7 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
 /// Finds the operations by which a written formula builds its constants: m·2^e, from an integer m of 20 bits. In double
 /// each of these operations is exact.
 void TapeText::find_numbers() {
-    constexpr int least_piece = 1 << 19;
+    constexpr int min_piece = 1 << 19;
     struct Number {
         bool is_known = false;
         bool has_piece = false;  ///< true if an integer m is part of it
@@ -79,7 +79,7 @@ void TapeText::find_numbers() {
         const TapeNode& n = tape_[i];
         Number& number = numbers[static_cast<std::size_t>(i)];
         if (n.op == TapeOp::constant) {
-            number = {true, n.operands[0] >= least_piece, static_cast<double>(n.operands[0])};
+            number = {true, n.operands[0] >= min_piece, static_cast<double>(n.operands[0])};
             continue;
         }
 

@@ -63,7 +63,7 @@ double speed_ratio(const Claim& claim, const TimingSubject& subject, std::size_t
         {{subject.baseline_form, subject.baseline_kernel, claim.format}, {claim.form, subject.kernel, claim.format}},
         bytes);
     const auto samples = trade::sample_interleaved(
-        work, {.repetitions = trade::fits_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
+        work, {.repetitions = trade::fits_in_cache(bytes) ? 101 : 15, .min_seconds = 1e-3, .stop = stop});
     return trade::summarise_ratios(samples[0], samples[1]).median;
 }
 
@@ -145,7 +145,7 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& baselin
     std::vector<trade::TimedWork> work;
     for (const TestedForm& tested_form : {timeable_form(claim, scene), timeable_form(baseline_claim, scene)})
         work.push_back(scene_work.work_for(tested_form, intersect::simd::packed_kernels(*tested_form.form)));
-    const auto samples = trade::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
+    const auto samples = trade::sample_interleaved(work, {.repetitions = 101, .min_seconds = 1e-3, .stop = stop});
     return trade::summarise_ratios(samples[0], samples[1]).median;
 }
 

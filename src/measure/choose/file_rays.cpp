@@ -13,7 +13,7 @@ public:
     void add(const scene::dump::Chunk& chunk) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if ((chunk.first + i) % step_ != 0) continue;
-            if (sample_.rays.size() == most_rays) halve();
+            if (sample_.rays.size() == max_rays) halve();
             // halve() doubles `step_`, so this ray may no longer be in the sample.
             if ((chunk.first + i) % step_ != 0) continue;
             sample_.rays.push(chunk.rays[i]);
@@ -32,7 +32,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most_rays = 4096;
+    static constexpr std::size_t max_rays = 4096;
 
     void halve() {
         step_ *= 2;

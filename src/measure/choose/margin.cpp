@@ -184,11 +184,10 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
     if (request.scene) {
         // Far away, rounding makes every triangle of a mesh a possible hit, so each ray is tested against each
         // triangle.
-        constexpr std::size_t most_pairs = 1 << 24;
+        constexpr std::size_t max_pairs = 1 << 24;
         const std::size_t faces = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
-        const int most_pixels = std::min(pixels, static_cast<int>(std::max<std::size_t>(most_pairs / faces, 64)));
-        measure_at = [&, small_scene = with_smaller_picture(*request.scene, most_pixels)](Growth growth,
-                                                                                          double factor) {
+        const int max_pixels = std::min(pixels, static_cast<int>(std::max<std::size_t>(max_pairs / faces, 64)));
+        measure_at = [&, small_scene = with_smaller_picture(*request.scene, max_pixels)](Growth growth, double factor) {
             return measure_scene(request, tested_form, small_scene, growth, factor);
         };
     } else {
@@ -206,17 +205,17 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
 
 std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
                                         truth::ProofLimit limit, int pixels) {
-    constexpr std::size_t most_tests = 1 << 16;
-    constexpr std::size_t most_near_triangles = 64;  // each point is tested against at most this many
+    constexpr std::size_t max_tests = 1 << 16;
+    constexpr std::size_t max_near_triangles = 64;  // each point is tested against at most this many
     const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0,
                       other_primitives = scene.primitive_count() - faces;
-    if (other_primitives + faces == 0 || other_primitives > offset::most_primitives ||
+    if (other_primitives + faces == 0 || other_primitives > offset::max_primitives ||
         !offset::can_measure_offsets(*tested_form.form))
         return std::nullopt;
 
     // Measures as many pixels as the tests of their points allow.
-    const std::size_t tests_per_point = other_primitives + std::min(faces, most_near_triangles);
-    const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_tests / tests_per_point, 64, 65536));
+    const std::size_t tests_per_point = other_primitives + std::min(faces, max_near_triangles);
+    const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(max_tests / tests_per_point, 64, 65536));
     const scene::file::Scene small_scene = with_smaller_picture(scene, std::min(pixels, affordable_pixels));
     const offset::OffsetStudy offset_study{.scene = small_scene,
                                            .tested_forms = {{tested_form}},

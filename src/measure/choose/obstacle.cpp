@@ -19,7 +19,7 @@ using truth::Truth;
 namespace {
 
 /// Limits: each ray is tested against every primitive, in arithmetic of 256 bits.
-constexpr std::size_t most_trial_pairs = 1 << 17, most_primitives = 1024;
+constexpr std::size_t max_trial_pairs = 1 << 17, max_primitives = 1024;
 
 /// Measures the truth of the stored inputs against the truth of the ideal ones, as an answer without rounding.
 FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& tested_form,
@@ -156,7 +156,7 @@ private:
                                                                                                         : failing) =
                 precision;
         }
-        obstacle_.least_precision = sufficient;
+        obstacle_.min_precision = sufficient;
     }
 
     const ChoiceRequest& request_;
@@ -188,16 +188,16 @@ struct TrialRays {
 
 void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& rays) {
     const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
-    const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
+    const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(max_trial_pairs / primitives, 64, 65536));
     rays.scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
     rays.band.emplace(*rays.scene, 0, rays.scene->height, request.limit);
-    if (primitives <= most_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
+    if (primitives <= max_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
 }
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
     const auto& sample = request.rays->sample;
     const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
-    const auto affordable_rays = std::max<std::size_t>(64, most_trial_pairs / primitives);
+    const auto affordable_rays = std::max<std::size_t>(64, max_trial_pairs / primitives);
     const auto smaller_sample =
         sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));
     rays.band.emplace(smaller_sample, request.limit);

@@ -49,7 +49,7 @@ struct Obstacle {
     /// Index of the trial with the fewest wide inputs with which exact arithmetic meets the requirement, and the least
     /// precision that these inputs need. Nothing if no input has to be wider, or if widening all of them is not enough.
     std::optional<std::size_t> sufficient_trial{};
-    int least_precision = 0;
+    int min_precision = 0;
 };
 
 /// Finds why the row nearest to the request's requirement does not meet it. Uses at most `pixels` rays.

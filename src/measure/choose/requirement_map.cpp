@@ -100,7 +100,7 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_f
 
 }  // namespace
 
-double RequirementMap::least_time(const std::vector<Candidate>& candidates) const {
+double RequirementMap::min_time(const std::vector<Candidate>& candidates) const {
     double sum = 0;
     std::uint64_t count = 0;
     for (std::size_t c = 0; c < candidates.size(); ++c) {

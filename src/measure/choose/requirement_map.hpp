@@ -55,7 +55,7 @@ struct RequirementMap {
     /// Mean seconds for one ray and primitive if each pixel uses its cheapest candidate, over the pixels at which any
     /// candidate meets the requirement. Every method of switching between forms takes at least this long. NaN if there
     /// is no such pixel.
-    [[nodiscard]] double least_time(const std::vector<Candidate>& candidates) const;
+    [[nodiscard]] double min_time(const std::vector<Candidate>& candidates) const;
 };
 
 /// `met_pixels` belongs to the request's forms, in their order, and is already filled. `untimed_forms` are in

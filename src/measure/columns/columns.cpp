@@ -147,7 +147,7 @@ double find_errors(std::span<const double> answers, const TrueLengths& true_leng
                     column_from(out.relative, begin), column_from(out.absolute, begin)},
             .precision = static_cast<double>(format.precision),
             .ulps_of_binade = std::ldexp(1.0, format.precision - 1),
-            .most_inverse = std::ldexp(1.0, -format.emin),
+            .max_inverse = std::ldexp(1.0, -format.emin),
             .largest = largest,
             .unhandled = block_indices.raw()};
 

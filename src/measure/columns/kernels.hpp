@@ -39,7 +39,7 @@ struct Pass {
         if constexpr (is_whole) {
             return P::load(column + i);
         } else {
-            double lanes[most_lanes];
+            double lanes[max_lanes];
             for (std::size_t k = 0; k < P::lanes; ++k)
                 lanes[k] = k < remaining ? column[i + k] : std::numeric_limits<double>::quiet_NaN();
             return P::load(lanes);
@@ -49,7 +49,7 @@ struct Pass {
         if constexpr (is_whole) {
             x.store(column + i);
         } else {
-            double lanes[most_lanes];
+            double lanes[max_lanes];
             x.store(lanes);
             for (std::size_t k = 0; k < remaining; ++k) column[i + k] = lanes[k];
         }
@@ -58,7 +58,7 @@ struct Pass {
     template <class Mask>
     void leave_to_scalar(const Mask& mask, RawUnhandledRays& unhandled) const {
         if (!any_of(mask)) return;
-        bool is_selected[most_lanes];
+        bool is_selected[max_lanes];
         mask.store(is_selected);
         for (std::size_t k = 0; k < P::lanes; ++k) {
             if (is_selected[k]) unhandled.indices[unhandled.count++] = static_cast<std::uint32_t>(i + k);
@@ -95,7 +95,7 @@ template <class Width>
 
     const std::size_t size = batch.size;
     const P low(0x1p-400), high(0x1p+400), nan(std::numeric_limits<double>::quiet_NaN());
-    const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), most_inverse(batch.most_inverse);
+    const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), max_inverse(batch.max_inverse);
     P largest(batch.largest);
     RawUnhandledRays unhandled = batch.unhandled;
 
@@ -111,7 +111,7 @@ template <class Width>
         const TwoWords<P> sum = stages::sum_of<P>(raw_difference.hi, tail);
         const P difference = sum.hi + (sum.lo + raw_difference.lo + P(0));
 
-        const P ulps = difference * (min(pass.load(inverses), most_inverse) * ulps_of_binade);
+        const P ulps = difference * (min(pass.load(inverses), max_inverse) * ulps_of_binade);
         const P magnitude = abs(ulps);
         pass.store(select(is_in_range, ulps, nan), ulp_out);
         largest = max(select(is_in_range, magnitude, P(0)), largest);
@@ -128,7 +128,7 @@ template <class Width>
     });
 
     batch.unhandled = unhandled;
-    double lanes[most_lanes];
+    double lanes[max_lanes];
     largest.store(lanes);
     for (std::size_t k = 0; k < P::lanes; ++k) batch.largest = batch.largest < lanes[k] ? lanes[k] : batch.largest;
 }
@@ -138,7 +138,7 @@ template <class Width>
 template <class Width>
 [[gnu::flatten]] void add_absolute_values(RawAbsoluteSums& batch) {
     using P = Pack<double, Width>;
-    constexpr std::size_t packs = most_lanes / P::lanes;
+    constexpr std::size_t packs = max_lanes / P::lanes;
     const double* const values = batch.values;
     const std::size_t size = batch.size;
 
@@ -162,7 +162,7 @@ template <class Width>
 
     // Adds whole blocks, then the rest.
     std::size_t i = 0;
-    for (; i + most_lanes <= size; i += most_lanes) {
+    for (; i + max_lanes <= size; i += max_lanes) {
         for (std::size_t k = 0; k < packs; ++k) add(k, P::load(values + i + k * P::lanes));
     }
     for (std::size_t k = 0; i < size; ++k, i += P::lanes)
@@ -173,7 +173,7 @@ template <class Width>
     }
 
     // Sums the lanes.
-    double lanes[4][most_lanes];
+    double lanes[4][max_lanes];
     count.store(lanes[0]);
     zeros.store(lanes[1]);
     beyond.store(lanes[2]);

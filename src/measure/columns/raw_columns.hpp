@@ -9,7 +9,7 @@
 namespace lostbits::measure::columns {
 
 /// Number of doubles in the widest registers.
-inline constexpr std::size_t most_lanes = 8;
+inline constexpr std::size_t max_lanes = 8;
 
 /// Rays that a kernel cannot handle and leaves to the scalar functions: `count` indices in ascending order.
 struct RawUnhandledRays {
@@ -27,7 +27,7 @@ struct RawErrors {
     double* out[columns_out];      ///< null for columns that are not requested; `ulp` is required
     double precision;              ///< p
     double ulps_of_binade;         ///< 2^(p − 1)
-    double most_inverse;           ///< 2^−emin
+    double max_inverse;            ///< 2^−emin
     double largest;                ///< input and output: the largest |ulp| so far
     RawUnhandledRays unhandled;
 };
@@ -47,7 +47,7 @@ struct RawResiduals {
 struct RawAbsoluteSums {
     std::size_t size;
     const double* values;
-    double hi[most_lanes], lo[most_lanes];  ///< sums over sizes up to `largest_summed`: sample i in lane i mod 8
+    double hi[max_lanes], lo[max_lanes];  ///< sums over sizes up to `largest_summed`: sample i in lane i mod 8
     double largest;
     std::uint64_t count, zeros, beyond;  ///< `beyond` counts sizes above `largest_summed`, including infinity
 };

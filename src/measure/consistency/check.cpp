@@ -15,7 +15,7 @@ namespace {
 /// Returns the tree over the triangles of a large mesh; null for scenes whose primitives are all tested.
 std::shared_ptr<const culling::PrimitiveIndex> find_tree(const truth::Band& band, const FloatFormat& format,
                                                          const scene::rays::PrimitiveList<double>& primitives) {
-    if (primitives.size() <= offset::most_primitives || !primitives.mesh() || !band.culler()) return nullptr;
+    if (primitives.size() <= offset::max_primitives || !primitives.mesh() || !band.culler()) return nullptr;
     return band.culler()->index_for_stored_truth(format, primitives);
 }
 
@@ -33,7 +33,7 @@ FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& fo
 
 scene::rays::RayGroup FormOnBand::group_to_explain(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
-    const bool has_few = inputs.primitives.size() <= truth::Band::most_original_primitives;
+    const bool has_few = inputs.primitives.size() <= truth::Band::max_original_primitives;
     std::vector<Primitive<double>> primitives;
     if (has_few || inputs.primitives.mesh() == nullptr) primitives = inputs.primitives.all();
     if (!primitives.empty() && std::ranges::all_of(primitives, takes_tmax, &Primitive<double>::shape))

@@ -114,7 +114,7 @@ struct BandAmongPrimitives {
     std::unique_ptr<truth::Band> band;
 
     BandAmongPrimitives(const FormOnBand& band_form, const std::vector<Primitive<double>>& primitives) {
-        if (primitives.size() > offset::most_primitives)
+        if (primitives.size() > offset::max_primitives)
             culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives),
                                                        band_form.inputs.rays);
         scene::rays::RayGroup group{.rays = band_form.inputs.rays, .primitives = primitives};
@@ -172,7 +172,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
         out.set(i, result, [&] {
             TwoRays two_rays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
                              scene::rays::group_of(band_form.inputs.rays[i])};
-            if (converted.size() <= truth::Band::most_original_primitives) two_rays.second.primitives = converted;
+            if (converted.size() <= truth::Band::max_original_primitives) two_rays.second.primitives = converted;
             return two_rays;
         });
     }

@@ -54,7 +54,7 @@ double growth_of(const Primitive<double>& primitive, const RayBounds& rays, cons
 }
 
 /// Smaller lengths are roots of squares that may have lost bits, or all of them, to underflow.
-constexpr double least_trusted = 0x1p-400;
+constexpr double min_trusted = 0x1p-400;
 
 /// Box of a primitive; with a matrix, the box of the ball around the primitive. Nothing if the box cannot be trusted,
 /// and for a primitive without a box: a plane, or one under a stored inverse.
@@ -62,7 +62,7 @@ std::optional<BoundingBox<double>> wide_box_of(const Primitive<double>& primitiv
     if (!has_bounding_box(primitive.shape) || (primitive.placed && primitive.placed->is_inverse)) return std::nullopt;
     if (primitive.placed) {
         const auto object_ball = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
-        if (!(std::min(object_ball.radius, frobenius(primitive.placed->map().rows)) >= least_trusted))
+        if (!(std::min(object_ball.radius, frobenius(primitive.placed->map().rows)) >= min_trusted))
             return std::nullopt;
         const auto ball = ball_around(primitive);
         const double radius = ball.radius * (1 + 0x1p-40);  // the radius of the ball is rounded
@@ -167,7 +167,7 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
             primitive.placed ? 2 * matrix.condition * matrix.condition * rounding : rounding;
         if (!box || (primitive.placed && format && !(primitive_rounding < 0x1p-5))) {
             tree->unboxed_.push_back(i);
-            if (!has_mesh && tree->unboxed_.size() > most_unboxed) return nullptr;
+            if (!has_mesh && tree->unboxed_.size() > max_unboxed_primitives) return nullptr;
             continue;
         }
         tree->order_.push_back(i);
@@ -197,12 +197,12 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
 }
 
 std::uint32_t BoxTree::nodes_over(std::uint32_t count) {
-    return count <= most_in_leaf ? 0 : 1 + nodes_over(count / 2) + nodes_over(count - count / 2);
+    return count <= max_primitives_in_leaf ? 0 : 1 + nodes_over(count / 2) + nodes_over(count - count / 2);
 }
 
 void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end) {
     // Writes the child: a leaf, or a node that follows.
-    const bool is_leaf = end - begin <= most_in_leaf;
+    const bool is_leaf = end - begin <= max_primitives_in_leaf;
     Corners box = boxes[order_[begin]];
     for (std::uint32_t i = begin; i < end; ++i) box = union_of(box, boxes[order_[i]]);
     Node& node = nodes_[child.node];
@@ -232,7 +232,7 @@ void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_
     }
 }
 
-double BoxTree::least_distance(const Vec<double>& p, const Node& node, std::size_t child) const {
+double BoxTree::min_distance(const Vec<double>& p, const Node& node, std::size_t child) const {
     Vec<double> outside(0, 0, 0);
     double size = reach_;
     for (int k = 0; k < 3; ++k) {
@@ -254,7 +254,7 @@ void BoxTree::find_within(const Vec<double>& p, double distance, std::vector<std
         pending.pop_back();
         const Node& node = nodes_[i];
         for (std::size_t c = 0; c < 2; ++c) {
-            if (least_distance(p, node, c) > distance) continue;
+            if (min_distance(p, node, c) > distance) continue;
             primitives.insert(primitives.end(), leaf(node, c).begin(), leaf(node, c).end());
             if (node.has_node(c)) pending.push_back(node.next[c]);
         }
@@ -276,7 +276,7 @@ bool is_invalid(const Ray<double>& ray) {
 
 /// Smaller components of a direction whose largest component is at least 1 are replaced by this, so that 1/d stays
 /// finite.
-constexpr double least_component = 0x1p-1000;
+constexpr double min_component = 0x1p-1000;
 
 /// Upper bound of |v|, even if squares overflow or underflow.
 double safe_length(const Vec<double>& v) {
@@ -333,7 +333,7 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
     // A ray that cannot be tested has all primitives as candidates, or the first ones.
     if (is_invalid(ray)) {
         candidates.insert(candidates.end(), order.begin(),
-                          order.begin() + std::min(order.size(), most_for_invalid_ray));
+                          order.begin() + std::min(order.size(), max_primitives_for_invalid_ray));
         return;
     }
     const Vec<double> o(std::ldexp(ray.origin.x, -tree.shift_), std::ldexp(ray.origin.y, -tree.shift_),
@@ -356,7 +356,7 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
         exit_corner_[k] = is_positive ? k + 3 : k;
         entry_origin_[k] = is_positive ? o[axis] + margin : o[axis] - margin;
         exit_origin_[k] = is_positive ? o[axis] - margin : o[axis] + margin;
-        inverse_[k] = std::copysign(1 / std::max(std::fabs(d[axis]), least_component), d[axis]);
+        inverse_[k] = std::copysign(1 / std::max(std::fabs(d[axis]), min_component), d[axis]);
     }
     pending_[pending_count_++] = 0;
 }

@@ -43,15 +43,15 @@ namespace lostbits::measure::culling {
 class BoxTree : public PrimitiveIndex {
 public:
     /// Limit on the primitives without a box: they are tested for every ray.
-    static constexpr std::size_t most_unboxed = 64;
+    static constexpr std::size_t max_unboxed_primitives = 64;
 
     /// Limit on the candidates of a ray with a number that is not finite or without a direction. Such a ray meets
     /// nothing; the answers of forms to it are measured on small scenes.
-    static constexpr std::size_t most_for_invalid_ray = 1024;
+    static constexpr std::size_t max_primitives_for_invalid_ray = 1024;
 
-    /// Returns nothing if no primitive has a box, or if more than `most_unboxed` have none. Meshes always have a tree,
-    /// because their cracks are found among its candidates. `format` null: for the truth. `bounds` matters only to
-    /// forms of primitives with a length; if it is not finite, these primitives have no box.
+    /// Returns nothing if no primitive has a box, or if more than `max_unboxed_primitives` have none. Meshes always
+    /// have a tree, because their cracks are found among its candidates. `format` null: for the truth. `bounds` matters
+    /// only to forms of primitives with a length; if it is not finite, these primitives have no box.
     static std::shared_ptr<const BoxTree> make(const scene::rays::PrimitiveList<double>& primitives,
                                                const RayBounds& bounds, const FloatFormat* format);
 
@@ -67,12 +67,12 @@ public:
     /// finite.
     template <class Distance>
     [[nodiscard]] std::uint32_t nearest(const Vec<double>& p, const Distance& distance) const {
-        double least_distance_so_far = HUGE_VAL;
+        double smallest_distance_so_far = HUGE_VAL;
         std::uint32_t nearest_primitive = 0;
         const auto test = [&](std::uint32_t primitive) {
             const double d = distance(primitive);
-            if (d < least_distance_so_far || (d == least_distance_so_far && primitive < nearest_primitive)) {
-                least_distance_so_far = d;
+            if (d < smallest_distance_so_far || (d == smallest_distance_so_far && primitive < nearest_primitive)) {
+                smallest_distance_so_far = d;
                 nearest_primitive = primitive;
             }
         };
@@ -87,13 +87,13 @@ public:
         while (!pending.empty()) {
             const auto [least_below, i] = pending.back();
             pending.pop_back();
-            if (least_below > least_distance_so_far) continue;
+            if (least_below > smallest_distance_so_far) continue;
             const Node& node = nodes_[i];
-            std::array<std::pair<double, std::size_t>, 2> children{std::pair(least_distance(p, node, 0), 0),
-                                                                   std::pair(least_distance(p, node, 1), 1)};
+            std::array<std::pair<double, std::size_t>, 2> children{std::pair(min_distance(p, node, 0), 0),
+                                                                   std::pair(min_distance(p, node, 1), 1)};
             if (children[0].first < children[1].first) std::swap(children[0], children[1]);
             for (const auto& [distance_of_child, c] : children) {
-                if (distance_of_child > least_distance_so_far) continue;
+                if (distance_of_child > smallest_distance_so_far) continue;
                 for (const std::uint32_t primitive : leaf(node, c)) test(primitive);
                 if (node.has_node(c)) pending.push_back({distance_of_child, node.next[c]});
             }
@@ -114,7 +114,7 @@ private:
     [[nodiscard]] std::span<const std::uint32_t> leaf(const Node& node, std::size_t c) const {
         return std::span(order_).subspan(node.count[c] == 0 ? 0 : node.next[c], node.count[c]);
     }
-    static constexpr std::size_t most_in_leaf = 4;
+    static constexpr std::size_t max_primitives_in_leaf = 4;
     class Walk;
 
     /// Number of nodes in a child over that many primitives.
@@ -126,7 +126,7 @@ private:
     /// Builds a child over the primitives from `begin` to `end` in `order_`.
     void build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end);
     /// Lower bound of the distance of p from the box of a child, by the margin of distances.
-    [[nodiscard]] double least_distance(const Vec<double>& p, const Node& node, std::size_t child) const;
+    [[nodiscard]] double min_distance(const Vec<double>& p, const Node& node, std::size_t child) const;
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> order_, unboxed_;

@@ -64,7 +64,7 @@ double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + 
 
 /// Upper bound of the sum B of squares, and the radius of the smallest sphere.
 struct Extent {
-    double sum = 0, least_radius = HUGE_VAL;
+    double sum = 0, min_radius = HUGE_VAL;
 };
 
 std::optional<Extent> measure_extent(const PrimitiveList<double>& primitives, const RayBounds& rays) {
@@ -78,7 +78,7 @@ std::optional<Extent> measure_extent(const PrimitiveList<double>& primitives, co
         const double distance = size_of(ball.centre) + ball.radius;
         if (!(ball.radius > 0) || !std::isfinite(distance)) return std::nullopt;
         reach = std::max(reach, distance);
-        extent.least_radius = std::min(extent.least_radius, ball.radius);
+        extent.min_radius = std::min(extent.min_radius, ball.radius);
     }
     extent.sum = sum_of_squares(rays.origin, reach);
     return extent;
@@ -108,13 +108,13 @@ RayBounds bounds_of(const scene::rays::RayBlock& rays) {
         if (!std::isfinite(d) || !std::isfinite(size_of(ray.origin))) return {HUGE_VAL, 0, HUGE_VAL};
         bounds.origin = std::max(bounds.origin, size_of(ray.origin));
         bounds.direction = std::max(bounds.direction, d);
-        bounds.least_direction = std::min(bounds.least_direction, d);
+        bounds.min_direction = std::min(bounds.min_direction, d);
     }
     return bounds;
 }
 
 RayBounds join(const RayBounds& a, const RayBounds& b) {
-    return {std::max(a.origin, b.origin), std::min(a.least_direction, b.least_direction),
+    return {std::max(a.origin, b.origin), std::min(a.min_direction, b.min_direction),
             std::max(a.direction, b.direction)};
 }
 
@@ -123,9 +123,9 @@ double sum_of_squares(double origin, double reach) {
 }
 
 bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& f) {
-    const double d2 = rays.direction * rays.direction, least_d2 = rays.least_direction * rays.least_direction;
+    const double d2 = rays.direction * rays.direction, min_d2 = rays.min_direction * rays.min_direction;
     const double largest = 64 * std::max({sum * d2, sum * d2 * d2, sum, d2}),
-                 smallest = radius * radius * std::min({1.0, least_d2, least_d2 * least_d2});
+                 smallest = radius * radius * std::min({1.0, min_d2, min_d2 * min_d2});
     return std::log2(largest) < f.emax && std::log2(smallest) > f.emin + f.precision;
 }
 
@@ -138,7 +138,7 @@ PrimitiveList<double> shared_of(const scene::file::Scene& scene) {
 }
 
 bool are_many(const PrimitiveList<double>& primitives) {
-    return primitives.size() >= least_primitives || primitives.mesh() != nullptr;
+    return primitives.size() >= min_primitives || primitives.mesh() != nullptr;
 }
 
 /// Index of spheres if possible: a flake of millions takes one byte for each sphere in it, and about 60 in a tree.
@@ -156,7 +156,7 @@ Culler::Culler(const scene::file::Scene& scene) {
     if (has_own_inputs)
         ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::ideal_primitive_list(scene);
     else stored_ = shared_of(scene);
-    if (scene.primitive_count() < least_primitives && !scene.mesh) return;
+    if (scene.primitive_count() < min_primitives && !scene.mesh) return;
 
     // Bounds of the rays.
     if (scene.camera.rays) {  // rays that a format computes have no bounds
@@ -170,7 +170,7 @@ Culler::Culler(const scene::file::Scene& scene) {
     }
 
     // Ideal rays may have numbers that doubles cannot hold.
-    if (has_own_inputs && !(std::isfinite(bounds_.origin) && bounds_.least_direction > 0)) return;
+    if (has_own_inputs && !(std::isfinite(bounds_.origin) && bounds_.min_direction > 0)) return;
     truth_ = make_index(has_own_inputs ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
@@ -212,7 +212,7 @@ std::shared_ptr<const PrimitiveIndex> Culler::index_for(Use use, const FloatForm
         const double u = std::ldexp(1.0, -format.precision);
         entry->second = make_index(
             primitives,
-            {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
+            {bounds_.origin * (1 + 2 * u), bounds_.min_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
             use == Use::forms ? &format : nullptr);
     }
     return entry->second;
@@ -220,11 +220,10 @@ std::shared_ptr<const PrimitiveIndex> Culler::index_for(Use use, const FloatForm
 
 std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>& primitives, const RayBounds& rays,
                                                      const FloatFormat* format) {
-    if (primitives.size() < least_primitives || !std::isfinite(rays.origin) || !(rays.least_direction > 0))
-        return nullptr;
+    if (primitives.size() < min_primitives || !std::isfinite(rays.origin) || !(rays.min_direction > 0)) return nullptr;
     const auto extent = measure_extent(primitives, rays);
     const auto is_safe_in = [&](const FloatFormat& f) {
-        return squares_are_safe(extent->sum, extent->least_radius, rays, f);
+        return squares_are_safe(extent->sum, extent->min_radius, rays, f);
     };
     if (!extent || !is_safe_in(binary64) || (format && !is_safe_in(*format))) return nullptr;
 

@@ -20,7 +20,7 @@
 namespace lostbits::measure::culling {
 
 /// Number of primitives from which on an index is worthwhile.
-inline constexpr std::size_t least_primitives = 64;
+inline constexpr std::size_t min_primitives = 64;
 
 /// Index that finds candidates among many primitives, for rays within stated bounds. The candidates are a superset:
 /// they include every primitive that the line of the ray meets at t ≥ 0.
@@ -59,8 +59,8 @@ private:
 
 /// Bounds on the numbers of all rays of a picture.
 struct RayBounds {
-    double origin = 0;                          ///< upper bound of |origin|
-    double least_direction = 0, direction = 0;  ///< bounds of the lengths of the directions
+    double origin = 0;                        ///< upper bound of |origin|
+    double min_direction = 0, direction = 0;  ///< bounds of the lengths of the directions
 };
 
 /// Bounds of the rays in a block; `join` returns bounds that hold for both.

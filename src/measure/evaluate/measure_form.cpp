@@ -213,9 +213,9 @@ private:
 
     /// The primitive that a ray misses most narrowly; empty if there are too many to compare.
     [[nodiscard]] std::optional<Primitive<double>> narrowly_missed(const Sample& sample) const {
-        constexpr std::size_t most_compared = 4096;
+        constexpr std::size_t max_compared_primitives = 4096;
         const auto& primitives = result_.inputs->primitives;
-        if (primitives.size() > most_compared || !is_primitive(row_.form->shape)) return std::nullopt;
+        if (primitives.size() > max_compared_primitives || !is_primitive(row_.form->shape)) return std::nullopt;
         return primitives[stability::nearest_decision(*sample.ray, primitives, sample.convention, sample.range)];
     }
 

@@ -59,7 +59,7 @@ void test_precision(Scan& scan, const intersect::table::Intersector& form, const
                                 {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.object[k] : -1},
                                 correct_bits))
             scan.pixels[kept_count++] = i;
-        else result.bits_needed[i] = precision == most_precision ? beyond_most_precision : precision + 1;
+        else result.bits_needed[i] = precision == max_precision ? beyond_most_precision : precision + 1;
     }
     scan.pixels.resize(kept_count);
 }
@@ -153,7 +153,7 @@ double PrecisionCounts::quantile(double q) const {
 }
 
 std::uint64_t BitsNeededStudy::units() const {
-    constexpr std::uint64_t precisions = most_precision - least_precision + 1;
+    constexpr std::uint64_t precisions = max_precision - min_precision + 1;
     return scene.pixels() * tested_forms.size() * precisions;
 }
 
@@ -171,7 +171,7 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
 
     // A pixel leaves its scan at the first precision, from the largest down, that is not enough.
     std::vector<Scan> scans = make_scans(results);
-    for (int precision = most_precision; precision >= least_precision; --precision) {
+    for (int precision = max_precision; precision >= min_precision; --precision) {
         const auto needs_unit_rays = [&](const Scan& s) {
             return !s.pixels.empty() && results[s.form_index].form->direction == Direction::unit;
         };
@@ -183,13 +183,12 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
                                results[scans[s].form_index]);
             });
         }
-        if (precision > least_precision)
-            progress(band.pixels() * tested_forms.size());  // the driver counts the last one
+        if (precision > min_precision) progress(band.pixels() * tested_forms.size());  // the driver counts the last one
     }
 
     // The smallest precision is enough for the pixels that are left.
     for (const Scan& s : scans) {
-        for (const std::uint32_t i : s.pixels) results[s.form_index].bits_needed[i] = least_precision;
+        for (const std::uint32_t i : s.pixels) results[s.form_index].bits_needed[i] = min_precision;
     }
     return results;
 }

@@ -13,8 +13,8 @@
 namespace lostbits::measure::evaluate {
 
 /// Smallest and largest precision P that are tested, in significand bits: formats pP with binary64's exponents.
-inline constexpr int least_precision = 2, most_precision = 53;
-/// Value of a pixel on which not even `most_precision` bits suffice. A pixel whose truth is unresolved has NaN.
+inline constexpr int min_precision = 2, max_precision = 53;
+/// Value of a pixel on which not even `max_precision` bits suffice. A pixel whose truth is unresolved has NaN.
 inline constexpr double beyond_most_precision = std::numeric_limits<double>::infinity();
 
 /// True if t has B correct bits: |t − t*| ≤ ½ ulp_B(t*), with the ulp of B significand bits and binary64's exponents.
@@ -36,7 +36,7 @@ bool is_precision_enough(const truth::Truth& ray_truth, const intersect::Info& i
                          int correct_bits);
 
 /// Element P is the number of pixels that need P bits. Statistics of whole numbers are exact.
-struct PrecisionCounts : std::array<std::uint64_t, most_precision + 1> {
+struct PrecisionCounts : std::array<std::uint64_t, max_precision + 1> {
     [[nodiscard]] std::uint64_t count() const;
     /// NaN if there are no pixels.
     [[nodiscard]] double mean() const;
@@ -47,7 +47,7 @@ struct PrecisionCounts : std::array<std::uint64_t, most_precision + 1> {
 /// Summary of one form over a picture.
 struct BitsNeededSummary {
     PrecisionCounts hits{}, misses{};                  ///< by the true decision
-    std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `most_precision` bits suffice
+    std::uint64_t hits_beyond = 0, misses_beyond = 0;  ///< not even `max_precision` bits suffice
     std::uint64_t unresolved = 0;
 
     void add(const truth::Truth& ray_truth, double bits_needed);
@@ -64,7 +64,7 @@ struct BitsNeededBand {
     const truth::Band* band;
     const intersect::Info* form;
     std::vector<double>
-        bits_needed;  ///< `least_precision` to `most_precision`, `beyond_most_precision`, or NaN if unresolved
+        bits_needed;  ///< `min_precision` to `max_precision`, `beyond_most_precision`, or NaN if unresolved
 
     /// Truth by the form's own convention.
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }

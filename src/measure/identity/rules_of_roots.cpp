@@ -62,7 +62,7 @@ void find_stable_roots(RewriteFinder& finder) {
         if (!disc) continue;
         // (b − s)(b + s): the numerators of the two roots, multiplied
         const Sum product = plus(times(b, b), times(*disc, minus_one));
-        if (product.empty() || product.size() > most_products) continue;
+        if (product.empty() || product.size() > max_products) continue;
 
         // q = b ± s, with the sign of b
         const auto newest = finder.newest_nodes.find(s);
@@ -110,7 +110,7 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
         }
 
         result = plus(std::move(result), term);
-        if (result.size() > most_products) return std::nullopt;
+        if (result.size() > max_products) return std::nullopt;
     }
     return has_replaced && !result.empty() ? std::optional(result) : std::nullopt;
 }

@@ -70,7 +70,7 @@ struct Expander {
 private:
     [[nodiscard]] Sum as_atom(NodeId i) const { return {{{{terms.meaning(i), 1}}, Ratio(1, 1)}}; }
     static std::optional<Sum> nothing_if_too_long(std::optional<Sum> sum) {
-        return sum && sum->size() <= most_products ? sum : std::nullopt;
+        return sum && sum->size() <= max_products ? sum : std::nullopt;
     }
     static std::optional<Sum> multiply(const std::optional<Sum>& a, const std::optional<Sum>& b) {
         return a && b ? nothing_if_too_long(times(*a, *b)) : std::nullopt;

@@ -38,7 +38,7 @@ Sum plus(Sum a, const Sum& b);
 Sum times(const Sum& a, const Sum& b);
 
 /// Largest number of products in a sum. Rules skip longer sums.
-inline constexpr std::size_t most_products = 32;
+inline constexpr std::size_t max_products = 32;
 
 /// Multiplies out node i. Atoms are dot products, and all numbers that are not a sum, a difference, a product, or a
 /// quotient by one product. Each atom represents all nodes with the same meaning. If `before_rules`, the nodes

@@ -63,7 +63,7 @@ std::size_t records_of_piece(const JudgeRequest& request) {
                      " pixels; give --size as columns x rows, with one pixel for each ray");
 }
 
-constexpr std::size_t most_first_rays = 4096;  // limit of JudgeResult::first_samples
+constexpr std::size_t max_first_rays = 4096;  // limit of JudgeResult::first_samples
 
 /// Judges one file: reads it piece by piece, prepares several pieces at a time, and measures them in order.
 class RayFileJudge {
@@ -85,7 +85,7 @@ public:
 
     JudgeResult run() {
         // Only a few pieces at a time, because each is measured in parallel.
-        constexpr std::size_t most_pieces = 4;
+        constexpr std::size_t max_pieces = 4;
         const auto read_filter = tbb::make_filter<void, std::shared_ptr<Piece>>(
             tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
                 intersect::process::FloatingPointState::standard().apply();
@@ -103,7 +103,7 @@ public:
                 measure(*piece);
             });
 
-        tbb::parallel_pipeline(most_pieces, read_filter & prepare_filter & measure_filter);
+        tbb::parallel_pipeline(max_pieces, read_filter & prepare_filter & measure_filter);
         if (!request_.pieces) require_ray_count(dump_, request_, result_);
         return std::move(result_);
     }
@@ -237,7 +237,7 @@ private:
     void add_counts(const Chunk& chunk) {
         result_.rays += chunk.size();
         result_.rounded_count += chunk.rounded_count;
-        result_.most_digits = std::max(result_.most_digits, chunk.digits);
+        result_.max_digits = std::max(result_.max_digits, chunk.digits);
         result_.inexact_decimals += chunk.decimals;
         for (const double t : chunk.t) {
             const bool are_all_floats = result_.float_answers == result_.nonzero_answer_count;
@@ -295,7 +295,7 @@ private:
     void add_first_samples(const Piece& piece) {
         const TestedForm& tested_form = file_form();
         const FormatInputs& inputs = piece.shared->inputs_of(tested_form).inputs;
-        for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < most_first_rays; ++i) {
+        for (std::size_t i = 0; i < piece.chunk.size() && result_.first_samples.size() < max_first_rays; ++i) {
             const truth::Truth ray_truth = piece.band->truth(i, tested_form.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (ray_truth.decision == truth::Truth::Decision::unresolved || !(hit || ray_truth.is_hit())) continue;
@@ -328,10 +328,10 @@ void JudgeResult::append(JudgeResult&& next) {
     rounded_count += next.rounded_count;
     nonzero_answer_count += next.nonzero_answer_count;
     float_answers += next.float_answers;
-    most_digits = std::max(most_digits, next.most_digits);
+    max_digits = std::max(max_digits, next.max_digits);
     inexact_decimals += next.inexact_decimals;
     for (contract::AnswerSample& sample : next.first_samples) {
-        if (first_samples.size() < most_first_rays) first_samples.push_back(std::move(sample));
+        if (first_samples.size() < max_first_rays) first_samples.push_back(std::move(sample));
     }
     groups.append(std::move(next.groups));
 }

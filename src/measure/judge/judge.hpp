@@ -75,7 +75,7 @@ struct JudgeResult {
     /// Number of these answers whose t is a binary32 number or, as long as all earlier ones count here, the decimal of
     /// one. If there are many answers and all count here, they were computed in binary32.
     std::uint64_t float_answers = 0;
-    int most_digits = 0;                 ///< most digits of a decimal that the format cannot represent exactly
+    int max_digits = 0;                  ///< most digits of a decimal that the format cannot represent exactly
     std::uint64_t inexact_decimals = 0;  ///< number of such decimals
     /// The file's answers and the truth for the first rays that the file or the truth hits, for `contract::suspicion`.
     std::vector<contract::AnswerSample> first_samples = {};

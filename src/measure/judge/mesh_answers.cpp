@@ -19,7 +19,7 @@ using scene::rays::PrimitiveList;
 namespace {
 
 /// Number of pieces that are decoded together, and the number of records in each.
-constexpr std::size_t most_pieces = 16, records_per_piece = 4096;
+constexpr std::size_t max_pieces = 16, records_per_piece = 4096;
 
 PrimitiveList<double> triangles_of(const MeshAnswersRequest& request) {
     scene::rays::RayGroup group;
@@ -50,7 +50,7 @@ private:
     /// Reads some pieces and appends their answers. Returns false at the end of the file.
     bool read_pieces() {
         std::vector<Records> pieces;
-        while (pieces.size() < most_pieces) {
+        while (pieces.size() < max_pieces) {
             request_.limit.stop.check();
             Records records;
             if (!dump_.next(records_per_piece, records)) break;

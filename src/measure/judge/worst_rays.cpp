@@ -22,28 +22,28 @@ ReportedRay WorstRays::reported_ray(std::uint64_t first, std::size_t i, const ev
 }
 
 bool WorstRays::is_among_worst(double error) const {
-    return errors_.size() < most_rays_ || error > std::fabs(errors_.back().ulps);
+    return errors_.size() < max_rays_ || error > std::fabs(errors_.back().ulps);
 }
 
 void WorstRays::insert_error(ReportedRay&& ray) {
     const auto magnitude = [](const ReportedRay& ray_kept) { return std::fabs(ray_kept.ulps); };
-    if (errors_.size() == most_rays_) errors_.pop_back();
+    if (errors_.size() == max_rays_) errors_.pop_back();
     errors_.insert(std::ranges::upper_bound(errors_, magnitude(ray), std::greater<>(), magnitude), std::move(ray));
 }
 
 void WorstRays::add_fault(ReportedRay&& ray) {
     auto& faults = faults_[static_cast<std::size_t>(ray.outcome)];
-    if (faults.size() < most_rays_) faults.push_back(std::move(ray));
+    if (faults.size() < max_rays_) faults.push_back(std::move(ray));
 }
 
 void WorstRays::add_rays(std::uint64_t first, const evaluate::BandResult& result) {
-    if (most_rays_ == 0) return;
+    if (max_rays_ == 0) return;
     const std::vector<double>& ulps = result.metrics[ulp_error_];
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
         const Outcome outcome = result.outcomes[i];
         if (outcome == Outcome::agree_miss || outcome == Outcome::unresolved) continue;
         if (outcome != Outcome::agree_hit) {
-            if (faults_[static_cast<std::size_t>(outcome)].size() < most_rays_)
+            if (faults_[static_cast<std::size_t>(outcome)].size() < max_rays_)
                 add_fault(reported_ray(first, i, result));
             continue;
         }

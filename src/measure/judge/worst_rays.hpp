@@ -22,7 +22,7 @@ struct ReportedRay {
 class WorstRays {
 public:
     /// `ulp_error` is the index of that metric among the measured metrics.
-    explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : most_rays_(most), ulp_error_(ulp_error) {}
+    explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : max_rays_(most), ulp_error_(ulp_error) {}
 
     /// Adds rays of the file, from index `first` on.
     void add_rays(std::uint64_t first, const evaluate::BandResult& result);
@@ -33,7 +33,7 @@ public:
 
     template <class Archive>
     void fields(Archive& archive) {
-        archive(most_rays_, ulp_error_, errors_, faults_);
+        archive(max_rays_, ulp_error_, errors_, faults_);
     }
 
 private:
@@ -42,7 +42,7 @@ private:
     [[nodiscard]] bool is_among_worst(double error) const;
     ReportedRay reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
 
-    std::size_t most_rays_, ulp_error_;
+    std::size_t max_rays_, ulp_error_;
     std::vector<ReportedRay> errors_;  ///< in descending order of |ulp_error|
     std::array<std::vector<ReportedRay>, answer::outcome_names.size()> faults_;
 };

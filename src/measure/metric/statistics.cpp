@@ -31,7 +31,7 @@ void ExactTotal::add(double x) {
         std::int64_t& limb = limbs_[position / limb_bits + i];
         limb += x < 0 ? -static_cast<std::int64_t>(parts[i]) : static_cast<std::int64_t>(parts[i]);
     }
-    if (++pending_terms_ == most_pending_terms) normalise();
+    if (++pending_terms_ == max_pending_terms) normalise();
 }
 
 void ExactTotal::add(const ExactTotal& other) {
@@ -74,7 +74,7 @@ double ExactTotal::divided_by(std::uint64_t n) const {
 void AbsoluteMean::add(std::span<const double> values) {
     const std::uint64_t beyond_before = sums_.beyond;
     columns::add_absolute_values(values, sums_);
-    for (std::size_t lane = 0; lane < columns::most_lanes; ++lane) {
+    for (std::size_t lane = 0; lane < columns::max_lanes; ++lane) {
         total_.add(std::exchange(sums_.hi[lane], 0));
         total_.add(std::exchange(sums_.lo[lane], 0));
     }

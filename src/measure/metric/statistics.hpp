@@ -43,7 +43,7 @@ private:
     void normalise();
 
     static constexpr int limb_bits = 32;
-    static constexpr std::uint32_t most_pending_terms = std::uint32_t{1} << 29;  // each moves a limb by less than 2^32
+    static constexpr std::uint32_t max_pending_terms = std::uint32_t{1} << 29;  // each moves a limb by less than 2^32
 
     std::array<std::int64_t, 68> limbs_{};
     std::uint32_t pending_terms_ = 0;  // terms added since all limbs were from 0 to 2^32 − 1
@@ -194,7 +194,7 @@ private:
 /// Least fraction of the true hits on which form and truth must agree. A form that misses nearly everything may be
 /// exact on the few hits that it finds. Below this fraction, pictures, plots, tables on the terminal and the page
 /// withhold quantiles over agreed hits, and say so. CSV files contain the quantiles in any case, beside the counts.
-inline constexpr double least_agreement = 0.1;
+inline constexpr double min_agreement = 0.1;
 
 struct Agreement {
     std::uint64_t agreed_count;    ///< rays whose error is measured: form and truth agree on the hit
@@ -205,7 +205,7 @@ struct Agreement {
     /// True if a quantile over the agreed hits may stand for the form.
     [[nodiscard]] bool is_enough() const {
         return agreed_count > 0 &&
-               static_cast<double>(agreed_count) >= least_agreement * static_cast<double>(true_hit_count);
+               static_cast<double>(agreed_count) >= min_agreement * static_cast<double>(true_hit_count);
     }
     /// Text beside a quantile: `of 55 agreed hits`.
     [[nodiscard]] std::string of_agreed_hits() const {

@@ -35,10 +35,10 @@ void require_movable(const Scene& scene) {
 
 /// Reduces the picture to 48 columns, with the same ratio of its sides.
 void reduce_picture(Scene& scene) {
-    constexpr int most_columns = 48;
-    if (scene.width <= most_columns) return;
-    scene.height = std::max(1, scene.height * most_columns / scene.width);
-    scene.width = most_columns;
+    constexpr int max_columns = 48;
+    if (scene.width <= max_columns) return;
+    scene.height = std::max(1, scene.height * max_columns / scene.width);
+    scene.width = max_columns;
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ std::optional<double> find_exit(const Ray<double>& ray, const Primitive<double>&
 
 /// Returns a lower bound of the distance of a point from the surface of a primitive; 0 if the bounds on all roundings
 /// prove nothing.
-double least_distance(const Vec<double>& p, const Primitive<double>& primitive) {
+double min_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     using Running = number::wide::Running<double>;
     if (primitive.placed && !has_bounding_box(primitive.shape)) return 0;  // the primitive has no bounding ball
     if (primitive.placed && primitive.placed->is_inverse) return 0;        // rounding could put the ball anywhere
@@ -316,7 +316,7 @@ private:
         const auto test_primitive = [&](std::size_t k) {
             if (k == form_hit_.primitive) return;
             const Primitive<double> other = work_.primitives_[k];
-            if (!(least_distance(p_, other) > radius)) find_faults_with(other, line, r);
+            if (!(min_distance(p_, other) > radius)) find_faults_with(other, line, r);
         };
         if (work_.tree_ == nullptr) {
             for (std::size_t k = 0; k < work_.primitives_.size(); ++k) test_primitive(k);

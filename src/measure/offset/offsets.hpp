@@ -128,8 +128,8 @@ const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
 /// Largest number of primitives of a scene outside its meshes. Each point is compared with all of them.
-inline constexpr std::size_t most_primitives = 1000;
-/// Throws InputError for a scene with more than `most_primitives` outside its meshes. The message names the scene.
+inline constexpr std::size_t max_primitives = 1000;
+/// Throws InputError for a scene with more than `max_primitives` outside its meshes. The message names the scene.
 void require_few_primitives(const scene::file::Scene& scene);
 /// True if offsets of a form can be measured: the form intersects a primitive and reports t.
 bool can_measure_offsets(const intersect::table::Intersector& form);

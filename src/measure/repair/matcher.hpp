@@ -14,7 +14,7 @@
 namespace lostbits::measure::repair {
 
 /// Number of pairs of nodes that one round compares before it gives up.
-inline constexpr std::size_t most_match_steps = 200'000;
+inline constexpr std::size_t max_match_steps = 200'000;
 
 /// Finds nodes of an old tape whose replacement turns it into a new tape of the same form. Prefers nodes that are far
 /// from the answer.
@@ -60,7 +60,7 @@ private:
     /// Matches an old node with a new node, and the operands of both. Where they differ, adds a replacement. Returns
     /// false if the old node cannot become the new node.
     bool match(NodeId old_node, NodeId new_node) {
-        if (++step_count_ > most_match_steps || failed_pairs_.contains({old_node, new_node})) return false;
+        if (++step_count_ > max_match_steps || failed_pairs_.contains({old_node, new_node})) return false;
         matched_pairs_.emplace_back(old_node, new_node);
 
         // The values may be equal already, from the start or by a replacement.

@@ -152,14 +152,14 @@ private:
         for (const Candidate& candidate : candidates_) order.push_back(&candidate);
         std::ranges::stable_sort(order, [](auto a, auto b) { return is_better(*a, *b); });
         std::vector<RewrittenForm> best;
-        std::size_t least_work = SIZE_MAX;
+        std::size_t min_work = SIZE_MAX;
         for (const Candidate* candidate : order) {
             // No candidate after the form itself, which has no rules, is more accurate, or as accurate with less work.
             if (candidate->rules.empty() || best.size() == limit_.max_proposals ||
                 (!best.empty() && !meets(*candidate)))
                 break;
-            if (candidate->work >= least_work) continue;
-            least_work = candidate->work;
+            if (candidate->work >= min_work) continue;
+            min_work = candidate->work;
             const Tape tape = terms_.tape(candidate->outputs);
             best.push_back({.tape = tape,
                             .rules = candidate->rules,

@@ -20,11 +20,11 @@ public:
         int sign;
     };
 
-    /// True if `run()` returns (known, expected) with both true in every case. After `most_runs` runs, no case is
+    /// True if `run()` returns (known, expected) with both true in every case. After `max_runs` runs, no case is
     /// split.
     template <class Run>
-    bool holds_in_all(const Run& run, int most_runs) {
-        most_runs_ = most_runs;
+    bool holds_in_all(const Run& run, int max_runs) {
+        max_runs_ = max_runs;
         answers_.clear();
         contradiction_.clear();
         runs_ = 0;
@@ -74,7 +74,7 @@ private:
         is_open_ = false;
         known_.clear();
         watched_.clear();
-        const bool is_last_run = ++runs_ > most_runs_;
+        const bool is_last_run = ++runs_ > max_runs_;
         const auto [known, expected] = run();
         if (known && expected) return true;
         if (known || !is_open_ || is_last_run) {
@@ -98,7 +98,7 @@ private:
 
     std::vector<bool> answers_;  ///< answers to the first open comparisons
     std::size_t used_answers_ = 0;
-    int runs_ = 0, most_runs_ = 0;
+    int runs_ = 0, max_runs_ = 0;
     bool is_open_ = false;  ///< a later comparison is open: that of `open_number_` with 0
     Near open_number_;
     std::vector<KnownSign> known_;

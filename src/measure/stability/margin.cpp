@@ -14,22 +14,22 @@ namespace lostbits::measure::stability {
 
 namespace {
 
-constexpr double least_change = 0x1p-90, most_change = 0.5;
+constexpr double min_change = 0x1p-90, max_change = 0.5;
 
 /// Largest ε for which `holds` is proved, to a factor of 2^(1/16), or of 2 from `most_tight` on, and at most
-/// `most_change`; 0 if not even `least_change` is proved. A proof for ε also proves every smaller ε. After each ε that
+/// `max_change`; 0 if not even `min_change` is proved. A proof for ε also proves every smaller ε. After each ε that
 /// is not proved, `guess()` estimates the largest ε, or returns 0. Two of three steps use the estimate; the third
 /// halves the interval of exponents.
 template <class Holds, class Guess>
 double largest_epsilon(const Holds& holds, const Guess& guess) {
-    const double least = std::log2(least_change), most = std::log2(most_change), tight = std::log2(most_tight);
+    const double least = std::log2(min_change), most = std::log2(max_change), tight = std::log2(most_tight);
     double low = least, high = most, exponent = -24, step_down = 8;
     bool is_low = false, is_high = false;
     for (int step = 0;; ++step) {
         const bool is_proved = holds(std::exp2(exponent));
         (is_proved ? low : high) = exponent, (is_proved ? is_low : is_high) = true;
         if (is_low && high - low <= (low >= tight ? 1.0 : 1.0 / 16)) return std::exp2(low);
-        if (is_proved && low >= most) return most_change;
+        if (is_proved && low >= most) return max_change;
         if (!is_proved && high <= least) return 0;
         const double guess_exponent = is_proved ? exponent + 1.0 / 16 : std::log2(guess()) - 1.0 / 64;
         const bool uses_guess =
@@ -43,9 +43,9 @@ double largest_epsilon(const Holds& holds, const Guess& guess) {
 /// Largest ε without a guess, and to a factor of 2^(1/16) everywhere.
 template <class Holds>
 double largest_epsilon(const Holds& holds) {
-    if (!holds(least_change)) return 0;
-    if (holds(most_change)) return most_change;
-    double low = std::log2(least_change), high = std::log2(most_change);
+    if (!holds(min_change)) return 0;
+    if (holds(max_change)) return max_change;
+    double low = std::log2(min_change), high = std::log2(max_change);
     while (high - low > 1.0 / 16) {
         const double middle = (low + high) / 2;
         (holds(std::exp2(middle)) ? low : high) = middle;
@@ -178,7 +178,7 @@ public:
     std::optional<Change> find_change(double epsilon) {
         if (!decision_) return std::nullopt;
         exact_count_ = 0;
-        for (std::uint64_t start_index = 0; start_index < most_starts; ++start_index) {
+        for (std::uint64_t start_index = 0; start_index < max_starts; ++start_index) {
             Change start;
             if (start_index > 0) {
                 start = {random_deviations(start_index), epsilon / 2};
@@ -186,12 +186,12 @@ public:
             }
 
             // Each step tries deviations that change the open signs, then starts half way along the first of them.
-            for (int step = 0; step < most_steps; ++step) {
+            for (int step = 0; step < max_steps; ++step) {
                 std::vector<Near::Deviations> candidates = deviations_to_open_signs();
                 if (candidates.empty()) break;
                 for (const Near::Deviations& deviations : candidates)
                     if (changes_decision({deviations, epsilon})) return Change{deviations, epsilon};
-                if (exact_count_ >= most_exact) return std::nullopt;
+                if (exact_count_ >= max_exact_steps) return std::nullopt;
 
                 start = {candidates.front(), epsilon / 2};
                 static_cast<void>(holds(epsilon, start));
@@ -201,8 +201,8 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most_starts = 2;
-    static constexpr int most_steps = 2, most_exact = 16;
+    static constexpr std::uint64_t max_starts = 2;
+    static constexpr int max_steps = 2, max_exact_steps = 16;
 
     [[nodiscard]] std::optional<SpanDecision> decision_after(const Change& change) const {
         return question_.result_after(
@@ -286,7 +286,7 @@ Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, C
     const double proved =
         largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
     if (proved >= most_tight) return {proved, HUGE_VAL};
-    const double epsilon = std::max(2 * proved, 2 * least_change);
+    const double epsilon = std::max(2 * proved, 2 * min_change);
     static_cast<void>(decision.holds(epsilon));
     const auto change = decision.find_change(epsilon);
     return change ? Margin{proved, epsilon, question.amounts(*change)} : Margin{proved, HUGE_VAL};

@@ -15,8 +15,8 @@ namespace lostbits::measure::stability {
 
 using namespace truth;
 
-constexpr std::size_t most_inputs = 6 + max_primitive_numbers;
-using Near = number::wide::AffineForm<most_inputs>;
+constexpr std::size_t max_inputs = 6 + max_primitive_numbers;
+using Near = number::wide::AffineForm<max_inputs>;
 
 /// Change of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector). If
 /// vectors change, the deviations of each vector have at most length 1.
@@ -85,7 +85,7 @@ public:
     };
     /// Encloses all problems within ε of the problem after the change `start`.
     [[nodiscard]] Enclosures enclose_problems(double epsilon, const Change& start = {}) const {
-        std::array<double, most_inputs> steps{}, middle = numbers_;
+        std::array<double, max_inputs> steps{}, middle = numbers_;
         for (std::size_t i = 0; i < number_count_; ++i) {
             steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40);
             middle[i] += start.scale * sizes_[i] * start.deviations[i];
@@ -159,9 +159,9 @@ private:
     Ray<double> ray_;
     Primitive<double> primitive_;
     bool is_normwise_;
-    std::array<double, most_inputs> numbers_{}, underflow_{}, sizes_{};
-    std::array<Unit, most_inputs> units_{};
-    std::array<std::size_t, most_inputs> vector_ends_{};
+    std::array<double, max_inputs> numbers_{}, underflow_{}, sizes_{};
+    std::array<Unit, max_inputs> units_{};
+    std::array<std::size_t, max_inputs> vector_ends_{};
     std::size_t vector_count_ = 0, number_count_ = 0, matrix_begin_ = 0;
     int length_exponent_ = unset_exponent, direction_exponent_ = unset_exponent;
 };

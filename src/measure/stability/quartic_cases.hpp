@@ -186,7 +186,7 @@ private:
 
     [[nodiscard]] bool is_positive(double low, double high, int sign) {
         if (!(low < high)) return true;
-        if (++pieces_ > most_pieces) return false;
+        if (++pieces_ > max_pieces) return false;
         const double middle = low + (high - low) / 2,
                      half_width = std::max(high - middle, middle - low) * (1 + 0x1p-50);
         const auto [c] = Taylor(span_.f, middle, sign);
@@ -199,7 +199,7 @@ private:
         return is_positive(low, middle, sign) && is_positive(middle, high, sign);
     }
 
-    static constexpr int most_pieces = 48;
+    static constexpr int max_pieces = 48;
     const QuarticSpan<Near>& span_;
     const SpanRange<Near>* range_;
     intersect::Convention convention_;

@@ -20,7 +20,7 @@ constexpr std::size_t block_size = 128;
 /// Number of doubles from the start of one column to the next. The distance is not a multiple of 4096 bytes, because
 /// the processor would then treat a load as one that depends on a recent store.
 constexpr std::size_t column_step = block_size + 8;
-constexpr std::size_t most_lanes = 8;
+constexpr std::size_t max_lanes = 8;
 
 double* scratch_of_thread(std::size_t doubles) {
     struct AlignedDeleter {
@@ -115,7 +115,7 @@ private:
     }
     std::uint32_t take_shared_offset() {
         const auto offset = static_cast<std::uint32_t>(size_);
-        size_ += most_lanes;
+        size_ += max_lanes;
         return offset;
     }
     Column& column_at(ColumnIndex column_index) { return columns_[static_cast<std::size_t>(column_index)]; }

@@ -47,15 +47,15 @@ struct Finding {
 
 /// Limits on the components of directions to normalise. Within these limits no product and no quotient over- or
 /// underflows.
-inline constexpr double largest_length = 0x1p+200, least_length = 0x1p-200;
+inline constexpr double largest_length = 0x1p+200, min_length = 0x1p-200;
 /// Limits on the lengths that columns hold.
-inline constexpr double least_result = 0x1p-900, largest_result = 0x1p+900;
+inline constexpr double min_result = 0x1p-900, largest_result = 0x1p+900;
 
 template <class P>
 mask_t<P> in_range(const P& x) {
     using lostbits::abs;
     const P size = abs(x);
-    return size >= P(least_result) && size <= P(largest_result);
+    return size >= P(min_result) && size <= P(largest_result);
 }
 
 template <class P>

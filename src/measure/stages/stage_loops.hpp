@@ -46,7 +46,7 @@ UnitDirection<P> settle_unit_direction(const P (&d)[3], bool binary32, const P& 
         const P below = binary32 ? nearest_binary32(q.hi - float_margin) : q.hi + (q.lo - margin);
         const P above = binary32 ? nearest_binary32(q.hi + float_margin) : q.hi + (q.lo + margin);
         unit.components[i] = select(is_zero, d[i], above);  // keeps the sign of a zero
-        unit.settled = unit.settled && (is_zero || (below <= above && below >= above && size >= P(least_length) &&
+        unit.settled = unit.settled && (is_zero || (below <= above && below >= above && size >= P(min_length) &&
                                                     size <= P(largest_length) && abs(q.hi) >= P(0x1p-120)));
     }
     return unit;

@@ -32,7 +32,7 @@ template <class P>
 std::array<double, 3> words_of(const number::wide::Dyadic<P>& exact) {
     if (exact.sign() == 0) return {0, 0, 0};
     const double high = exact.scaled().value();
-    if (!(std::fabs(high) >= least_result && std::fabs(high) <= largest_result)) return unknown_words;
+    if (!(std::fabs(high) >= min_result && std::fabs(high) <= largest_result)) return unknown_words;
     const double low = (exact - number::wide::Dyadic<P>(high)).scaled().value(), sum = high + low;
     return {sum, low - (sum - high), std::fabs(low) * 0x1p-50 + 0x1p-1000};
 }

@@ -15,8 +15,8 @@ namespace {
 using intersect::table::Intersector;
 
 constexpr std::size_t ray_count = 4096;
-constexpr int most_ulps = 4;
-constexpr std::size_t most_sites = 12;  ///< number of operations up to which all subsets are tried
+constexpr int max_ulps = 4;
+constexpr std::size_t max_sites = 12;  ///< number of operations up to which all subsets are tried
 
 using intersect::table::FormAnswers;
 using intersect::table::RandomRays;
@@ -166,7 +166,7 @@ private:
         std::vector<std::pair<std::size_t, NodeId>> sites;
         for (std::size_t k = 0; k < all_sites.size(); ++k)
             for (const NodeId i : all_sites[k]) sites.emplace_back(k, i);
-        if (sites.size() > most_sites) return false;
+        if (sites.size() > max_sites) return false;
 
         // Tries the subsets, the small ones first.
         std::vector<unsigned> masks(std::size_t{1} << sites.size());
@@ -222,20 +222,20 @@ private:
         int largest_ulps = 0;
         for (std::size_t ray = 0; ray < ray_count; ++ray) {
             const int ulps = find_least_ulps(s, ray);
-            if (ulps > most_ulps) return std::nullopt;
+            if (ulps > max_ulps) return std::nullopt;
             largest_ulps = std::max(largest_ulps, ulps);
         }
         return largest_ulps;
     }
-    /// Finds the least error of the inexact operation that gives the driver's bits; more than `most_ulps` if no error
+    /// Finds the least error of the inexact operation that gives the driver's bits; more than `max_ulps` if no error
     /// does.
     int find_least_ulps(Suspect& s, std::size_t ray) {
-        for (int magnitude = 0; magnitude <= most_ulps; ++magnitude)
+        for (int magnitude = 0; magnitude <= max_ulps; ++magnitude)
             for (const int sign : {1, -1}) {
                 s.ulps = sign * magnitude;
                 if (has_drivers_bits(s, ray)) return magnitude;
             }
-        return most_ulps + 1;
+        return max_ulps + 1;
     }
 
     const RandomRays<float>& rays_;

@@ -31,14 +31,14 @@ double measure_seconds(const TimedWork& work, std::uint64_t passes) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Returns the number of passes that last `least_seconds` seconds, found by doubling.
-std::uint64_t find_passes(const TimedWork& work, double least_seconds) {
+/// Returns the number of passes that last `min_seconds` seconds, found by doubling.
+std::uint64_t find_passes(const TimedWork& work, double min_seconds) {
     work.pass();
     for (std::uint64_t passes = 1;; passes *= 2) {
         const double seconds = measure_seconds(work, passes);
-        if (seconds < least_seconds / 4) continue;
+        if (seconds < min_seconds / 4) continue;
         return std::max<std::uint64_t>(
-            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * least_seconds / seconds)));
+            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * min_seconds / seconds)));
     }
 }
 
@@ -169,7 +169,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
     std::vector<std::uint64_t> passes;
     for (const TimedWork& w : work) {
         plan.stop.check();
-        passes.push_back(find_passes(w, plan.least_seconds));
+        passes.push_back(find_passes(w, plan.min_seconds));
     }
 
     // Runs all work in each round, in a new order.
@@ -214,8 +214,8 @@ std::vector<double> measure_thread_speedups(const WorkOfThread& work, const Thre
     for (int round = 0; round < plan.repetitions; ++round) {
         plan.stop.check();
         const std::size_t single = static_cast<std::size_t>(round) % count;
-        const double single_rate = measure_total_rate({passes[single]}, {processors[single]}, plan.least_seconds);
-        quotients.push_back(measure_total_rate(passes, processors, plan.least_seconds) / single_rate);
+        const double single_rate = measure_total_rate({passes[single]}, {processors[single]}, plan.min_seconds);
+        quotients.push_back(measure_total_rate(passes, processors, plan.min_seconds) / single_rate);
     }
     return quotients;
 }

@@ -48,8 +48,8 @@ struct TimedWork {
 
 struct TimingPlan {
     int repetitions = 25;
-    double least_seconds = 4e-4;  ///< shortest measurement: passes are repeated until it lasts this long; less than the
-                                  ///< time slice of a busy machine
+    double min_seconds = 4e-4;  ///< shortest measurement: passes are repeated until it lasts this long; less than the
+                                ///< time slice of a busy machine
     intersect::process::StopToken stop = {};
     std::uint64_t seed = 1;  ///< seed of the order of the work, which differs in each round
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< units done
@@ -79,8 +79,8 @@ std::vector<int> allowed_processors();
 
 struct ThreadPlan {
     int repetitions = 15;
-    double least_seconds = 0.02;  ///< shortest measurement: long compared with the start of a thread
-    std::size_t threads = 0;      ///< threads that run together; 0: one on each allowed processor
+    double min_seconds = 0.02;  ///< shortest measurement: long compared with the start of a thread
+    std::size_t threads = 0;    ///< threads that run together; 0: one on each allowed processor
     intersect::process::StopToken stop = {};
 };
 

@@ -348,7 +348,7 @@ std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const 
 std::shared_ptr<const scene::rays::RayGroup> Band::original_group(std::size_t i, std::set<int> primitives) const {
     if (paired_) primitives = {static_cast<int>(i)};
     const std::size_t count = primitives.empty() ? shared_primitives_.size() : primitives.size();
-    if (scene_ != nullptr || ideal_ || count > most_original_primitives) return nullptr;
+    if (scene_ != nullptr || ideal_ || count > max_original_primitives) return nullptr;
     auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
     group->rays.push_range(shared_, i);
     for (const int primitive : primitives)

@@ -68,10 +68,10 @@ public:
     [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(std::size_t i, const Format& format) const;
     /// Returns ray i before any format rounds it, with these `primitives`; if the set is empty, with
     /// all primitives and the constants of a march. Null for a pixel of a scene (its position identifies the ray), for
-    /// an ideal ray, and if there are more than `most_original_primitives` primitives.
+    /// an ideal ray, and if there are more than `max_original_primitives` primitives.
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> original_group(std::size_t i,
                                                                               std::set<int> primitives) const;
-    static constexpr std::size_t most_original_primitives = 64;
+    static constexpr std::size_t max_original_primitives = 64;
 
     /// Culler of the band's primitives; null if every primitive is tested.
     [[nodiscard]] culling::Culler* culler() const { return culler_; }

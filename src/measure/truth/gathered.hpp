@@ -21,7 +21,7 @@ inline constexpr std::size_t batch_size = 1024;
 /// lines of the first cache.
 inline constexpr std::size_t column_capacity = batch_size + 24;
 /// Number of doubles in the widest register.
-inline constexpr std::size_t most_lanes = 8;
+inline constexpr std::size_t max_lanes = 8;
 
 /// Columns of the origin and the direction.
 using SixColumns = std::array<std::span<const double>, 6>;
@@ -86,7 +86,7 @@ void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, 
 /// Indices of the first columns of the ray, the primitive, the range and the second words.
 inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6, tmin_column = 6 + max_primitive_numbers,
                              tmax_column = tmin_column + 1, first_low_column = tmax_column + 1,
-                             most_columns = first_low_column + 6 + max_primitive_numbers;
+                             max_columns = first_low_column + 6 + max_primitive_numbers;
 
 /// Findings of the stages on up to `batch_size` problems.
 struct BatchFindings {
@@ -102,7 +102,7 @@ struct BatchFindings {
 /// Problems copied from anywhere into columns without gaps. The last problem is repeated to fill whole registers.
 template <class S>
 struct GatheredProblems {
-    alignas(64) S numbers[most_columns][column_capacity];
+    alignas(64) S numbers[max_columns][column_capacity];
     BatchFindings findings;
     std::size_t size = 0;  ///< number of problems that were added one by one
 
@@ -176,8 +176,8 @@ public:
         stages::RawProblems<S> raw{};
         S* target = repeated_[0];
         for_each_column(p, raw, [&](std::span<const S> source, stages::RawColumn<S>&, S default_number) {
-            std::fill_n(target, most_lanes, source.empty() ? default_number : source[0]);
-            target += most_lanes;
+            std::fill_n(target, max_lanes, source.empty() ? default_number : source[0]);
+            target += max_lanes;
         });
     }
     /// True if the range of some ray is not everything ahead.
@@ -190,7 +190,7 @@ public:
         if (rest_count == 0) return;
 
         // Copies the rest into whole registers, runs the stage there, and copies its findings back.
-        std::array<std::size_t, most_lanes> rest_indices;
+        std::array<std::size_t, max_lanes> rest_indices;
         std::iota(rest_indices.begin(), rest_indices.end(), begin + whole_count);
         auto& gathered = GatheredProblems<S>::for_thread();
         auto raw = gathered.gather(problems_, std::span(rest_indices).first(rest_count), lanes);
@@ -225,14 +225,14 @@ private:
         for_each_column(problems_, raw, [&](std::span<const S> source, stages::RawColumn<S>& column, S) {
             column =
                 source.size() > 1 ? stages::RawColumn<S>{source.data() + begin, 1} : stages::RawColumn<S>{repeated, 0};
-            repeated += most_lanes;
+            repeated += max_lanes;
         });
         return raw;
     }
 
     const ProblemColumns<S>& problems_;
     bool has_ranges_;
-    alignas(64) S repeated_[most_columns][most_lanes];
+    alignas(64) S repeated_[max_columns][max_lanes];
 };
 
 }  // namespace lostbits::measure::truth

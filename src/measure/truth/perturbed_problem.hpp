@@ -58,7 +58,7 @@ struct ValueInterval {
           high(std::nextafter(x.value() + x.error(), unbounded)) {}
     /// Largest and least absolute values in the interval.
     [[nodiscard]] double largest_magnitude() const { return std::max(std::fabs(low), std::fabs(high)); }
-    [[nodiscard]] double least_magnitude() const { return std::max({0.0, low, -high}); }
+    [[nodiscard]] double min_magnitude() const { return std::max({0.0, low, -high}); }
     void extend(const ValueInterval& x) {
         low = std::min(low, x.low);
         high = std::max(high, x.high);

@@ -27,7 +27,7 @@ struct LocalQuadratic {
     LocalQuadratic(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s)
         : B(problem.bound_at_root(s.c)),
           slope(s.h.value()),
-          least(ValueInterval(s.a.value()).least_magnitude()),
+          least(ValueInterval(s.a.value()).min_magnitude()),
           most(ValueInterval(s.a.value()).largest_magnitude()) {}
 };
 
@@ -109,7 +109,7 @@ double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>
 double bound_quotient(const PerturbedProblem& problem, const DualNumber& n, const DualNumber& m) {
     const double B = problem.bound_at_root(n);
     if (B == 0) return 0;
-    const double least = ValueInterval(m.value()).least_magnitude();
+    const double least = ValueInterval(m.value()).min_magnitude();
     return least > 0 ? B / least : unbounded;
 }
 
@@ -279,9 +279,9 @@ double find_reach(const ProblemNumbers& numbers, const CertifiedNumber& answer, 
         return bound_answer(problem, shape, ray, answer_faces);
     });
     if (root == 0) return 0;
-    const double ball_bound = problem.ball_bound(t), least_bound = root < ball_bound ? root : ball_bound;
+    const double ball_bound = problem.ball_bound(t), min_bound = root < ball_bound ? root : ball_bound;
     const auto e = std::clamp<std::int64_t>(problem.unit_exponent() - exponent_of_unit(answer), -5000, 5000);
-    return std::ldexp(least_bound * rounding_factor, static_cast<int>(e)) + underflow_loss;
+    return std::ldexp(min_bound * rounding_factor, static_cast<int>(e)) + underflow_loss;
 }
 
 }  // namespace

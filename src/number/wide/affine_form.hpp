@@ -97,11 +97,11 @@ public:
     friend AffineForm sqrt(const AffineForm& x) {
         if (x.is_constant() && x.centre_.first() == 0 && x.centre_error() == 0) return x;
         if (computes_signs_only) return anything();
-        const double least_centre = x.least_centre(), deviation = x.deviation();
-        if (!(x.centre_.first() > 0 && least_centre > deviation)) return anything();
-        const double slope = 0.5 / std::sqrt(x.centre_.first()), largest_slope = 0.5 / std::sqrt(least_centre);
-        const double rest = largest_slope * (x.rest_ + deviation * deviation / least_centre) +
-                            x.centre_error() / least_centre * slope * x.sum();
+        const double min_centre = x.min_centre(), deviation = x.deviation();
+        if (!(x.centre_.first() > 0 && min_centre > deviation)) return anything();
+        const double slope = 0.5 / std::sqrt(x.centre_.first()), largest_slope = 0.5 / std::sqrt(min_centre);
+        const double rest = largest_slope * (x.rest_ + deviation * deviation / min_centre) +
+                            x.centre_error() / min_centre * slope * x.sum();
         return x.scaled(sqrt(x.centre_), slope, rest);
     }
     friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
@@ -204,11 +204,11 @@ private:
         return x;
     }
     static AffineForm inverse(const AffineForm& y) {
-        const double least_centre = y.least_centre(), deviation = y.deviation();
-        if (!(least_centre > deviation)) return anything();
-        const double q = 1 / y.centre_.first(), largest_inverse = 1 / least_centre * inflation;
+        const double min_centre = y.min_centre(), deviation = y.deviation();
+        if (!(min_centre > deviation)) return anything();
+        const double q = 1 / y.centre_.first(), largest_inverse = 1 / min_centre * inflation;
         const double rest = largest_inverse * largest_inverse *
-                            (y.rest_ + deviation * deviation / (least_centre - deviation) * inflation);
+                            (y.rest_ + deviation * deviation / (min_centre - deviation) * inflation);
         return y.scaled(AffineForm(1).centre_ / y.centre_, -(q * q),
                         rest + 4 * y.centre_error() * largest_inverse * largest_inverse * largest_inverse * y.sum());
     }
@@ -234,7 +234,7 @@ private:
     /// Bound on the distance of x₀ from its first word.
     [[nodiscard]] double centre_error() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
     [[nodiscard]] double largest_centre() const { return std::fabs(centre_.first()) + centre_error(); }
-    [[nodiscard]] double least_centre() const {
+    [[nodiscard]] double min_centre() const {
         return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * inflation;
     }
     /// Σ |sᵢ|, rounded up.

@@ -72,14 +72,14 @@ public:
     friend Proving operator-(const Proving& a) { return {-a.w_, a.e_}; }
     friend Proving operator*(const Proving& a, const Proving& b) {
         return with_rounding_error(a.w_ * b.w_,
-                                   (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + least_normal<P>());
+                                   (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + smallest_normal<P>());
     }
     friend Proving operator/(const Proving& a, const Proving& b) {
         using lostbits::select;
-        const Proving q = with_rounding_error(a.w_ / b.w_, least_normal<P>());
-        const P least_divisor = b.magnitude() - b.radius(), underflow_loss = least_normal<P>();
-        const P propagated_error = (a.e_ + (q.magnitude() + underflow_loss) * b.e_ + underflow_loss) / least_divisor;
-        return {q.w_, select(least_divisor > P(0), q.e_ + propagated_error, P(1) / P(0))};
+        const Proving q = with_rounding_error(a.w_ / b.w_, smallest_normal<P>());
+        const P min_divisor = b.magnitude() - b.radius(), underflow_loss = smallest_normal<P>();
+        const P propagated_error = (a.e_ + (q.magnitude() + underflow_loss) * b.e_ + underflow_loss) / min_divisor;
+        return {q.w_, select(min_divisor > P(0), q.e_ + propagated_error, P(1) / P(0))};
     }
     Proving& operator+=(const Proving& b) { return *this = *this + b; }
     Proving& operator-=(const Proving& b) { return *this = *this - b; }
@@ -96,7 +96,7 @@ public:
     friend Proving sqrt(const Proving& a) {
         using lostbits::sqrt, lostbits::select;
         const Proving root = with_rounding_error(sqrt(a.w_), P(0));
-        const P propagated_error = (a.e_ + least_normal<P>()) / plain_value(root.w_);
+        const P propagated_error = (a.e_ + smallest_normal<P>()) / plain_value(root.w_);
         return {root.w_, select(plain_value(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
     friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }

@@ -161,10 +161,10 @@ public:
     }
     friend Running operator/(const Running& a, const Running& b) {
         const Running q = with_rounding_error(a.w_ / b.w_, P(underflow_loss));
-        const P least_divisor = b.magnitude() * P(1 - 0x1p-50) - b.radius();
+        const P min_divisor = b.magnitude() * P(1 - 0x1p-50) - b.radius();
         const P propagated_error =
-            (a.e_ + (q.magnitude() + P(underflow_loss)) * b.e_ + P(underflow_loss)) / least_divisor;
-        return {q.w_, select(least_divisor > P(0), q.e_ + propagated_error, P(HUGE_VAL))};
+            (a.e_ + (q.magnitude() + P(underflow_loss)) * b.e_ + P(underflow_loss)) / min_divisor;
+        return {q.w_, select(min_divisor > P(0), q.e_ + propagated_error, P(HUGE_VAL))};
     }
     Running& operator+=(const Running& b) { return *this = *this + b; }
     Running& operator-=(const Running& b) { return *this = *this - b; }

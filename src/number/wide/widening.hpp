@@ -83,7 +83,7 @@ T record_call(const Call& callee, const std::array<T, n>& arguments,
 /// Smallest normal number of T. The error of a product below it is up to u times this number, however small the product
 /// is.
 template <class T>
-T least_normal() {
+T smallest_normal() {
     if constexpr (std::floating_point<T>) return std::numeric_limits<T>::min();
     else if constexpr (InRegisters<T> && has_wider_word<T>) return T(std::numeric_limits<float>::min());
     else if constexpr (InRegisters<T>) return T(std::numeric_limits<double>::min());
@@ -92,10 +92,10 @@ T least_normal() {
 
 /// Square root of the smallest normal number; in float and double a power of two.
 template <class T>
-T root_of_least_normal() {
+T root_of_smallest_normal() {
     if constexpr (std::same_as<T, float> || (InRegisters<T> && has_wider_word<T>)) return T(0x1p-63F);
     else if constexpr (std::same_as<T, double> || InRegisters<T>) return T(0x1p-511);
-    else return sqrt(least_normal<T>());
+    else return sqrt(smallest_normal<T>());
 }
 
 /// True if numbers of T are computed in doubles whose products may overflow or underflow, so that `apply_to_lanes` is
@@ -109,7 +109,7 @@ inline constexpr bool products_may_overflow =
 template <class T>
 mask_t<T> has_smaller_normals() {
     if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
-        return widen<double>(least_normal<T>()) > std::numeric_limits<double>::min();
+        return widen<double>(smallest_normal<T>()) > std::numeric_limits<double>::min();
     else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
 }
 

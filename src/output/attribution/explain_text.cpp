@@ -333,7 +333,7 @@ std::string condition_phrase(double condition) {
 
 bool does_another_form_better(const Explanation& explanation) {
     return std::ranges::any_of(explanation.better_forms, [&](const measure::attribution::FormResult& s) {
-        return explanation.result.mean_lost_nearby - s.mean_lost_nearby >= least_notable_bits &&
+        return explanation.result.mean_lost_nearby - s.mean_lost_nearby >= min_notable_bits &&
                s.lost_bits < explanation.result.lost_bits;
     });
 }

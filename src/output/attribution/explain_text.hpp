@@ -67,7 +67,7 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 
 /// Smallest number of bits that counts as a difference: another form is called better if it keeps this many more, and
 /// an operation is to blame only if this many are lost. The last rounding of any formula may cost up to one bit.
-inline constexpr double least_notable_bits = 1;
+inline constexpr double min_notable_bits = 1;
 
 /// The operation to blame. Its rounding
 /// - changed a decision, or the order of two primitives,

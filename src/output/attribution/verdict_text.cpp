@@ -119,7 +119,7 @@ bool rounding_costs_little(const Explanation& explanation) {
 }
 
 bool is_mostly_not_rounding(const Explanation& explanation) {
-    return explanation.result.lost_bits >= least_notable_bits && rounding_costs_little(explanation);
+    return explanation.result.lost_bits >= min_notable_bits && rounding_costs_little(explanation);
 }
 
 /// Three digits of a number, or the name of a number that is not finite.
@@ -163,7 +163,7 @@ std::string march_sentence(const Explanation& explanation, const MarchEnd& march
 /// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march it may be neither.
 std::string cause_sentence(const Explanation& explanation, const std::optional<MarchEnd>& march) {
     const bool stopped_short = explanation.result.outcome == Outcome::agree_hit &&
-                               is_mostly_not_rounding(explanation) && explanation.excess_bits >= least_notable_bits;
+                               is_mostly_not_rounding(explanation) && explanation.excess_bits >= min_notable_bits;
     if (march && (stopped_short || explanation.result.outcome == Outcome::false_miss)) {
         const std::string sentence = march_sentence(explanation, *march);
         if (!sentence.empty()) return sentence;
@@ -191,7 +191,7 @@ std::string turned_order_sentence(const Explanation& explanation) {
 
 /// Sentence for a loss of a bit or more of which rounding causes only a small part.
 std::string other_cause_sentence(const Explanation& explanation, bool is_march) {
-    const bool has_lossy_inputs = explanation.rounded_inputs && !(explanation.excess_bits >= least_notable_bits);
+    const bool has_lossy_inputs = explanation.rounded_inputs && !(explanation.excess_bits >= min_notable_bits);
     const char* const other_cause = explanation.missed_primitive ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
                                     : is_march         ? "the rest comes from where the march ended"
@@ -228,7 +228,7 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
 
     // Form and truth hit, and the loss is small or has another cause than rounding.
     if (!std::isfinite(explanation.tape[attribution.culprit].value)) return culprit_sentence(explanation);
-    if (explanation.result.lost_bits < least_notable_bits) return "No operation is to blame: less than a bit is lost.";
+    if (explanation.result.lost_bits < min_notable_bits) return "No operation is to blame: less than a bit is lost.";
     if (!rounding_costs_little(explanation)) return "No operation is to blame: none of the roundings reaches t.";
     return other_cause_sentence(explanation, is_march);
 }
@@ -291,7 +291,7 @@ std::string beside_sentences(const Explanation& explanation,
 /// True if a form is worth a mention. If the answer is right, the form must keep a bit more around the ray.
 bool is_notably_better(const Explanation& explanation, const measure::attribution::FormResult& result) {
     return !explanation.result.is_right() ||
-           explanation.result.mean_lost_nearby - result.mean_lost_nearby >= least_notable_bits;
+           explanation.result.mean_lost_nearby - result.mean_lost_nearby >= min_notable_bits;
 }
 
 /// Rays over which the loss around a ray is averaged.
@@ -371,7 +371,7 @@ NodeId culprit_operation(const Explanation& explanation) {
 
     const Outcome outcome = explanation.result.outcome;
     const bool is_about_decision = is_decision(explanation.tape[attribution.subject].op),
-               lost_a_bit = explanation.result.lost_bits >= least_notable_bits;
+               lost_a_bit = explanation.result.lost_bits >= min_notable_bits;
     const bool is_not_finite = !std::isfinite(explanation.tape[attribution.culprit].value);
     if (outcome == Outcome::unresolved || (attribution[attribution.culprit].contribution == 0 && !is_not_finite))
         return no_node;

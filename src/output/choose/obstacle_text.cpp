@@ -65,7 +65,7 @@ std::string required_inputs_text(const ChoiceResult& result, const Candidate& ne
         "  The bits are lost by rounding {}. With {} in {} (at least {} bits are needed){}, exact arithmetic keeps "
         "{}{}.\n",
         all_needed ? "all inputs" : inputs_text(trial, position_names), all_needed ? "all of them" : "these",
-        wider_format, obstacle.least_precision, all_needed ? "" : " and the others as they are",
+        wider_format, obstacle.min_precision, all_needed ? "" : " and the others as they are",
         kept_and_wrong(trial.exact, requirement), form_in_f64(trial));
 }
 

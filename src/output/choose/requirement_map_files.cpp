@@ -181,13 +181,13 @@ std::string requirement_map_text(const ChoiceResult& result, const RequirementMa
     text += ".\n";
 
     // The gain of switching between forms.
-    const double least_time = requirement_map.least_time(result.candidates);
+    const double min_time = requirement_map.min_time(result.candidates);
     const auto candidate_count = required_candidates(requirement_map).size();
     if (result.cheapest_index && candidate_count > 1) {
         text += fmt::format(
             "With the cheapest at each pixel, {} candidates would be used, in {:.2f} times the time of this one. "
             "Switching between forms cannot gain more.\n",
-            candidate_count, least_time / result.candidates[*result.cheapest_index].time.median);
+            candidate_count, min_time / result.candidates[*result.cheapest_index].time.median);
     }
     return text;
 }

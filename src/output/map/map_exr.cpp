@@ -152,10 +152,10 @@ ExrPart needed_part(const MapExrRequest& request, const Info& form) {
     ExrPart part =
         make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
     part.run = 1;  // after the map
-    using measure::evaluate::least_precision, measure::evaluate::most_precision;
+    using measure::evaluate::min_precision, measure::evaluate::max_precision;
     append(part.spec.attributes,
            {{"lostbits:form", std::string(form.name)},
-            {"lostbits:format", "p" + std::to_string(least_precision) + "..p" + std::to_string(most_precision)},
+            {"lostbits:format", "p" + std::to_string(min_precision) + "..p" + std::to_string(max_precision)},
             {"lostbits:bits", std::to_string(request.needed->bits)},
             {"lostbits:truths", pixel::numbered_list(measure::truth::decision_names)}});
     return part;

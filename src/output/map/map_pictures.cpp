@@ -20,7 +20,7 @@ namespace lostbits::output::map {
 namespace {
 
 /// Largest number of pixels that are kept for a cell of a sheet that zooms in on its worst pixel.
-constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;
+constexpr std::uint64_t max_kept_pixels = std::uint64_t{512} * 512;
 
 std::size_t index_of(const std::vector<const Metric*>& metrics, const Metric* metric) {
     return static_cast<std::size_t>(std::ranges::find(metrics, metric) - metrics.begin());
@@ -111,7 +111,7 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
     return request_.scene->mesh != nullptr && paint.names_worst_ray() && options_.sheet_only_file.empty() &&
-           !options_.is_list && request_.scene->pixels() <= most_kept_pixels;
+           !options_.is_list && request_.scene->pixels() <= max_kept_pixels;
 }
 
 /// Makes the columns series by series, in the order in which they are drawn.

@@ -28,11 +28,11 @@ std::string file_stem(const Info& form) { return std::string(form.name) + ".need
 
 /// Colours of the width (number of significand bits) that a pixel needs, and of pixels without a width on the scale.
 pixel::Look needed_look() {
-    using measure::evaluate::least_precision, measure::evaluate::most_precision;
+    using measure::evaluate::min_precision, measure::evaluate::max_precision;
     return {{{""},
-             {fmt::format("not even {} bits are enough", most_precision), beyond_colour},
+             {fmt::format("not even {} bits are enough", max_precision), beyond_colour},
              {outcome_in_words(Outcome::unresolved), pixel::colour_of(Outcome::unresolved)}},
-            image::ColourScale("viridis", image::image_backend().ramp("viridis", 256), least_precision, most_precision),
+            image::ColourScale("viridis", image::image_backend().ramp("viridis", 256), min_precision, max_precision),
             "bits"};
 }
 
@@ -53,7 +53,7 @@ pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, 
              .subtitle = {std::string(form.title),
                           fmt::format("colour: the smallest width from which on every width up to {} decides correctly "
                                       "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
-                                      measure::evaluate::most_precision, request.bits)},
+                                      measure::evaluate::max_precision, request.bits)},
              .look = std::move(look)},
             form_index,
             pixel::make_draw_function<BitsNeededBand>(

@@ -14,7 +14,7 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int least_cell_width = 26, cell_padding = 6, cell_height = 22, group_gap = 14, cell_label_gap = 8,
+constexpr int min_cell_width = 26, cell_padding = 6, cell_height = 22, group_gap = 14, cell_label_gap = 8,
               block_gap = 12;
 
 /// Black or white ink by luminance. At a relative luminance of 0.18 both have the same contrast.
@@ -44,7 +44,7 @@ std::vector<int> column_offsets(const MatrixPlotSpec& spec, int cell_width) {
 
 /// Width of every cell: it fits the widest text.
 int fitting_cell_width(const MatrixPlotSpec& spec) {
-    int width = least_cell_width;
+    int width = min_cell_width;
     for (const MatrixCell& cell : spec.cells) {
         if (!cell.text.empty())
             width = std::max(
@@ -165,7 +165,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
 
 namespace {
 
-constexpr int least_width = 560, least_height = 420;  // of the field, in pixels
+constexpr int min_width = 560, min_height = 420;  // of the field, in pixels
 constexpr image::Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
 constexpr int hatch_pitch = 6;
 
@@ -293,7 +293,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     // Measure the axes, the colour bar, the head and the legend.
     const auto x_edges = cell_edges(spec.x_axis, spec.x), y_edges = cell_edges(spec.y_axis, spec.y);
     const AxisRange x = axis_range(spec.x_axis, x_edges), y = axis_range(spec.y_axis, y_edges);
-    PlotFrame frame{0, 0, field_extent(spec.x.size(), least_width), field_extent(spec.y.size(), least_height)};
+    PlotFrame frame{0, 0, field_extent(spec.x.size(), min_width), field_extent(spec.y.size(), min_height)};
     const PlotAxes axes(x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.bar_label, frame.height + 2) : Canvas(0, 0);
     const int right_space = std::max(axes.right_margin(), bar.width() > 0 ? image::style::gap + bar.width() : 0);

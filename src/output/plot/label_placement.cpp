@@ -21,7 +21,7 @@ constexpr std::array<std::pair<double, double>, 24> directions{
      {0.966, 0.259},  {-0.966, 0.259},  {0.259, -0.966}, {-0.259, -0.966}, {0.259, 0.966},  {-0.259, 0.966}}};
 // Prices are in pixels of distance. One covered box or one crossing costs more than the largest distance. A leader over
 // a box costs twice its length on the box, so a long leader over boxes can cost more than a covered box.
-constexpr double least_label_distance = 3, least_line_distance = 1, price_per_cover = 400, price_of_crossing = 500,
+constexpr double min_label_distance = 3, min_line_distance = 1, price_per_cover = 400, price_of_crossing = 500,
                  price_per_pixel_over_box = 2;
 
 /// The line from a point to its label.
@@ -65,7 +65,7 @@ public:
 
     std::optional<Box2> add(const LabelRequest& request) {
         std::optional<Box2> best;
-        double least_price = 0;
+        double min_price = 0;
         for (const double distance : distances) {
             for (const auto& [x, y] : directions) {
                 const double cx = request.point.x + x * (distance + request.width / 2),
@@ -73,9 +73,9 @@ public:
                 const Box2 box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
                 if (!is_free(box, request.point)) continue;
                 const double price = distance + price_beyond_distance(box, request.point);
-                if (best && price >= least_price) continue;
+                if (best && price >= min_price) continue;
                 best = box;
-                least_price = price;
+                min_price = price;
             }
         }
 
@@ -105,12 +105,12 @@ private:
             return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
         };
         const auto are_apart = [](const Leader& line, const Box2& label) {
-            return length_inside(line, with_margin(label, least_line_distance)) == 0;
+            return length_inside(line, with_margin(label, min_line_distance)) == 0;
         };
 
         const Leader leader{point, box.nearest(point)};
         return limits_.page.contains(box) && !overlaps_any(limits_.forbidden, box) &&
-               !overlaps_any(labels_, with_margin(box, least_label_distance)) &&
+               !overlaps_any(labels_, with_margin(box, min_label_distance)) &&
                std::ranges::all_of(leaders_, [&](const Leader& line) { return are_apart(line, box); }) &&
                std::ranges::all_of(labels_, [&](const Box2& label) { return are_apart(leader, label); });
     }

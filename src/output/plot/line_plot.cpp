@@ -26,7 +26,7 @@ namespace {
 
 constexpr int legend_gap = 34;          // space for the lines that lead to the legend
 constexpr int frame_pad = 9;            // half a marker, or the triangle of an infinite value
-constexpr int least_right = 120;        // space for the label of a mark at the right edge
+constexpr int min_right_space = 120;    // space for the label of a mark at the right edge
 constexpr std::size_t few_points = 24;  // a line with at most this many points marks each of them
 constexpr double marker_pitch = 58;     // pixels between markers on a line of many points
 constexpr double triangle_pitch = 11;
@@ -87,7 +87,7 @@ std::vector<double> collect_y_values(const LinePlotSpec& spec) {
 }
 
 /// A line that ends left of this position counts as ending before the right edge of the plot.
-constexpr double least_end_position = 0.999;
+constexpr double min_end_position = 0.999;
 
 bool is_on_axis(const AxisRange& x, double value) { return std::isfinite(value) && x.can_show(value); }
 
@@ -154,7 +154,7 @@ public:
         for (std::size_t k = 0; k < lines.size(); ++k) {
             const auto end = line_end(lines[k], x_, y_);
             const auto label_y = legend.sample_y(k);
-            if (!end || !label_y || end->first < least_end_position) continue;
+            if (!end || !label_y || end->first < min_end_position) continue;
             const double y = frame_.pixel_y(end->second), right = frame_.x + frame_.width + 2.0;
             const std::array<Point, 3> path{
                 {{right, y}, {legend_x - 6.0, frame_.y + *label_y}, {legend_x - 1.0, frame_.y + *label_y}}};
@@ -389,7 +389,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     const auto areas = legend_areas(spec);
     PlotLegend legend(lines_by_end_height, areas, has_markers, {content_width, nominal_height});
     const int right_space =
-        std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
+        std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : min_right_space);
     const PlotAxes axes(x, y, content_width - right_space - 60, nominal_height);
 
     // Place the left and right edges of the frame. The labels of the marks between them give its top.

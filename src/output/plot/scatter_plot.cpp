@@ -20,7 +20,7 @@ using image::TextBitmap;
 namespace {
 
 constexpr int point_margin = 14;
-constexpr double half_marker = 5, hole_radius = 1.7, pareto_front_thickness = 1.6, least_leader_length = 13;
+constexpr double half_marker = 5, hole_radius = 1.7, pareto_front_thickness = 1.6, min_leader_length = 13;
 constexpr std::array<Rgb8, ink_colour + 1> point_colours{
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}, image::style::ink}};
 constexpr Rgb8 faint_colour{186, 186, 188}, pareto_front_colour{120, 120, 126};
@@ -173,7 +173,7 @@ private:
 
     void draw_label(Canvas& canvas, Point point, const Box2& box, const TextBitmap& text, Rgb8 colour) {
         const Point anchor = box.nearest(point);
-        if (std::hypot(anchor.x - point.x, anchor.y - point.y) > least_leader_length) {
+        if (std::hypot(anchor.x - point.x, anchor.y - point.y) > min_leader_length) {
             const std::array<Point, 2> ends{point, anchor};
             stroke_.polyline(ends, 0.8);
             stroke_.paint(canvas, colour, 0.5);

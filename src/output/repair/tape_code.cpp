@@ -14,7 +14,7 @@ namespace lostbits::output::repair {
 namespace {
 
 /// Largest number of characters of an expression that is written inside another one.
-constexpr std::size_t most_inlined_characters = 56;
+constexpr std::size_t max_inlined_characters = 56;
 
 }  // namespace
 
@@ -44,12 +44,12 @@ std::vector<std::string> TapeCode::statements() const {
     return lines;
 }
 
-std::string TapeCode::operand(NodeId i, int least_precedence) const {
+std::string TapeCode::operand(NodeId i, int min_precedence) const {
     const TapeNode& n = tape_[i];
     if (n.op == TapeOp::constant) return constant(i);
     if (n.op == TapeOp::input || !is_inlined(i)) return name(i);
     const std::string text = expression(i);
-    return precedence(i) < least_precedence ? fmt::format("({})", text) : text;
+    return precedence(i) < min_precedence ? fmt::format("({})", text) : text;
 }
 
 std::string TapeCode::identifier(std::string_view label) const {
@@ -162,7 +162,7 @@ void TapeCode::choose_inlined() {
             characters += length[static_cast<std::size_t>(operand)] + (n.op == TapeOp::convert ? 0 : 3);
         }
         const bool needs_no_statement = is_given(n.op) || n.op == TapeOp::convert;
-        const bool fits_inside = n.label.empty() && characters <= most_inlined_characters && count_uses(i) == 1 &&
+        const bool fits_inside = n.label.empty() && characters <= max_inlined_characters && count_uses(i) == 1 &&
                                  input_difference_name(n).empty();
         is_inlined_.push_back(needs_no_statement || fits_inside);
         length.push_back(is_inlined_.back() ? characters : name(i).size());

@@ -34,8 +34,8 @@ public:
 
     /// Statements of the operations that are not written inside another expression, in order.
     [[nodiscard]] std::vector<std::string> statements() const;
-    /// Node i as an operand, in parentheses if the precedence of its expression is below `least_precedence`.
-    [[nodiscard]] std::string operand(NodeId i, int least_precedence) const;
+    /// Node i as an operand, in parentheses if the precedence of its expression is below `min_precedence`.
+    [[nodiscard]] std::string operand(NodeId i, int min_precedence) const;
 
 protected:
     /// Code for everything that `outputs` are computed from. Operations without a name of their own have the names of

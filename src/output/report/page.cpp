@@ -84,7 +84,7 @@ constexpr std::array kind_names{"line", "plane", "cases"};  // names of `SweepSe
 Json index_json(const Report& report) {
     Json json = colours_json();
     json["quantiles"] = json_array(measure::metric::quantile_statistics, [](const auto& q) { return q.name; });
-    json["least_agreement"] = measure::metric::least_agreement;
+    json["least_agreement"] = measure::metric::min_agreement;
     json["maps"] = json_array(report.maps, [](const MapSection& m) { return m.index; });
     json["sweeps"] = json_array(report.sweeps, [](const SweepSection& s) {
         return Json{{"id", s.id},

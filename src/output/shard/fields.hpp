@@ -46,8 +46,8 @@ LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits
 template <class Archive>
 void fields(Archive& archive, measure::evaluate::BitsNeededSummary& summary) {
     auto& [hits, misses, hits_beyond, misses_beyond, unresolved] = summary;
-    archive(static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(hits),
-            static_cast<std::array<std::uint64_t, measure::evaluate::most_precision + 1>&>(misses), hits_beyond,
+    archive(static_cast<std::array<std::uint64_t, measure::evaluate::max_precision + 1>&>(hits),
+            static_cast<std::array<std::uint64_t, measure::evaluate::max_precision + 1>&>(misses), hits_beyond,
             misses_beyond, unresolved);
 }
 
@@ -70,7 +70,7 @@ LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, is_
 LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded_count, nonzero_answer_count, float_answers,
-                most_digits, inexact_decimals, first_samples, groups)
+                max_digits, inexact_decimals, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
 LOSTBITS_FIELDS(measure::check::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
                 further_measured, bounds, seconds)

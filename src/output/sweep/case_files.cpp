@@ -80,18 +80,18 @@ private:
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
-    [[nodiscard]] double most_lost_bits(const FormSummary& s) const {
+    [[nodiscard]] double max_lost_bits(const FormSummary& s) const {
         return s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
     }
 
     [[nodiscard]] plot::MatrixCell lost_bits_cell(const FormSummary& s) const {
-        const double lost_bits = most_lost_bits(s);
+        const double lost_bits = max_lost_bits(s);
         return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
     }
 
     /// A paler cell, which also gives the bits that the inputs cost if they were measured.
     [[nodiscard]] plot::MatrixCell within_inputs_cell(const FormSummary& s) const {
-        const double lost_bits = most_lost_bits(s);
+        const double lost_bits = max_lost_bits(s);
         const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
         return {map::make_paler(scale.colour(lost_bits, format)),
                 inherent_index < metrics.size()

@@ -36,7 +36,7 @@ double drawn_quantile(const FormSummary& s, std::size_t metric, double q) {
 }
 
 std::string gap_text() {
-    return fmt::format("no value where fewer than {:.0f} % of the hits agree", 100 * measure::metric::least_agreement);
+    return fmt::format("no value where fewer than {:.0f} % of the hits agree", 100 * measure::metric::min_agreement);
 }
 
 std::optional<AxisPart> too_far_part(const scene::sweep::SweepFile& sweep, const FloatFormat& format) {

@@ -143,7 +143,7 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     // The file of cases begins with the command that found them.
     const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
-        case_file_head(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
+        case_file_head(title.size() > scene::toml::TableReader::max_title_bytes ? search.title : title,
                        fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, {} {}",
                                    search.id, search.seed, search.starts, search.generations,
                                    search.smallest ? "smallest" : "largest", search.metric) +

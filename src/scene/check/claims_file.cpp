@@ -26,7 +26,7 @@ using S = Claim::Severity;
 constexpr std::pair<std::string_view, V> verdicts[] = {
     {"holds", V::holds}, {"qualified", V::qualified}, {"refuted", V::refuted}};
 constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
-constexpr long long most_draws = 1000;
+constexpr long long max_draws = 1000;
 constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {
     {"results", Claim::Profile::results}, {"timing", Claim::Profile::timing}, {"libraries", Claim::Profile::libraries}};
 
@@ -46,7 +46,7 @@ std::string_view find_name(const std::pair<std::string_view, E> (&names)[n], E v
 
 /// Reads the source and the words quoted from it. Few words keep a quotation to the point, and to what may be copied.
 void read_source(TableReader& table, Claim& claim) {
-    constexpr std::ptrdiff_t most_words = 12;
+    constexpr std::ptrdiff_t max_words = 12;
     claim.source = table.string("source");
     claim.quotation = table.optional_string("quotation").value_or("");
     if (!table.has("quotation")) return;
@@ -55,10 +55,10 @@ void read_source(TableReader& table, Claim& claim) {
     std::istringstream text(claim.quotation);
     const auto words = std::distance(std::istream_iterator<std::string>(text), std::istream_iterator<std::string>());
     if (words == 0) table.fail_at("quotation", "is empty; copy the words of the source that state the claim");
-    if (words > most_words)
+    if (words > max_words)
         table.fail_at("quotation", fmt::format("has {} words; quote at most {} of the source, those that state the "
                                                "claim",
-                                               words, most_words));
+                                               words, max_words));
 }
 
 /// Reads the verdict and, if it is qualified, the condition for it.
@@ -171,7 +171,7 @@ void read_expect(TableReader table, Claim& claim) {
     if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
     claim.criterion = read_criterion(table);
     if (claim.criterion) claim.criterion->require_verdict(table, name_of(claim.verdict), claim.low, claim.high);
-    claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
+    claim.draws = static_cast<int>(table.optional_integer("draws", 2, max_draws).value_or(0));
     table.require_known_keys();
 }
 

@@ -206,16 +206,16 @@ ItemType parse_item_type(const std::string& type_name, const std::string& name, 
                     file, name.empty() ? "" : "field '" + name + "' ", type_name));
 }
 
-constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 20;
+constexpr std::uint64_t max_record_bytes = std::uint64_t{1} << 20;
 
 /// Adds a field. A field that is an array becomes several columns: those that its name stands for, or `name_0` and so
 /// on.
 void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
                std::vector<BinaryColumn>& columns) {
     const auto advance_offset = [&](std::uint64_t size, std::uint64_t repeats) {
-        if (size > most_record_bytes || repeats > most_record_bytes || size * repeats > most_record_bytes - offset)
+        if (size > max_record_bytes || repeats > max_record_bytes || size * repeats > max_record_bytes - offset)
             throw InputError(fmt::format("{}: its records have more than {} bytes; write only the numbers of rays",
-                                         file, most_record_bytes));
+                                         file, max_record_bytes));
         offset += size * repeats;
     };
     // Skips bytes between fields, which numpy writes as fields without a name.

@@ -9,7 +9,7 @@ using toml::TableReader;
 namespace {
 
 constexpr long long largest_exponent = 1000000;
-constexpr long long most_ulps = 1LL << 30;
+constexpr long long max_ulps = 1LL << 30;
 
 constexpr std::pair<std::string_view, ShadowRule::Offset> offset_names[] = {
     {"none", ShadowRule::Offset::none}, {"epsilon", ShadowRule::Offset::epsilon}, {"ulp", ShadowRule::Offset::ulp}};
@@ -49,7 +49,7 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     table.read("own", rule.tests_departed_sphere);
     table.read("offset", rule.offset, offset_names);
     read_coefficient(table, "epsilon", rule.epsilon, numbers);
-    table.read("ulps", rule.ulps, 0, most_ulps);
+    table.read("ulps", rule.ulps, 0, max_ulps);
     table.require_known_keys();  // in front of the keys that need another key, which may be the misspelt one
 
     if (!rule.tests_departed_sphere) {

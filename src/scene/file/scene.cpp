@@ -18,8 +18,8 @@ using toml::TableReader;
 namespace {
 
 constexpr std::string_view schema = "lostbits-scene/1";
-constexpr long long most_pixels_a_side = 65536;
-constexpr long long most_pixels = 1LL << 30;
+constexpr long long max_pixels_a_side = 65536;
+constexpr long long max_pixels = 1LL << 30;
 
 constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
 
@@ -203,10 +203,10 @@ void read_scene_head(TableReader& file, Scene& scene) {
     file.read("note", scene.note);
     file.read("inputs", scene.inputs, inputs_names);
     static_cast<void>(file.has("variant"));  // the variants were removed, but `varient` must still be recognised
-    if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
+    if (const auto size = file.optional_integers("size", 2, 1, max_pixels_a_side)) {
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);
-        if ((*size)[0] * (*size)[1] > most_pixels)
+        if ((*size)[0] * (*size)[1] > max_pixels)
             file.fail_at("size", "is too large: more than 2^30 pixels; make it smaller");
     }
 }

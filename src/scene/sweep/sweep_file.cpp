@@ -24,7 +24,7 @@ using toml::to_12_bits;
 
 namespace {
 
-constexpr long long least_steps = 2, most_steps = 100000;
+constexpr long long min_steps = 2, max_steps = 100000;
 
 /// The ray distribution that a file names; null if it names none.
 const DistributionRow* find_distribution(const toml::Node& root) {
@@ -38,7 +38,7 @@ void fill_values(Axis& axis, TableReader& table) {
     if (axis.spacing == S::every_float) {
         const FloatRange floats{index_of(static_cast<float>(axis.from)), index_of(static_cast<float>(axis.to))};
         if (floats.falls()) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
-        if (floats.size() > most_steps)
+        if (floats.size() > max_steps)
             table.fail_at(
                 "to",
                 "leaves more than 100000 floats between from and to; bring them closer together, or try every float "
@@ -50,7 +50,7 @@ void fill_values(Axis& axis, TableReader& table) {
         }
         return;
     }
-    const long long steps = table.integer("steps", least_steps, most_steps);
+    const long long steps = table.integer("steps", min_steps, max_steps);
     if (axis.spacing == S::log2 && (axis.from <= 0 || axis.to <= 0))
         table.fail_at("from", "and to must be positive with spacing = \"log2\"");
     for (long long i = 0; i < steps; ++i) {
@@ -209,9 +209,8 @@ void SweepFile::apply_steps(const SweepChanges& changes) {
                              ": --steps: its axis tries every float between its ends and has no steps to choose; leave "
                              "out --steps, or bring the ends closer together with --set 'axis[0].to=VALUE'");
         const long long steps = changes.steps[changes.steps.size() > 1 ? a : 0];
-        if (steps < least_steps || steps > most_steps)
-            throw InputError(
-                fmt::format("--steps {}: give a whole number from {} to {}", steps, least_steps, most_steps));
+        if (steps < min_steps || steps > max_steps)
+            throw InputError(fmt::format("--steps {}: give a whole number from {} to {}", steps, min_steps, max_steps));
         const toml::SourcePosition where{"--steps " + std::to_string(steps), 0, 0};
         toml::apply_override(root_, {fmt::format("axis[{}].steps", a), toml::Node::of_integer(steps, where), where});
     }

@@ -87,8 +87,8 @@ Exponent::Exponent(const Node& node) {
         }
         terms_.push_back(term);
     }
-    constexpr std::size_t most_terms = 16;
-    if (terms_.empty() || terms_.size() > most_terms) fail_malformed();
+    constexpr std::size_t max_terms = 16;
+    if (terms_.empty() || terms_.size() > max_terms) fail_malformed();
 }
 
 int Exponent::value_in(const FloatFormat& f) const {

@@ -137,11 +137,11 @@ std::string TableReader::string(std::string_view key) { return as_text(require(k
 
 std::string TableReader::title(std::string_view key) {
     std::string text = string(key);
-    if (text.size() > most_title_bytes)
+    if (text.size() > max_title_bytes)
         fail_at(key,
                 fmt::format(
                     "has {} bytes, but every picture shows it; use at most {}, and put the rest into note = \"...\"",
-                    text.size(), most_title_bytes));
+                    text.size(), max_title_bytes));
     return text;
 }
 

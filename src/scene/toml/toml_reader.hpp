@@ -35,7 +35,7 @@ public:
     std::string string(std::string_view key);
     /// Reads a string that pictures show, with a limit on its length.
     std::string title(std::string_view key);
-    static constexpr std::size_t most_title_bytes = 400;  ///< a dozen lines on the narrowest sheet
+    static constexpr std::size_t max_title_bytes = 400;  ///< a dozen lines on the narrowest sheet
     std::optional<std::string> optional_string(std::string_view key) { return optional(key, &TableReader::string); }
     std::vector<std::string> strings(std::string_view key);
     std::optional<std::vector<std::string>> optional_strings(std::string_view key) {

@@ -13,7 +13,7 @@
 namespace lostbits::scene::toml {
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t{16} << 20;
+constexpr std::size_t max_bytes = std::size_t{16} << 20;
 
 /// Converts toml++'s tree to ours. A float is read again from the text, because toml++ keeps only the nearest double.
 class Converter {
@@ -178,12 +178,12 @@ namespace {
 /// Fails for a very long key: toml++ 3.3 recurses once for each part of a dotted key, and overflows the stack on a key
 /// of 50000 parts.
 void require_no_long_keys(const std::string& text, const std::string& source) {
-    constexpr int most_parts = 256;
+    constexpr int max_parts = 256;
     int line = 1, dots = 0;
     for (const char c : text) {
         if (c == '\n') ++line;
         if (c == '\n' || c == '=' || c == ',' || c == '{') dots = 0;
-        else if (c == '.' && ++dots > most_parts)
+        else if (c == '.' && ++dots > max_parts)
             fail({source, line, 1}, "has a key of more than 256 parts; check that this is the right file");
     }
 }
@@ -196,8 +196,8 @@ Node read_toml(const std::filesystem::path& path, intersect::process::StopToken 
     if (std::filesystem::is_directory(path, ignored)) fail(unread, "is a folder; name a .toml file in it");
     ByteSource file(path, stop);
     std::string text;
-    file.read(text, most_bytes + 1);
-    if (text.size() > most_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
+    file.read(text, max_bytes + 1);
+    if (text.size() > max_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
     require_no_long_keys(text, start.source);
     return parse(text, start.source);
 }

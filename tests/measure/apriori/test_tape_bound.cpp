@@ -156,7 +156,7 @@ void check_box(const Tape& tape, const std::array<std::vector<double>, 3>& rows,
                 REQUIRE(t.exact);
                 const double off = static_cast<double>(abs(Real(t.computed) - *t.exact));
                 REQUIRE(off <= b.error * (1 + 0x1p-40));
-                REQUIRE(static_cast<double>(abs(*t.exact)) >= b.least_t * (1 - 0x1p-40));
+                REQUIRE(static_cast<double>(abs(*t.exact)) >= b.min_t * (1 - 0x1p-40));
                 worst = std::fmax(worst, off);
             }
     for (const double share : bound.node_contributions(box)) sum += share;

@@ -25,7 +25,7 @@ Scene scene_named(const std::string& name) { return test::load(name, 48, 48); }
 ChoiceRequest request_of(const Scene& scene, double bits) {
     ChoiceRequest request{.scene = &scene};
     request.requirement.bits = bits;
-    request.plan = {.repetitions = 1, .least_seconds = 1e-6};
+    request.plan = {.repetitions = 1, .min_seconds = 1e-6};
     return request;
 }
 

@@ -49,7 +49,7 @@ ChoiceRequest requirement_of(double bits, std::vector<TestedForm> tested_forms) 
     ChoiceRequest request;
     request.tested_forms = std::move(tested_forms);
     request.requirement.bits = bits;
-    request.plan = {.repetitions = 1, .least_seconds = 1e-6};
+    request.plan = {.repetitions = 1, .min_seconds = 1e-6};
     return request;
 }
 
@@ -246,7 +246,7 @@ TEST_CASE("obstacles: the one input that is rounded far off is named") {
     REQUIRE(enough.form);
     CHECK(enough.form->meets(request.requirement));
     CHECK(found.trials[1].exact.kept_bits == found.exact.kept_bits);  // the origin is exact
-    CHECK(found.least_precision == 32);  // with 31 bits of the centre 15.18 are left, with 32 18.06
+    CHECK(found.min_precision == 32);  // with 31 bits of the centre 15.18 are left, with 32 18.06
 }
 
 TEST_CASE("obstacles: format, problem and formula are told apart") {
@@ -296,7 +296,7 @@ TEST_CASE("obstacles: inputs that binary64 cannot hold need a wider format") {
     CHECK(found.wide_inputs_are_exact);
     REQUIRE(found.sufficient_trial);
     CHECK(found.trials[*found.sufficient_trial].wide_inputs == 4);
-    CHECK(found.least_precision == 62);  // with 61 bits of the centre 45.2 are left (fractions)
+    CHECK(found.min_precision == 62);  // with 61 bits of the centre 45.2 are left (fractions)
 }
 
 TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels") {

@@ -127,7 +127,7 @@ TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet
             CHECK(r.pixels_met[k] <= r.pixels_any_form_meets[format]);
         }
         before = r.pixels_met;
-        const double least = r.least_time(all);
+        const double least = r.min_time(all);
         CHECK(least >= 1);
         CHECK(least <= 4);
     }

@@ -382,7 +382,7 @@ TEST_CASE("a primitive without a box is a candidate for every ray", "[culling]")
     BoxTree::make(PrimitiveList<double>({flat, ball}), none, &binary64)->find_candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1});
     CHECK_FALSE(BoxTree::make(PrimitiveList<double>(std::vector<Primitive<double>>{}), bounds, nullptr));
-    std::vector<Primitive<double>> grounds(BoxTree::most_unboxed, ground);
+    std::vector<Primitive<double>> grounds(BoxTree::max_unboxed_primitives, ground);
     grounds.push_back(flat);
     CHECK(BoxTree::make(PrimitiveList<double>(grounds), bounds, nullptr));
     grounds.push_back(ground);

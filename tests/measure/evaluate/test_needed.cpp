@@ -44,7 +44,7 @@ std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::
 
 std::vector<std::string> every_width() {
     std::vector<std::string> names;
-    for (int p = least_precision; p <= most_precision; ++p) names.push_back("p" + std::to_string(p));
+    for (int p = min_precision; p <= max_precision; ++p) names.push_back("p" + std::to_string(p));
     return names;
 }
 
@@ -78,13 +78,13 @@ TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
                 for (std::size_t i = 0; i < values.size(); ++i) {
                     double expected = beyond_most_precision;
                     const auto is_enough = [&](int p) {
-                        return maps[static_cast<std::size_t>(p - least_precision)].suffices(i, bits);
+                        return maps[static_cast<std::size_t>(p - min_precision)].suffices(i, bits);
                     };
-                    for (int p = most_precision; p >= least_precision && is_enough(p); --p) expected = p;
+                    for (int p = max_precision; p >= min_precision && is_enough(p); --p) expected = p;
                     wrong += values[i] != expected;
                     beyond += expected == beyond_most_precision;
                     narrow_misses += expected < bits;
-                    for (int p = least_precision; p < expected && p <= most_precision; ++p) lucky += is_enough(p);
+                    for (int p = min_precision; p < expected && p <= max_precision; ++p) lucky += is_enough(p);
                 }
                 CHECK(wrong == 0);
             }
@@ -183,7 +183,7 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     const auto results =
         BitsNeededStudy{.scene = none, .tested_forms = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
     CHECK(std::isnan(results[0].bits_needed[0]));
-    CHECK(results[0].bits_needed[1] <= most_precision);
+    CHECK(results[0].bits_needed[1] <= max_precision);
     BitsNeededSummary summary;
     for (std::size_t i = 0; i < 2; ++i) summary.add(results[0].truth(i), results[0].bits_needed[i]);
     CHECK(summary.unresolved == 1);

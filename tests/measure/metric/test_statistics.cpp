@@ -202,16 +202,16 @@ TEST_CASE("an exact total equals the rational sum", "[measure][metric]") {
     Random random(31);
     measure::metric::ExactTotal total;
     Rational exact = 0;
-    double least_so_far = 0;
+    double smallest_so_far = 0;
     for (const auto& [least, most] : {std::pair{-1074, -1022}, {-1060, 1020}, {1000, 1023}, {-30, 30}}) {
         for (const double x : numbers(500, least, most, random)) {
             if (std::isnan(x)) continue;
             const double size = std::fabs(x);
             // Ones that cancel leave nothing behind.
             total.add(size);
-            total.add(-least_so_far);
-            total.add(least_so_far);
-            least_so_far = size;
+            total.add(-smallest_so_far);
+            total.add(smallest_so_far);
+            smallest_so_far = size;
             exact += Rational(size);
         }
         const Rational off = boost::multiprecision::abs(Rational(total.divided_by(1'000'003)) - exact / 1'000'003);

@@ -46,7 +46,7 @@ TEST_CASE("a ratio of times is the median of the ratios of the rounds", "[timing
 
 TEST_CASE("twelve times the work measures as slower, and equal work as equal", "[timing]") {
     const measure::trade::TimedWork work[] = {adds(500), adds(6000), adds(500)};
-    const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 31, .least_seconds = 2e-4});
+    const auto samples = measure::trade::sample_interleaved(work, {.repetitions = 31, .min_seconds = 2e-4});
     CHECK(measure::trade::summarise_ratios(samples[1], samples[0]).median > 4);
     CHECK(measure::trade::summarise_ratios(samples[1], samples[0]).median < 36);
     CHECK(measure::trade::summarise_ratios(samples[2], samples[0]).median > 0.5);
@@ -66,7 +66,7 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
                 busy[i] = false;
             };
         },
-        {.repetitions = 4, .least_seconds = 1e-3, .threads = 3});
+        {.repetitions = 4, .min_seconds = 1e-3, .threads = 3});
     CHECK(quotients.size() == 4);
     for (const double q : quotients) CHECK((q > 0 && std::isfinite(q)));
     for (const auto& n : passes) CHECK(n > 4);
@@ -75,7 +75,7 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
     CHECK_THROWS_AS(
         measure::trade::measure_thread_speedups(
             [&](std::size_t) { return [&] { asked = true; }; },
-            {.repetitions = 3, .least_seconds = 1e-4, .threads = 1, .stop = intersect::process::StopToken(asked)}),
+            {.repetitions = 3, .min_seconds = 1e-4, .threads = 1, .stop = intersect::process::StopToken(asked)}),
         Interrupted);
     CHECK_FALSE(measure::trade::allowed_processors().empty());
 }

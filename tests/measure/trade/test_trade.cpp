@@ -204,8 +204,7 @@ TEST_CASE("every row is timed in every round, and the thread's affinity is resto
     }
     std::uint64_t done = 0;
     const auto timings = measure::trade::time_interleaved(
-        work,
-        {.repetitions = 4, .least_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
+        work, {.repetitions = 4, .min_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
     REQUIRE(timings.size() == 3);
     for (const measure::trade::Timing& t : timings)
         CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
@@ -215,7 +214,7 @@ TEST_CASE("every row is timed in every round, and the thread's affinity is resto
     const cpu_set_t after = allowed();
     CHECK(CPU_EQUAL(&before, &after));
     CHECK_THROWS_AS(measure::trade::time_interleaved(work, {.repetitions = 2,
-                                                            .least_seconds = 1e-6,
+                                                            .min_seconds = 1e-6,
                                                             .progress =
                                                                 [](std::uint64_t n) {
                                                                     if (n > 0) throw std::runtime_error("stop");

@@ -19,7 +19,7 @@ struct RayDistribution {
     int rays_binary32, rays_binary64;
     /// Limit on the number of binary32 rays that go beyond double-double: a formula that cancels would still be right,
     /// but would pay for it with precision.
-    int most_escalated;
+    int max_escalated;
 };
 
 // Near: inputs within a few binades of each other.

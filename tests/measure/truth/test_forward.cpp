@@ -33,7 +33,7 @@ double forward_error(double t, const CertifiedNumber& truth) {
 /// Largest allowed (forward error)/(condition x backward error): `backward_error` stops looking within 2^(1/16) = 1.044
 /// of the largest change that it can prove, and the second order that it leaves out is at most 1/64 (below). The
 /// largest value seen, in 200 rays of each distribution, is 1.031.
-const double most_allowed = std::exp2(1.0 / 16) * (1 + 0x1p-6);
+const double max_allowed = std::exp2(1.0 / 16) * (1 + 0x1p-6);
 
 struct Tally {
     int trials = 0, above = 0;
@@ -41,13 +41,13 @@ struct Tally {
 
     void take(double forward, double condition, double backward) {
         const double ratio = forward / (condition * backward);
-        ++trials, above += !(ratio <= most_allowed), most = std::max(most, ratio);
+        ++trials, above += !(ratio <= max_allowed), most = std::max(most, ratio);
     }
     /// Checks that the bound holds, and that it would fail if one of the three numbers were half or twice as large.
     void check(int at_least) const {
         CHECK(above == 0);
-        CHECK(most <= most_allowed);
-        CHECK(most > most_allowed / 2);
+        CHECK(most <= max_allowed);
+        CHECK(most > max_allowed / 2);
         CHECK(trials >= at_least);
     }
 };

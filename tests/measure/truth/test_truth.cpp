@@ -185,8 +185,8 @@ void check(const Distribution& distribution, const FloatFormat& storage, std::ui
     }
     INFO(distribution.name << ", seed " << seed << ", " << storage.precision << " bits:\n" << found.report);
     CHECK(found.report.empty());
-    if constexpr (requires { distribution.most_escalated; }) {
-        if (storage == binary32) CHECK(found.escalated <= distribution.most_escalated);
+    if constexpr (requires { distribution.max_escalated; }) {
+        if (storage == binary32) CHECK(found.escalated <= distribution.max_escalated);
     } else {
         // A distribution that only hits or only misses tests half of what it seems to test.
         using Promise = BoxDistribution::Promise;

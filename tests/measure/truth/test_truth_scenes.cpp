@@ -46,10 +46,10 @@ TEST_CASE("the nearest of many spheres is the minimum over single spheres") {
         const Truth all = find_truth(first.ray, primitives(spheres));
         INFO(i << ": " << paste(first.ray, first.sphere) << " and " << count << " more");
         bool any = false;
-        int most_bits = 0;
+        int max_bits = 0;
         for (std::size_t k = 0; k < spheres.size(); ++k) {
             const Truth one = find_truth(first.ray, spheres[k]);
-            most_bits = std::max(most_bits, one.proof_bits);
+            max_bits = std::max(max_bits, one.proof_bits);
             if (!one.is_hit()) continue;
             any = true;
             if (!all.is_hit()) FAIL("a miss though sphere " << k << " is hit");
@@ -58,7 +58,7 @@ TEST_CASE("the nearest of many spheres is the minimum over single spheres") {
                 FAIL("not the lowest of equals");
         }
         if (all.is_hit() != any || all.decision == Truth::Decision::unresolved) FAIL("a hit of nothing");
-        if (all.proof_bits != most_bits) FAIL("bits " << all.proof_bits << ", not " << most_bits);
+        if (all.proof_bits != max_bits) FAIL("bits " << all.proof_bits << ", not " << max_bits);
         if (!any) continue;
         ++hits;
         const ExactHit exact(first.ray, spheres[all.primitive]);

@@ -52,7 +52,7 @@ BoundDecision<T> decide_by_bound(const T& tmin, const T& tmax, const T& overflow
         const auto plain_decision = decide_by_bound(plain_value(tmin), plain_value(tmax), plain_value(overflow_sum));
         return {{constant_mask<T>(plain_decision.is_proved), tmin <= tmax}, constant_mask<T>(plain_decision.in_range)};
     } else {
-        const T margin = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
+        const T margin = T(16) * unit_roundoff<T>(), least = number::wide::smallest_normal<T>();
         const mask_t<T> in_range = overflow_sum < T(1) / T(0);
         const mask_t<T> is_hit = in_range && tmin < tmax * (T(1) - margin) - least;
         const mask_t<T> is_miss = in_range && tmin > tmax * (T(1) + margin) + least;

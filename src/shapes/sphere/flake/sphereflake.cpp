@@ -56,8 +56,8 @@ std::size_t Sphereflake::size() const {
 Sphereflake read_sphereflake(toml::TableReader table) {
     Sphereflake flake;
     const Real levels = table.number("levels");
-    if (levels != floor(levels) || levels < 0 || levels > most_flake_levels) {
-        table.fail_at("levels", "must be a whole number from 0 to " + std::to_string(most_flake_levels) +
+    if (levels != floor(levels) || levels < 0 || levels > max_flake_levels) {
+        table.fail_at("levels", "must be a whole number from 0 to " + std::to_string(max_flake_levels) +
                                     "; 5 makes 66430 spheres, and each further level nine times as many");
     }
     flake.levels = static_cast<int>(levels);

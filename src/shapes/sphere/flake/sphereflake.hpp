@@ -26,7 +26,7 @@ struct Sphereflake {
 };
 
 /// Largest number of levels; it makes 436 million spheres.
-inline constexpr int most_flake_levels = 9;
+inline constexpr int max_flake_levels = 9;
 
 /// Reads `[sphereflake]`: levels, and optionally centre, radius > 0 and axis, as binary64. Throws InputError with a
 /// position.

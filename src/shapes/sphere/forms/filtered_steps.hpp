@@ -47,10 +47,10 @@ SphereDecision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t)
     const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
     const P e = w * (P(2) * r + P(32) * w);
     // In coarser formats no distance is large enough.
-    const P least_ratio = select(P(1024) * u <= P(1), P(2), infinity);
-    const P least = number::wide::root_of_least_normal<P>() / (P(23) * u);
-    const P most = P(1) / (P(64) * number::wide::least_normal<P>());
-    const mask_t<P> in_range = ff >= max(least, least_ratio * square(r)) && inv >= least && max(ff, inv) <= most;
+    const P min_ratio = select(P(1024) * u <= P(1), P(2), infinity);
+    const P least = number::wide::root_of_smallest_normal<P>() / (P(23) * u);
+    const P most = P(1) / (P(64) * number::wide::smallest_normal<P>());
+    const mask_t<P> in_range = ff >= max(least, min_ratio * square(r)) && inv >= least && max(ff, inv) <= most;
     // The last comparison fails where s ≤ 0, so a hit is ahead.
     const mask_t<P> is_hit = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
     const mask_t<P> is_miss = s <= P(0) || delta < -e;
@@ -113,14 +113,14 @@ template <class W, Number T>
 SphereDecision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
     using number::wide::plain_value;
     using P = decltype(plain_value(t));
-    const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), infinity = P(1) / P(0);
+    const P u = unit_roundoff<P>(), least = number::wide::smallest_normal<P>(), infinity = P(1) / P(0);
     const P a = plain_value(values.a), h = plain_value(values.h), c = plain_value(values.c),
             disc = plain_value(values.disc), q = plain_value(values.q);
     const P r2 = square(plain_value(values.r)), sum = (c + r2) + r2;
     const P v = max(plain_value(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
     const P e = (P(6) * v) * (P(4) * sum * a) + P(64) * least;
-    const P least_value = select(number::wide::has_smaller_normals<P>(), P(64) * least, least / v);
-    const mask_t<P> is_accurate = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= least_value && e < infinity &&
+    const P min_value = select(number::wide::has_smaller_normals<P>(), P(64) * least, least / v);
+    const mask_t<P> is_accurate = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= min_value && e < infinity &&
                                   abs(h) < infinity && !(q >= infinity) && abs(c) >= sum * (v / u);
     const mask_t<P> is_miss = c > P(0) && (h > P(0) || disc < -e);
     const mask_t<P> is_hit = !is_miss && disc > e && e <= plain_value(values.root) * (q * (P(16) * u));

@@ -90,7 +90,7 @@ struct DecisionProof {
 template <class P>
 DecisionProof<P> prove_decision(const Determinants<P>& det, const P& v, const P& u) {
     const P infinity = P(1) / P(0), zero(0);
-    const P f = P(64) * number::wide::least_normal<P>() * (unit_roundoff<P>() / v);
+    const P f = P(64) * number::wide::smallest_normal<P>() * (unit_roundoff<P>() / v);
     const P ratio = v / min(P(14) * u, P(1) / P(512));
     const Vec<P> d = absolute_values(det.d), a = absolute_values(det.a), b = absolute_values(det.b),
                  c = absolute_values(det.c), p = absolute_values(det.p), q = absolute_values(det.q);

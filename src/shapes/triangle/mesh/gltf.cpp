@@ -240,7 +240,7 @@ private:
     /// triangle, for each byte.
     void require_within_limit(const GltfValue& value, std::size_t present_count, std::size_t added_count,
                               const char* element_names) const {
-        if (added_count > most_faces || present_count > most_faces - added_count)
+        if (added_count > max_faces || present_count > max_faces - added_count)
             value.fail(fmt::format("makes more than 2^31 - 1 {}", element_names));
         if (present_count + added_count > bytes_read_)
             value.fail(

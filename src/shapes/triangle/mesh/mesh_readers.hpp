@@ -22,8 +22,8 @@ struct ParsedMesh {
     }
 };
 
-inline constexpr std::size_t most_vertices = 0xffffffff;  ///< indices are 32 bits wide
-inline constexpr std::size_t most_faces = 0x7fffffff;     ///< indices of faces are signed
+inline constexpr std::size_t max_vertices = 0xffffffff;  ///< indices are 32 bits wide
+inline constexpr std::size_t max_faces = 0x7fffffff;     ///< indices of faces are signed
 
 /// Reads `v` and `f` of a Wavefront OBJ. Ignores the texture and normal of a corner, and all other lines that OBJ
 /// allows.

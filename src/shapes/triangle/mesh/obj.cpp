@@ -62,7 +62,7 @@ void skip_more_numbers(TextLines& lines) {
 }
 
 void read_vertex_statement(TextLines& lines, const FloatFormat& vertex_format, ParsedMesh& parsed_mesh) {
-    if (parsed_mesh.mesh.vertices.size() == most_vertices) lines.fail("is one vertex too many; the limit is 2^32 - 1");
+    if (parsed_mesh.mesh.vertices.size() == max_vertices) lines.fail("is one vertex too many; the limit is 2^32 - 1");
     const auto number = [&](const char* name) { return lines.coordinate<double>(name, vertex_format); };
     const double x = number("x"), y = number("y"), z = number("z");
     parsed_mesh.mesh.vertices.emplace_back(x, y, z);
@@ -76,7 +76,7 @@ void read_face_statement(TextLines& lines, std::vector<std::uint32_t>& corners, 
         corners.push_back(parse_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
     if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
     parsed_mesh.add(corners, lines.line());
-    if (parsed_mesh.mesh.faces.size() > most_faces)
+    if (parsed_mesh.mesh.faces.size() > max_faces)
         lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
 }
 

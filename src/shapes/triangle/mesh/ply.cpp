@@ -152,15 +152,15 @@ public:
     void begin(const PlyElement& element) {
         number_start_ = bytes_.position();
         // The smallest size of one element: a list may be empty, and a number in text has at least a digit and a blank.
-        std::uint64_t least_bytes = 0;
+        std::uint64_t min_bytes = 0;
         for (const PlyProperty& property : element.properties)
-            least_bytes += is_text() ? 2 : bytes_of(property.count.value_or(property.type));
+            min_bytes += is_text() ? 2 : bytes_of(property.count.value_or(property.type));
         // The last line of a text may lack its line break.
-        if (element.count * least_bytes > bytes_.remaining() + 1)
+        if (element.count * min_bytes > bytes_.remaining() + 1)
             throw InputError(
                 fmt::format("{}: ends before the {} of {}, which take at least {} bytes; was it cut short?",
                             position_text(), text::count_with_noun(element.count, "element"),
-                            text::excerpt(element.name), element.count * least_bytes));
+                            text::excerpt(element.name), element.count * min_bytes));
     }
     /// Begins an element, which is one line in a text file.
     void begin_element() {
@@ -307,7 +307,7 @@ ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
 
             if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
             if (element.is_face()) parsed_mesh.add(corners, i);
-            if (parsed_mesh.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
+            if (parsed_mesh.mesh.faces.size() > max_faces) numbers.fail("has more than 2^31 - 1 triangles");
             numbers.end_element();
         }
     }

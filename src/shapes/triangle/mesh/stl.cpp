@@ -55,7 +55,7 @@ private:
         const auto index = static_cast<std::uint32_t>(parsed_mesh_.mesh.vertices.size());
         parsed_mesh_.mesh.vertices.emplace_back(x, y, z);
         if (++corner_count_ == 3) parsed_mesh_.add(std::array{index - 2, index - 1, index}, lines_.line());
-        if (parsed_mesh_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
+        if (parsed_mesh_.mesh.faces.size() > max_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
     }
     void end_facet() {
         require_and_move(Position::in_facet, Position::in_solid);
