@@ -12,7 +12,7 @@ install(FILES analysis/library/lostbits.h plugins/lostbits_dump.h plugins/lostbi
     ${PROJECT_BINARY_DIR}/include/lostbits_build.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml" PATTERN "dumps/*")
 
-set(layers number geometry shapes intersect scene measure)
+set(layers text number geometry shapes intersect scene measure)
 foreach(room IN LISTS layers)
     install(DIRECTORY src/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lostbits FILES_MATCHING PATTERN "*.hpp")
 endforeach()

@@ -3,7 +3,7 @@
 # must hold for it: with an `if` in it, it must not compile over Archetype.
 #   CXX, ROOT (the repository), WORK (a folder), INCLUDES (other include folders that the headers need)
 file(REMOVE_RECURSE ${WORK})
-foreach(layer number geometry shapes intersect)
+foreach(layer text number geometry shapes intersect)
     file(COPY ${ROOT}/src/${layer} DESTINATION ${WORK}/src)
 endforeach()
 

@@ -5,7 +5,7 @@
 #   CXX, ROOT (the repository), WORK (a folder), INCLUDES (other include folders that the headers need)
 #   PROGRAM: also builds the whole program in the copy, with a file of metrics and its entry in the list, and tests both
 file(REMOVE_RECURSE ${WORK})
-foreach(layer number geometry shapes intersect)
+foreach(layer text number geometry shapes intersect)
     file(COPY ${ROOT}/src/${layer} DESTINATION ${WORK}/src)
 endforeach()
 
