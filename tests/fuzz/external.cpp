@@ -178,7 +178,7 @@ void fuzz_shard(std::string_view bytes) {
         const std::string program = output::shard::StateFileReader(path).head().program;
         analysis::shard::Shards shards({path.string()}, program);
         shards.for_each_record(first_job(file), [kind](output::shard::BitReader& bits) { read_record(kind, bits); });
-        shards.check_end();
+        shards.require_end();
     });
 }
 
