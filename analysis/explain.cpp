@@ -271,8 +271,7 @@ void add_given_ray_options(const shell::Command& command, selection::RayOptions&
     command.add("--open-ends", ray_options.open_ends,
                 "Exclude these ends of the range: a hit exactly at an excluded end does not count (default: none)",
                 shell::one_of({"none", "tmin", "tmax", "both"}));
-    command.add("--as", ray_options.format,
-                "First round the numbers of --ray, of the primitives, --tmin and --tmax to this format");
+    command.add("--as", ray_options.format, "Round --ray, the primitives, --tmin and --tmax to this format first");
 
     // Cases, and how to judge them.
     command.add("--case", ray_options.named_case,
@@ -285,17 +284,17 @@ void add_given_ray_options(const shell::Command& command, selection::RayOptions&
 
 /// Adds --ranges and the options that need it.
 void add_range_options(const shell::Command& command, RangeOptions& range_options) {
-    const auto ranges =
-        command.add("--ranges", range_options.is_given,
-                    "Bound the error of t over all rays within the ranges of the rays' numbers in a scene "
-                    "or in a step of a sweep");
+    const auto ranges = command.add(
+        "--ranges", range_options.is_given,
+        "Bound the error of t for every ray whose numbers lie within the ranges that the rays of a scene, or of a "
+        "step of a sweep, span");
     command
         .add("--at-step", range_options.step,
              "The step of a sweep for --ranges, as a value of each axis: 4096, or 4096,0.5")
         .needs(ranges);
     command
         .add("--input-range", range_options.ranges,
-             "Another range of an input for --ranges, such as d.x=-0.5..0.5; may be repeated")
+             "Override the range of one input of --ranges, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command
         .add("--boxes", range_options.boxes,

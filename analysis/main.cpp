@@ -47,10 +47,10 @@ void add_common(const shell::Command& program, CommonOptions& common) {
                       "Progress on stderr (default: auto, which shows it only on a terminal)");
 
     // Outputs and messages.
-    program.add(
-        "--force", common.force,
-        "Also write if the folder of a result, such as out/map/SCENE, has pictures or tables that no run lists; "
-        "these are kept, and a result with the name of one is still refused");
+    program.add("--force", common.force,
+                "Write into a folder of results, such as out/map/SCENE, even if it has pictures or tables that "
+                "lostbits did not "
+                "make; they are kept, and none is overwritten");
     program.add_list("--figure", common.figures, "Kinds of pictures (default: png); svg and pdf are vector graphics",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
@@ -82,13 +82,13 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
     // The process in which they run, and for how long.
     const auto isolate =
         program.add("--isolate", external.isolate,
-                    "Run each library in a process of its own, away from the program; a crash ends the "
-                    "run with exit status 3 (docs/plugin-check.md); the default in `check`, and in every command if CI "
-                    "is set, but not for libraries of formulas");
+                    "Run each library in a process of its own, so that neither a crash nor _exit reaches the program "
+                    "(docs/plugin-check.md); the default in `check`, and in every command if CI is set, but not for "
+                    "libraries of formulas (docs/your-own-form.md)");
     program
         .add("--in-process", external.in_process,
-             "Run libraries in the program itself, which is faster (the default elsewhere); a crash ends the run with "
-             "exit status 3")
+             "Run libraries in the program itself, which is faster (the default elsewhere). In both ways, a crash ends "
+             "the run with exit status 3")
         .excludes(isolate);
     program.add("--time-limit", external.seconds,
                 "Seconds that a library, command, shader or compiler may take for one task (default: 30)",

@@ -20,7 +20,7 @@ namespace {
 class MendedForm {
 public:
     MendedForm(const Claim& claim, const MendSubject& subject, const ClaimRequest& run)
-        : scene_(one_scene(claim, run)) {
+        : scene_(load_single_scene(claim, run)) {
         if (subject.size) std::tie(scene_.width, scene_.height) = *subject.size;
         request_.scene = &scene_;
         request_.tested_form = tested_form_for(claim, scene_);

@@ -22,8 +22,9 @@ using truth::missing;
 
 namespace {
 
-/// Number of a march along the ray of the first pixel of a scene, or of one step of this march.
-double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::ProofLimit limit) {
+/// A value of the march along the ray of the first pixel of a scene (its number of steps, hit or end), or of one of its
+/// steps.
+double march_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::ProofLimit limit) {
     const TestedForm tested_form = tested_form_for(claim, scene);
     if (!tested_form.form->log)
         scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
@@ -57,19 +58,19 @@ evaluate::FormSummary summarise_pixel(const Claim& claim, const scene::file::Sce
     const auto* const generator = scene::rays::generator_of(*tested_form.form);
     const scene::file::Scene generated_scene = generator ? with_ray_generator(scene, *generator) : scene;
     culling::Culler culler(generated_scene);
-    truth::Band row_band(generated_scene, y, y + 1, limit, &culler);
-    const evaluate::SharedBandTruth shared(row_band, {tested_form}, metrics);
-    evaluate::FormSummary row_summary(metrics), pixel_summary(metrics);
+    truth::Band line_band(generated_scene, y, y + 1, limit, &culler);
+    const evaluate::SharedBandTruth shared(line_band, {tested_form}, metrics);
+    evaluate::FormSummary line_summary(metrics), pixel_summary(metrics);
     const auto column = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
-    evaluate::measure_form({tested_form, metrics}, shared.inputs_of(tested_form), row_summary,
+    evaluate::measure_form({tested_form, metrics}, shared.inputs_of(tested_form), line_summary,
                            std::span(&pixel_subset, 1));
     return pixel_summary;
 }
 
 }  // namespace
 
-scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
+scene::file::Scene load_single_scene(const Claim& claim, const ClaimRequest& run) {
     const std::string& subject_name = claim.subject_name();
     const auto name = find_for_claim(claim, [&] { return scene::file::find_scene(subject_name, run.data_dir); });
     auto scenes = scene::file::load_scene(name.path, {.variant = name.variant, .stop = run.stop});
@@ -80,37 +81,38 @@ scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
 }
 
 void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run) {
-    const scene::file::Scene scene = one_scene(claims.front().claim, run);
+    const scene::file::Scene scene = load_single_scene(claims.front().claim, run);
 
     // Claims about a step of a march are judged alone, the others together.
-    SubjectClaims<SceneSubject> pictures;
+    SubjectClaims<SceneSubject> picture_claims;
     for (const auto& subject_claim : claims) {
         const auto& [claim, subject, result] = subject_claim;
-        if (subject.step) result = judge(claim, trace_value(claim, *subject.step, scene, {.stop = run.stop}), nullptr);
-        else pictures.push_back(subject_claim);
+        if (subject.step) result = judge(claim, march_value(claim, *subject.step, scene, {.stop = run.stop}), nullptr);
+        else picture_claims.push_back(subject_claim);
     }
-    if (pictures.empty()) return;
+    if (picture_claims.empty()) return;
 
-    evaluate::MapStudy request{.scene = &scene, .tested_forms = {}, .metrics = {}, .limit = {.stop = run.stop}};
-    std::vector<std::size_t> rows;
-    for (const auto& subject_claim : pictures)
-        rows.push_back(find_or_add_tested_form(request.tested_forms, tested_form_for(subject_claim.claim, scene)));
+    evaluate::MapStudy map_study{.scene = &scene, .tested_forms = {}, .metrics = {}, .limit = {.stop = run.stop}};
+    std::vector<std::size_t> form_indices;
+    for (const auto& subject_claim : picture_claims)
+        form_indices.push_back(
+            find_or_add_tested_form(map_study.tested_forms, tested_form_for(subject_claim.claim, scene)));
     const OwnedSetting setting(scene);
-    const ClaimColumns columns(claim_pointers(pictures), request.tested_forms, setting.get());
-    request.metrics = columns.metrics();
+    const ClaimColumns columns(claim_pointers(picture_claims), map_study.tested_forms, setting.get());
+    map_study.metrics = columns.metrics();
 
     // The whole picture is measured only if a claim is about it.
     const auto is_whole_picture = [](const auto& subject_claim) { return !subject_claim.subject.pixel; };
-    const auto summaries = std::ranges::any_of(pictures, is_whole_picture) ? evaluate::run_map(request)
-                                                                           : std::vector<evaluate::FormSummary>();
+    const auto summaries = std::ranges::any_of(picture_claims, is_whole_picture) ? evaluate::run_map(map_study)
+                                                                                 : std::vector<evaluate::FormSummary>();
 
-    for (std::size_t k = 0; k < pictures.size(); ++k) {
-        const auto& [claim, subject, result] = pictures[k];
-        const TestedForm& tested_form = request.tested_forms[rows[k]];
+    for (std::size_t k = 0; k < picture_claims.size(); ++k) {
+        const auto& [claim, subject, result] = picture_claims[k];
+        const TestedForm& tested_form = map_study.tested_forms[form_indices[k]];
         const evaluate::FormSummary pixel_summary =
-            subject.pixel ? summarise_pixel(claim, scene, tested_form, request.metrics, request.limit)
+            subject.pixel ? summarise_pixel(claim, scene, tested_form, map_study.metrics, map_study.limit)
                           : evaluate::FormSummary();
-        const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[rows[k]];
+        const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[form_indices[k]];
         result = judge(claim, columns.value(claim, summary), &summary);
     }
 }

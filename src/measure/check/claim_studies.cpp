@@ -163,7 +163,7 @@ void measure_together(const SubjectClaims<StudySubject>& claims, const Texts& ru
 }  // namespace
 
 void measure(const SubjectClaims<StudySubject>& claims, const ClaimRequest& run) {
-    const scene::file::Scene scene = one_scene(claims.front().claim, run);
+    const scene::file::Scene scene = load_single_scene(claims.front().claim, run);
     std::map<std::string, StudyNames> names;
     std::map<std::pair<std::string, Texts>, SubjectClaims<StudySubject>> claims_by_options;
     for (const StudyClaim& subject_claim : claims) {

@@ -83,7 +83,7 @@ void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, c
 }
 
 /// Loads the scene that is the subject of a claim. Throws InputError with the claim's position.
-scene::file::Scene one_scene(const scene::check::Claim& claim, const ClaimRequest& run);
+scene::file::Scene load_single_scene(const scene::check::Claim& claim, const ClaimRequest& run);
 
 /// Compares a measurement with the expectation of a claim. `summary` (may be null) is the source of the number.
 ClaimResult judge(const scene::check::Claim& claim, double measured, const evaluate::FormSummary* summary);

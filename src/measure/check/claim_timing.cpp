@@ -185,7 +185,7 @@ constexpr std::pair<std::string_view,
         {"meets", meets_as_number}, {"others_that_meet", count_others_that_meet}, {"chosen", chosen_as_number}};
 
 double choice_value(const Claim& claim, const ChoiceSubject& subject, const ClaimRequest& run) {
-    const Scene scene = one_scene(claim, run);
+    const Scene scene = load_single_scene(claim, run);
     if (const auto* const baseline = std::get_if<ChoiceSubject::RelativeTime>(&subject.against)) {
         if (claim.metric == "time_ratio") return time_ratio(claim, *baseline, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; with `over`, write time_ratio");
