@@ -27,7 +27,7 @@ namespace {
 /// Number of tapes that are measured together; more would only cost memory.
 constexpr std::size_t tapes_per_call = 48;
 
-/// Hash of the bits of all answers of a row, in order.
+/// Hash of the bits of all answers of a form, in order.
 class AnswerHash {
 public:
     void add_band(const evaluate::BandResult& result) {
@@ -45,8 +45,8 @@ private:
     std::uint64_t hash_ = 0xcbf29ce484222325U;
 };
 
-/// Row that runs a tape, with the format and convention of another row.
-TestedForm make_row(const TestedForm& tested_form, const TapeForm& form) {
+/// The tested form that runs a tape, with the format and convention of another tested form.
+TestedForm make_tested_form(const TestedForm& tested_form, const TapeForm& form) {
     return {.form = &form.form(), .format = tested_form.format, .touching = tested_form.touching};
 }
 
@@ -86,7 +86,8 @@ struct Comparison {
 Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     const TapeForm tape_form(*request.tested_form.form, request.tested_form.format, tape, "tape", "");
     std::array<AnswerHash, 2> hashes;
-    const auto quality = judge.measure_quality({form, make_row(form, tape_form)}, evaluate::show_to_each(hashes));
+    const auto quality =
+        judge.measure_quality({form, make_tested_form(form, tape_form)}, evaluate::show_to_each(hashes));
     return {quality.front(), hashes[0] == hashes[1]};
 }
 
@@ -94,26 +95,28 @@ Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const Rep
 
 const std::string& RepairRequest::id() const { return scene ? scene->id : rays->result_name; }
 
-/// Part of the rays, with their truth and everything that rows with the contract and format of the request's row share.
+/// Part of the rays, their truth, and the data that all forms with the request's contract and format share.
 class Judge::Part {
 public:
     Part(const RepairRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
         : band(bands.at(k, request.limit, culler)),
-          row_(request.tested_form),
-          shared_(band, {row_}, request.requirement.metrics()) {}
+          tested_form_(request.tested_form),
+          shared_(band, {tested_form_}, request.requirement.metrics()) {}
     Part(const RepairRequest& request, const scene::rays::RayGroup& rays)
-        : band(rays, request.limit), row_(request.tested_form), shared_(band, {row_}, request.requirement.metrics()) {}
+        : band(rays, request.limit),
+          tested_form_(request.tested_form),
+          shared_(band, {tested_form_}, request.requirement.metrics()) {}
     Part(const RepairRequest& request, const choose::IdealRays& rays)
         : band(rays.band(request.limit)),
-          row_(request.tested_form),
-          shared_(band, {row_}, request.requirement.metrics()) {}
+          tested_form_(request.tested_form),
+          shared_(band, {tested_form_}, request.requirement.metrics()) {}
 
-    [[nodiscard]] evaluate::FormInputs rows() const { return shared_.inputs_of(row_); }
+    [[nodiscard]] evaluate::FormInputs form_inputs() const { return shared_.inputs_of(tested_form_); }
 
     truth::Band band;
 
 private:
-    const TestedForm& row_;
+    const TestedForm& tested_form_;
     evaluate::SharedBandTruth shared_;
 };
 
@@ -161,11 +164,11 @@ std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& t
         intersect::process::in_parallel(std::size_t{0}, tested_forms.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto candidate_answers =
-                tapes.empty() ? std::nullopt : evaluate_candidate_pairs(*tapes[r], part.rows().inputs);
-            evaluate::FormRequest row_request{tested_forms[r], metrics};
-            if (show) row_request.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
-            if (candidate_answers) row_request.answers = &*candidate_answers;
-            measure_form(row_request, part.rows(), summaries[r]);
+                tapes.empty() ? std::nullopt : evaluate_candidate_pairs(*tapes[r], part.form_inputs().inputs);
+            evaluate::FormRequest form_request{tested_forms[r], metrics};
+            if (show) form_request.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
+            if (candidate_answers) form_request.answers = &*candidate_answers;
+            measure_form(form_request, part.form_inputs(), summaries[r]);
         });
     });
 
@@ -184,7 +187,7 @@ std::vector<FormQuality> Judge::measure_quality(const std::vector<Tape>& tapes) 
         for (std::size_t k = begin; k < end; ++k) {
             forms.push_back(std::make_unique<TapeForm>(*request_.tested_form.form, request_.tested_form.format,
                                                        tapes[k], "candidate", ""));
-            tested_forms.push_back(make_row(request_.tested_form, *forms.back()));
+            tested_forms.push_back(make_tested_form(request_.tested_form, *forms.back()));
         }
 
         const auto quality = measure_quality(tested_forms, {}, forms);
