@@ -39,15 +39,28 @@ std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
     return keys;
 }
 
+/// The metrics that the section of a sweep or of cases shows.
+std::vector<const measure::metric::Metric*> section_metrics(const PlannedSweep& planned) {
+    return selection::with_default_metrics(
+        {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
+        planned.tested_forms);
+}
+
+/// A section with the texts of a file of cases or of a sweep, and without results.
+template <class File>
+SweepSection begin_section(SweepSection::Kind kind, const File& file, const PlannedSweep& planned) {
+    return {.kind = kind,
+            .id = file.id,
+            .title = file.title,
+            .note = file.note,
+            .source = file.source,
+            .row_names = row_keys(planned.tested_forms)};
+}
+
 SweepSection measure_case_section(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::CaseFile file(planned.path);
     measure::sweep::CaseRequest request{
-        .file = file,
-        .tested_forms = {},
-        .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
-            planned.tested_forms),
-        .limit = {.stop = stop}};
+        .file = file, .tested_forms = {}, .metrics = section_metrics(planned), .limit = {.stop = stop}};
     // Each form is judged by every convention of the file.
     for (TestedForm tested_form : planned.tested_forms) {
         for (const auto& touching : file.conventions) {
@@ -57,12 +70,7 @@ SweepSection measure_case_section(const PlannedSweep& planned, StopToken stop) {
     }
     const auto cases = measure::sweep::run_cases(request);
 
-    SweepSection section{.kind = SweepSection::Kind::cases,
-                         .id = file.id,
-                         .title = file.title,
-                         .note = file.note,
-                         .source = file.source,
-                         .row_names = row_keys(planned.tested_forms)};
+    SweepSection section = begin_section(SweepSection::Kind::cases, file, planned);
     for (std::size_t i = 0; i < file.size(); ++i) section.cases.push_back(file.name(i));
     section.json = output::report::case_json(request, cases);
 
@@ -144,22 +152,14 @@ void add_line(SweepSection& section, const measure::sweep::SweepRequest& request
 
 SweepSection measure_axes_section(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::SweepFile sweep(planned.path, planned.data, {}, stop);
-    measure::sweep::SweepRequest request{
-        .sweep = sweep,
-        .tested_forms = planned.tested_forms,
-        .metrics = selection::with_default_metrics(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")},
-            planned.tested_forms),
-        .limit = {.stop = stop}};
+    measure::sweep::SweepRequest request{.sweep = sweep,
+                                         .tested_forms = planned.tested_forms,
+                                         .metrics = section_metrics(planned),
+                                         .limit = {.stop = stop}};
     for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
 
-    SweepSection section{.kind = SweepSection::Kind::line,
-                         .id = sweep.id,
-                         .title = sweep.title,
-                         .note = sweep.note,
-                         .source = sweep.source,
-                         .row_names = row_keys(planned.tested_forms)};
+    SweepSection section = begin_section(SweepSection::Kind::line, sweep, planned);
     if (sweep.axes.size() == 2) {
         add_plane(section, request, steps);
     } else {

@@ -175,7 +175,7 @@ void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shape
     if (!chose_all)
         return add_set_forms(chosen.tested_forms, combinations(forms_by_shape, fmt::format("-i: on {}", name)));
 
-    // Of all forms, only the plain set is added, and only if no form can test the subject.
+    // Adds only the plain set, and only if no form can test the subject.
     if (std::ranges::any_of(chosen.tested_forms, [&can_test](const TestedForm& tested_form) {
             return can_test(tested_form.form->shapes());
         }))

@@ -13,7 +13,7 @@
 
 namespace lostbits::intersect {
 
-/// Where a ray begins or ends relative to a primitive, if the answer depends on the contract.
+/// Place relative to a primitive where a ray begins or ends, if the answer depends on the contract.
 enum class Situation : std::uint8_t {
     inside,    ///< begins inside
     entering,  ///< begins on the surface and goes in; crosses a flat primitive; goes toward the axis of a tube

@@ -301,11 +301,6 @@ const std::string_view probed_inputs =
     "16379 sets of six numbers with random significands, exponents from -16 to 16 and both signs; and five sets for "
     "subnormals, infinities and NaN";
 
-std::string Arithmetic::find_fact(std::string_view key) const {
-    const auto found = std::ranges::find(facts, key, &Fact::key);
-    return found == facts.end() ? "" : found->value;
-}
-
 Arithmetic probe(Device& device) {
     Arithmetic arithmetic;
     arithmetic.digest = 14695981039346656037U;

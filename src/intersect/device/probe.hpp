@@ -22,9 +22,6 @@ struct Arithmetic {
     long long loop_limit = 0;        ///< iterations after which a loop is left silently; 0: no limit found
     bool loops_share_limit = false;  ///< true if the limit is on the sum over all loops of a function, not on each loop
     std::uint64_t digest = 0;        ///< digest of all bits of the answers
-
-    /// Value of a key; empty if the key was not probed.
-    [[nodiscard]] std::string find_fact(std::string_view key) const;
 };
 
 /// Probes a device. Throws EnvironmentError if the device does not compute at all.

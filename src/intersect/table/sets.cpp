@@ -103,7 +103,7 @@ void fill_set(FormSet& set) {
         if (set.source != part->info->source) add(set.source, "; ", part->info->source);
     }
 
-    // Where the forms disagree, the set states one value; `fill_conventions` keeps their conventions by shape.
+    // The set states one value if its forms disagree; `fill_conventions` keeps their conventions by shape.
     set.info = {.name = set.name,
                 .title = set.title,
                 .source = set.source,

@@ -65,7 +65,7 @@ std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& r
         lengths[k] = square(Vec<E>(q - p));
     }
 
-    // Of each two edges, the one that is farther away is not nearest.
+    // Compares edges two by two: the one that is farther away is not nearest.
     unsigned nearest = 0b111;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < i; ++j) {

@@ -175,9 +175,6 @@ public:
         std::size_t strip_index = 0;
         for (const std::size_t c : shown_columns(form_index)) writer_.write_strip(c, y0, strips.at(strip_index++));
     }
-    void draw_and_write(std::size_t form_index, const Band& band, int y0, std::size_t pixels) {
-        write_strips(form_index, y0, draw(form_index, band, pixels));
-    }
     [[nodiscard]] ColumnWriter& writer() { return writer_; }
 
 private:

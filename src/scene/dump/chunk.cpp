@@ -136,7 +136,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_limits() const {
         return fault_at(
             s, fmt::format("{} {}; or leave this ray out", broken->key->name, limit_phrase(*shape_, *broken->key)));
 
-    // Of two corners in the wrong order, the lower one is named.
+    // Names the lower one of two corners in the wrong order.
     const std::size_t lower_slot = s - broken->key->count();
     return fault_at(lower_slot, fmt::format("it is above {}, which is {}; {} has {} in each component", slot_name(s),
                                             numbers_[s], name, order_phrase(*broken->key)));
