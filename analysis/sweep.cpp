@@ -54,19 +54,13 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const scene::sweep::CaseFile file(path);
     const auto tested_forms =
         selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return file.accepts(forms); });
-    measure::sweep::CaseRequest request{
-        .file = file, .tested_forms = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
+    measure::sweep::CaseRequest request{.file = file,
+                                        .tested_forms = study::with_each_convention(file, tested_forms),
+                                        .metrics = {},
+                                        .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.adapt_to_forms(
         selection::with_default_metrics(chosen.extra_metrics, tested_forms), measure::evaluate::forms_of(tested_forms),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
-
-    // Each form is judged by every convention of the file.
-    for (TestedForm tested_form : tested_forms) {
-        for (const auto& convention : file.conventions) {
-            tested_form.touching = convention;
-            request.tested_forms.push_back(tested_form);
-        }
-    }
     if (!chosen.common.quiet) selection::note_unrepresentable_numbers(file, tested_forms);
 
     const auto folder = chosen.folder_of(file.id);

@@ -59,15 +59,10 @@ SweepSection begin_section(SweepSection::Kind kind, const File& file, const Plan
 
 SweepSection measure_case_section(const PlannedSweep& planned, StopToken stop) {
     const scene::sweep::CaseFile file(planned.path);
-    measure::sweep::CaseRequest request{
-        .file = file, .tested_forms = {}, .metrics = section_metrics(planned), .limit = {.stop = stop}};
-    // Each form is judged by every convention of the file.
-    for (TestedForm tested_form : planned.tested_forms) {
-        for (const auto& touching : file.conventions) {
-            tested_form.touching = touching;
-            request.tested_forms.push_back(tested_form);
-        }
-    }
+    measure::sweep::CaseRequest request{.file = file,
+                                        .tested_forms = study::with_each_convention(file, planned.tested_forms),
+                                        .metrics = section_metrics(planned),
+                                        .limit = {.stop = stop}};
     const auto cases = measure::sweep::run_cases(request);
 
     SweepSection section = begin_section(SweepSection::Kind::cases, file, planned);

@@ -97,6 +97,18 @@ void require_timeable(const std::vector<TestedForm>& tested_forms) {
 
 }  // namespace
 
+std::vector<TestedForm> with_each_convention(const scene::sweep::CaseFile& file,
+                                             const std::vector<TestedForm>& tested_forms) {
+    std::vector<TestedForm> judged_forms;
+    for (TestedForm tested_form : tested_forms) {
+        for (const auto& convention : file.conventions) {
+            tested_form.touching = convention;
+            judged_forms.push_back(tested_form);
+        }
+    }
+    return judged_forms;
+}
+
 measure::trade::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
                                            const selection::SelectedForms& selected) {
     require_timeable(selected.tested_forms);

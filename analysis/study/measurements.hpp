@@ -28,6 +28,10 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
                                            std::vector<const measure::metric::Metric*> metrics,
                                            measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
+/// Each form once for every convention of a file of cases, by which it is judged.
+std::vector<measure::evaluate::TestedForm> with_each_convention(
+    const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& tested_forms);
+
 /// The speed and accuracy of forms: on the rays of a scene or, if it is null, on rays of known kinds at a shape (empty:
 /// sphere). Throws InputError for forms that cannot be timed, and NothingSelected if none fits. The scene must outlive
 /// the result.
