@@ -86,22 +86,18 @@ public:
     JudgeResult run() {
         // Only a few pieces at a time, because each is measured in parallel.
         constexpr std::size_t max_pieces = 4;
+        using intersect::process::in_standard_state;
         const auto read_filter = tbb::make_filter<void, std::shared_ptr<Piece>>(
-            tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
-                intersect::process::FloatingPointState::standard().apply();
-                return read_piece(flow);
-            });
+            tbb::filter_mode::serial_in_order,
+            in_standard_state([this](tbb::flow_control& flow) { return read_piece(flow); }));
         const auto prepare_filter = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
-            tbb::filter_mode::parallel, [this](std::shared_ptr<Piece> piece) {
-                intersect::process::FloatingPointState::standard().apply();
+            tbb::filter_mode::parallel, in_standard_state([this](std::shared_ptr<Piece> piece) {
                 prepare(*piece);
                 return piece;
-            });
+            }));
         const auto measure_filter = tbb::make_filter<std::shared_ptr<Piece>, void>(
-            tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) {
-                intersect::process::FloatingPointState::standard().apply();
-                measure(*piece);
-            });
+            tbb::filter_mode::serial_in_order,
+            in_standard_state([this](const std::shared_ptr<Piece>& piece) { measure(*piece); }));
 
         tbb::parallel_pipeline(max_pieces, read_filter & prepare_filter & measure_filter);
         if (!request_.pieces) require_ray_count(dump_, request_, result_);
