@@ -392,7 +392,7 @@ void measure_requested_sections(output::report::Report& report, const PlannedRep
     for (const report::PlannedStudy& planned_study : planned.studies)
         report.studies.push_back(measure_study_section(planned_study, options.forms, options.formats, options.stop));
     for (const scene::file::Scene& scene : planned.offsets) {
-        if (auto section = report::measure_offset_section(scene, options.stop))
+        if (auto section = study::measure_offset_section(scene, options.stop))
             report.offsets.push_back(std::move(*section));
     }
     if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();

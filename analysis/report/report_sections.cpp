@@ -18,7 +18,6 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
-#include "output/offset/offset_files.hpp"
 #include "output/report/page.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/sweep/case_files.hpp"
@@ -228,48 +227,6 @@ std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string
         measure::offset::require_few_primitives(scene);
     }
     return scenes;
-}
-
-std::optional<output::report::OffsetSection> measure_offset_section(const scene::file::Scene& scene, StopToken stop) {
-    namespace offset = measure::offset;
-    offset::OffsetStudy study{
-        .scene = scene, .tested_forms = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
-    const auto& usual = offset::usual_forms();
-    const auto forms = selection::select_forms({usual.begin(), usual.end()});
-    auto all =
-        selection::pair_forms_with_formats(forms, selection::select_formats({std::string(offset::usual_format)}));
-    const selection::ShapePredicate can_test = [&scene](Shapes shapes) {
-        return selection::are_primitives(shapes) && scene.accepts(shapes);
-    };
-    const auto tested_forms = selection::tested_forms_handling({all, {}, true}, scene.id, can_test);
-    if (tested_forms.empty()) return std::nullopt;
-    study.tested_forms = {{tested_forms.front(), offset::HitPointKind::computed}};
-    study.finds_quiet_offset = false;  // the page has no table of it
-
-    // Measures the study while its sheet is drawn.
-    std::vector<offset::OffsetSummary> summaries;
-    output::report::OffsetSection section{
-        .id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
-    section.sheet = output::report::picture(scene.title +
-                                                ": outcomes of the next rays with every offset "
-                                                "strategy",
-                                            [&](const auto& file) {
-                                                output::study::StudyWriter<output::offset::OffsetPresentation> sheet(
-                                                    study, {.folder = {}, .sheet_only_file = file});
-                                                summaries = measure::study::run_study(study, sheet.show());
-                                                sheet.finish(summaries);
-                                            });
-
-    const offset::OffsetSummary& summary = summaries.front();
-    section.sentences = output::offset::summary_lines(study, 0, summary);
-    section.table = output::report::offset_table(study, summary);
-    for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-        section.strategies.push_back(output::offset::short_name(*study.strategies[k]));
-        for (const offset::Side side : offset::both_sides)
-            section.wrong_fractions[static_cast<std::size_t>(side)].push_back(
-                column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
-    }
-    return section;
 }
 
 PlannedStudy parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,

@@ -84,9 +84,6 @@ output::report::StudySection measure_study_section(const PlannedStudy& planned, 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> load_offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                                    const std::filesystem::path& data, StopToken stop);
-/// Measures the rays that leave the points of a scene. The first of `usual_forms` that fits the scene finds the points,
-/// in `usual_format`. Returns nothing if none of these forms fits.
-std::optional<output::report::OffsetSection> measure_offset_section(const scene::file::Scene& scene, StopToken stop);
 
 /// Measures speed and accuracy of the forms of one shape, with short measurements.
 output::report::TradeSection measure_trade_section(Shape shape,

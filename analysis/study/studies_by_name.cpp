@@ -15,6 +15,7 @@ namespace lostbits::analysis::study {
 using measure::check::StudyNames;
 using measure::check::StudyQuestion;
 using measure::check::StudyRow;
+using output::report::StudySection;
 
 namespace {
 
@@ -63,39 +64,35 @@ auto draw_sheet(const typename Adapter::Presentation::Study& study, const std::f
     return summaries;
 }
 
+/// Asks for these forms, as far as they fit the study and the scene. Empty lists mean the usual ones.
 template <class Adapter>
-std::optional<output::report::StudySection> measure_part_of(const scene::file::Scene& scene,
-                                                            std::vector<std::string> forms,
-                                                            std::vector<std::string> formats,
-                                                            intersect::process::StopToken stop) {
+StudyQuestion ask_about_scene(const scene::file::Scene& scene, std::vector<std::string> forms,
+                              std::vector<std::string> formats, intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto tested_forms =
         selection::pair_forms_with_formats(selection::select_forms(forms), selection::select_formats(formats));
     std::erase_if(tested_forms, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
-    StudyQuestion question{
-        .scene = scene,
-        .tested_forms = selection::filter_tested_forms(
-            tested_forms,
-            [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.accepts(shapes); }),
-        .stop = stop};
-    if (question.tested_forms.empty()) return std::nullopt;
+    const selection::ShapePredicate can_test = [&scene](Shapes shapes) {
+        return selection::are_primitives(shapes) && scene.accepts(shapes);
+    };
+    return {.scene = scene,
+            .tested_forms = selection::tested_forms_handling({tested_forms, {}, true}, scene.id, can_test),
+            .stop = stop};
+}
 
-    // The study is measured while its sheet is drawn.
+/// Measures a study while its sheet is drawn. `add_results(section, study, summaries)` completes the section.
+template <class Adapter, class AddResults>
+StudySection measure_section(const StudyQuestion& question, const std::string& sheet_text,
+                             const AddResults& add_results) {
     const auto study = make_study<Adapter>(question);
-    typename std::vector<typename Adapter::Presentation::Study::Summary> summaries;
-    output::report::StudySection section{
+    const scene::file::Scene& scene = question.scene;
+    std::vector<typename Adapter::Presentation::Study::Summary> summaries;
+    StudySection section{
         .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
-    section.sheet = output::report::picture(fmt::format("{}: {}", scene.title, Adapter::name),
+    section.sheet = output::report::picture(fmt::format("{}: {}", scene.title, sheet_text),
                                             [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
-
-    const auto table = Adapter::Presentation::summary_table();
-    std::vector<std::vector<output::file::Cell>> cells;
-    for (const auto& row : Adapter::Presentation::summary_rows(study, summaries)) {
-        auto& line = cells.emplace_back();
-        for (const auto& column : table) line.push_back(column.value(row));
-    }
-    section.table = output::report::study_table(table.columns(), cells);
+    add_results(section, study, summaries);
     return section;
 }
 
@@ -138,14 +135,46 @@ std::vector<std::string> study_names() {
     return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
 }
 
-std::optional<output::report::StudySection> measure_study_section(const std::string& study,
-                                                                  const scene::file::Scene& scene,
-                                                                  std::vector<std::string> forms,
-                                                                  std::vector<std::string> formats,
-                                                                  intersect::process::StopToken stop) {
-    return with_study(study, [&](auto adapter) {
-        return measure_part_of<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
+std::optional<StudySection> measure_study_section(const std::string& study, const scene::file::Scene& scene,
+                                                  std::vector<std::string> forms, std::vector<std::string> formats,
+                                                  intersect::process::StopToken stop) {
+    return with_study(study, [&](auto adapter) -> std::optional<StudySection> {
+        using Adapter = decltype(adapter);
+        const auto question = ask_about_scene<Adapter>(scene, std::move(forms), std::move(formats), stop);
+        if (question.tested_forms.empty()) return std::nullopt;
+        return measure_section<Adapter>(
+            question, Adapter::name, [](StudySection& section, const auto& measured, const auto& summaries) {
+                const auto table = Adapter::Presentation::summary_table();
+                std::vector<std::vector<output::file::Cell>> cells;
+                for (const auto& row : Adapter::Presentation::summary_rows(measured, summaries)) {
+                    auto& line = cells.emplace_back();
+                    for (const auto& column : table) line.push_back(column.value(row));
+                }
+                section.table = output::report::study_table(table.columns(), cells);
+            });
     });
+}
+
+std::optional<StudySection> measure_offset_section(const scene::file::Scene& scene,
+                                                   intersect::process::StopToken stop) {
+    namespace offset = measure::offset;
+    auto question = ask_about_scene<OffsetsAdapter>(scene, {}, {std::string(offset::usual_format)}, stop);
+    if (question.tested_forms.empty()) return std::nullopt;
+    question.tested_forms.resize(1);
+    question.options = {{"points", {"computed"}}};
+    return measure_section<OffsetsAdapter>(
+        question, "outcomes of the next rays with every offset strategy",
+        [&](StudySection& section, const offset::OffsetStudy& study, const auto& summaries) {
+            const offset::OffsetSummary& summary = summaries.front();
+            section.purpose.clear();  // the overview says it
+            section.source = scene.source;
+            section.sentences = output::offset::summary_lines(study, 0, summary);
+            section.table = output::report::offset_table(study, summary);
+            for (const offset::Side side : offset::both_sides)
+                for (std::size_t k = 0; k < study.strategies.size(); ++k)
+                    section.wrong_fractions[static_cast<std::size_t>(side)].push_back(
+                        column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
+        });
 }
 
 }  // namespace lostbits::analysis::study

@@ -34,4 +34,9 @@ public:
                                                                                 std::vector<std::string> formats,
                                                                                 intersect::process::StopToken stop);
 
+/// Measures the rays that leave the points of a scene, for the overview of offsets on the page. The first of the usual
+/// forms that fits the scene computes the points. Returns nullopt if none of them fits.
+[[nodiscard]] std::optional<output::report::StudySection> measure_offset_section(const scene::file::Scene& scene,
+                                                                                 intersect::process::StopToken stop);
+
 }  // namespace lostbits::analysis::study

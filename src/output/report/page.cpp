@@ -213,7 +213,16 @@ std::string mends_body(const Report& report) {
     return text;
 }
 
-std::string offsets_body(const std::vector<OffsetSection>& offsets) {
+/// A study of a scene under a heading: its texts, table and sheet.
+std::string study_html(const StudySection& s, const std::string& element_id, const std::string& heading) {
+    std::string body;
+    if (!s.purpose.empty()) body += fmt::format("<p>{}.</p>\n", html(s.purpose));
+    body += note_and_source(s.note, s.source);
+    for (const std::string& line : s.sentences) body += fmt::format("<p>{}</p>\n", html(line));
+    return details_html(element_id, title_with_name(heading, s.id), body + s.table + image_html(s.sheet));
+}
+
+std::string offsets_body(const std::vector<StudySection>& offsets) {
     if (offsets.empty()) return "";
     std::string text = fmt::format(
         "<p>A ray that leaves a computed point may hit the primitive that it leaves again, so renderers move its "
@@ -225,21 +234,14 @@ std::string offsets_body(const std::vector<OffsetSection>& offsets) {
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
 
-    for (const OffsetSection& o : offsets) {
-        std::string paragraphs = note_and_source(o.note, o.source);
-        for (const std::string& line : o.sentences) paragraphs += fmt::format("<p>{}</p>\n", html(line));
-        text +=
-            details_html("offsets-" + o.id, title_with_name(o.title, o.id), paragraphs + o.table + image_html(o.sheet));
-    }
+    for (const StudySection& o : offsets) text += study_html(o, "offsets-" + o.id, o.title);
     return text;
 }
 
 std::string studies_body(const std::vector<StudySection>& studies) {
     std::string text;
     for (const StudySection& s : studies)
-        text += details_html(
-            fmt::format("study-{}-{}", s.study, s.id), title_with_name(fmt::format("{}: {}", s.study, s.title), s.id),
-            fmt::format("<p>{}.</p>\n", html(s.purpose)) + note_and_source(s.note, "") + s.table + image_html(s.sheet));
+        text += study_html(s, fmt::format("study-{}-{}", s.study, s.id), fmt::format("{}: {}", s.study, s.title));
     return text;
 }
 

@@ -86,23 +86,15 @@ struct MendSection {
     bool has_times = false;                ///< times differ from run to run
 };
 
-/// Outcomes of rays that leave the points of a scene, for every strategy.
-struct OffsetSection {
-    std::string id, title, note, source;
-    std::vector<std::string> sentences = {};
-    std::vector<std::string> strategies = {};
-    /// For each side and strategy: the fraction of rays that go wrong.
-    std::array<std::vector<double>, 2> wrong_fractions = {};
-    std::string table = {};  ///< HTML, see `offset_table`
-    Picture sheet = {};
-};
-
 /// A study of a scene, such as consistency.
 struct StudySection {
-    std::string study, purpose;   ///< name of the study, and a text that says what it measures
-    std::string id, title, note;  ///< texts of the scene
-    std::string table = {};       ///< HTML, see `study_table`
+    std::string study, purpose;                ///< name of the study, and a text that says what it measures
+    std::string id, title, note, source = {};  ///< texts of the scene
+    std::vector<std::string> sentences = {};   ///< findings
+    std::string table = {};                    ///< HTML, see `study_table` and `offset_table`
     Picture sheet = {};
+    /// Of offsets, for each side and each of `all_strategies`: the fraction of rays that go wrong.
+    std::array<std::vector<double>, 2> wrong_fractions = {};
 };
 
 struct Report {
@@ -112,8 +104,7 @@ struct Report {
     std::vector<TradeSection> trades;
     std::vector<ChoiceSection> choices = {};
     std::vector<MendSection> mends = {};
-    std::vector<OffsetSection> offsets = {};
-    std::vector<StudySection> studies = {};
+    std::vector<StudySection> offsets = {}, studies = {};
     std::vector<scene::check::Claim> claims;
     std::vector<measure::check::ClaimResult> results;
     std::string processor = {};  ///< processor on which the times were measured; empty if unknown
@@ -139,7 +130,7 @@ struct Report {
                                        const measure::offset::OffsetSummary& summary);
 
 /// One table per side with a row per strategy and a column per scene: the fraction of rays that go wrong.
-[[nodiscard]] std::string offset_overview(const std::vector<OffsetSection>& parts);
+[[nodiscard]] std::string offset_overview(const std::vector<StudySection>& parts);
 
 /// Table of a study's summary: its columns, except those that are empty in every row and those of commands.
 [[nodiscard]] std::string study_table(const std::vector<file::Column>& columns,

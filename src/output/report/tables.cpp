@@ -230,17 +230,18 @@ std::string study_table(const std::vector<file::Column>& columns, const std::vec
     return text + end_table;
 }
 
-std::string offset_overview(const std::vector<OffsetSection>& parts) {
+std::string offset_overview(const std::vector<StudySection>& parts) {
+    const auto strategies = measure::offset::all_strategies();
     std::string text = "<div class=\"pair\">\n";
     for (const Side side : both_sides) {
-        const auto s = static_cast<std::size_t>(side);
         std::vector<std::string> names{"strategy"};
-        for (const OffsetSection& p : parts) names.push_back(p.id);
+        for (const StudySection& p : parts) names.push_back(p.id);
         text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
 
-        for (std::size_t k = 0; k < parts.front().strategies.size(); ++k) {
-            text += fmt::format("<tr><th scope=\"row\">{}</th>", html(parts.front().strategies[k]));
-            for (const OffsetSection& p : parts) text += fraction_cell(p.wrong_fractions[s][k]);
+        for (std::size_t k = 0; k < strategies.size(); ++k) {
+            text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*strategies[k])));
+            for (const StudySection& p : parts)
+                text += fraction_cell(p.wrong_fractions[static_cast<std::size_t>(side)][k]);
             text += "</tr>\n";
         }
         text += end_table;
