@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <ranges>
 #include <stdexcept>
 
 #include "intersect/process/parallel.hpp"
@@ -19,10 +20,11 @@ using metric::Metric;
 
 namespace {
 
-/// Measures rows at one step.
-std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector<TestedForm>& tested_forms,
-                                  const std::vector<double>& values) {
-    return evaluate::measure_groups(request.sweep.rays(values), tested_forms, request.metrics, request.limit);
+/// Number of the sweep's steps.
+std::uint64_t count_steps(const scene::sweep::SweepFile& sweep) {
+    std::uint64_t steps = 1;
+    for (const auto& axis : sweep.axes) steps *= axis.values.size();
+    return steps;
 }
 
 /// Event whose onset is searched. It happens at a step if its value there reaches the threshold. A missing value is
@@ -110,17 +112,17 @@ SweepRequest request_for_events(SweepRequest request) {
 /// values.
 class FormEvaluator {
 public:
-    FormEvaluator(const SweepRequest& request, std::size_t form_index)
-        : request_(request_for_events(request)), row_{request_.tested_forms[form_index]} {}
+    FormEvaluator(const SweepRequest& request, std::size_t form_index) : request_(request_for_events(request)) {
+        request_.tested_forms = {request.tested_forms[form_index]};
+    }
     const FormSummary& summary_at(double value) {
         const auto [entry, is_new] = summaries_.try_emplace(value);
-        if (is_new) entry->second = std::move(run_step(request_, row_, {value}).front());
+        if (is_new) entry->second = std::move(measure_at(request_, {value}).front());
         return entry->second;
     }
 
 private:
     SweepRequest request_;
-    std::vector<TestedForm> row_;
     std::map<double, FormSummary> summaries_;
 };
 
@@ -218,27 +220,23 @@ std::vector<Onset> find_onsets_of_draw(const SweepRequest& request, const std::v
 }  // namespace
 
 std::vector<SweepStep> run_sweep(const SweepRequest& request) {
-    const auto& axes = request.sweep.axes;
-    std::vector<SweepStep> steps;
-    for (const double first : axes[0].values) {
-        if (axes.size() == 1) {
-            steps.push_back({{first}, {}});
-            continue;
-        }
-        for (const double second : axes[1].values) steps.push_back({{first, second}, {}});
-    }
-    const auto units = request.share.unit_range(steps.size());
-    steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(units.last), steps.end());
-    steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(units.first));
+    const auto units = request.share.unit_range(count_steps(request.sweep));
+    std::vector<SweepStep> steps(units.size());
     intersect::process::in_parallel(std::size_t{0}, steps.size(), [&](std::size_t i) {
-        steps[i].summaries = run_step(request, request.tested_forms, steps[i].values);
+        // The second axis runs fastest.
+        std::size_t index = units.first + i;
+        for (const auto& axis : request.sweep.axes | std::views::reverse) {
+            steps[i].values.insert(steps[i].values.begin(), axis.values[index % axis.values.size()]);
+            index /= axis.values.size();
+        }
+        steps[i].summaries = measure_at(request, steps[i].values);
         request.progress(request.tested_forms.size());
     });
     return steps;
 }
 
 std::vector<FormSummary> measure_at(const SweepRequest& request, const std::vector<double>& values) {
-    return run_step(request, request.tested_forms, values);
+    return evaluate::measure_groups(request.sweep.rays(values), request.tested_forms, request.metrics, request.limit);
 }
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
@@ -292,10 +290,8 @@ SweepFindings measure_sweep(const SweepRequest& request) {
 }
 
 std::uint64_t sweep_units(const SweepRequest& request) {
-    std::uint64_t steps = 1;
-    for (const auto& axis : request.sweep.axes) steps *= axis.values.size();
     const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draws : 0));
-    return request.tested_forms.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
+    return request.tested_forms.size() * count_steps(request.sweep) * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 
 FormSummary run_cases_together(const CaseRequest& request, std::size_t form_index,
