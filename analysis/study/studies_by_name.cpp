@@ -165,15 +165,14 @@ std::optional<StudySection> measure_offset_section(const scene::file::Scene& sce
     return measure_section<OffsetsAdapter>(
         question, "outcomes of the next rays with every offset strategy",
         [&](StudySection& section, const offset::OffsetStudy& study, const auto& summaries) {
-            const offset::OffsetSummary& summary = summaries.front();
             section.purpose.clear();  // the overview says it
             section.source = scene.source;
-            section.sentences = output::offset::summary_lines(study, 0, summary);
-            section.table = output::report::offset_table(study, summary);
-            for (const offset::Side side : offset::both_sides)
-                for (std::size_t k = 0; k < study.strategies.size(); ++k)
-                    section.wrong_fractions[static_cast<std::size_t>(side)].push_back(
-                        column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
+            section.sentences = output::offset::summary_lines(study, 0, summaries.front());
+            section.table = output::report::offset_table(study, summaries);
+            auto table = OffsetsAdapter::Presentation::summary_table();
+            for (const auto& row : OffsetsAdapter::Presentation::summary_rows(study, summaries))
+                section.wrong_fractions[static_cast<std::size_t>(row.side)].push_back(
+                    table.find("bad_fraction")->value(row).number());
         });
 }
 

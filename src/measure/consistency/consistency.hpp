@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "measure/consistency/check.hpp"
-#include "measure/metric/measured_column.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/shard/share.hpp"
 #include "measure/study/sums.hpp"
@@ -76,9 +75,5 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene,
 
 /// True if the form intersects a primitive. Forms that march a distance field are not compared.
 bool can_be_compared(const intersect::table::Intersector& form);
-
-/// A column of the summary that follows the columns check, form and format. The CSV and the claims use the same table.
-using ConsistencyColumn = metric::MeasuredColumn<const CheckSummary&>;
-std::span<const ConsistencyColumn> consistency_columns();
 
 }  // namespace lostbits::measure::consistency

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/metric/measured_column.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/offset/at_point.hpp"
 #include "measure/shard/share.hpp"
@@ -133,11 +132,6 @@ inline constexpr std::size_t max_primitives = 1000;
 void require_few_primitives(const scene::file::Scene& scene);
 /// True if offsets of a form can be measured: the form intersects a primitive and reports t.
 bool can_measure_offsets(const intersect::table::Intersector& form);
-
-/// Column of the summary that follows the columns point, side, strategy, form and format. The CSV and the claims use
-/// the same columns.
-using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
-std::span<const OffsetColumn> offset_columns();
 
 /// A strategy that makes no bad ray (`StrategySummary::bad_rays` is 0).
 struct SafeStrategy {

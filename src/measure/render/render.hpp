@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "measure/metric/measured_column.hpp"
 #include "measure/render/shade.hpp"
 #include "measure/render/stored_appearance.hpp"
 #include "measure/render/true_picture.hpp"
@@ -116,10 +115,6 @@ void fields(Archive& archive, RenderSummary& whole) {
 /// study. `appearance` holds the scene's paint in binary64.
 void add_to_summary(const RenderBand& band, std::size_t stage_index, const StoredAppearance<double>& appearance,
                     RenderSummary& summary);
-
-/// Column of the summary that follows the columns stage, form and format. The CSV and the claims use the same columns.
-using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
-std::span<const RenderColumn> render_columns();
 
 /// Inputs of one format on a band.
 struct FormatRenderInputs {

@@ -175,12 +175,54 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(
     return table;
 }
 
+namespace {
+
+/// Columns of the numbers of a check.
+Table<CheckSummary> number_columns() {
+    using S = CheckSummary;
+    using table::fraction_or_missing, table::percentile;
+    const auto count = [](CheckResult result) { return [result](const S& s) { return s.count_of(result); }; };
+    return {
+        {"rays", "pixels at which both questions are asked", &S::asked},
+        {"agree", "of these, pixels with the same answer to both questions", count(CheckResult::agree)},
+        {"first_alone", "the answer is yes only to the first question, and one of the answers is wrong",
+         count(CheckResult::first_alone)},
+        {"second_alone", "the answer is yes only to the second, and one of the answers is wrong",
+         count(CheckResult::second_alone)},
+        {"other_number",
+         "the decisions are the same, the numbers are not: they differ in any bit (packs), or by an ulp more than the "
+         "exact ones (reverse, placed)",
+         count(CheckResult::other_number)},
+        {"by_inputs", "the answers differ as the exact ones do: the stored numbers of the questions differ",
+         count(CheckResult::by_inputs)},
+        {"unresolved", "the answers differ, and the exact ones are not proved", count(CheckResult::unresolved)},
+
+        // Fractions, and how far numbers are apart
+        {"disagree_fraction", "share of first_alone, second_alone and other_number",
+         [](const S& s) { return fraction_or_missing(s.disagreements(), s.asked()); }},
+        {"decision_fraction", "share of first_alone and second_alone",
+         [](const S& s) { return fraction_or_missing(s.decisions(), s.asked()); }},
+        {"by_inputs_fraction", "share of by_inputs",
+         [](const S& s) { return fraction_or_missing(s.count_of(CheckResult::by_inputs), s.asked()); }},
+        {"apart_p50", "ulp",
+         "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, "
+         "as "
+         "computed: median",
+         percentile(&S::apart, 50)},
+        {"apart_p99", "ulp", "the same: 99th percentile", percentile(&S::apart, 99)},
+        {"apart_max", "ulp", "the same: largest", percentile(&S::apart, 100)},
+        {"excess_p50", "ulp", "the same minus its value for the exact answers: median", percentile(&S::excess, 50)},
+        {"excess_p99", "ulp", "the same: 99th percentile", percentile(&S::excess, 99)},
+        {"excess_max", "ulp", "the same: largest", percentile(&S::excess, 100)}};
+}
+
+}  // namespace
+
 Table<CheckRow> ConsistencyPresentation::summary_table() {
     using R = CheckRow;
     Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
-    for (const auto& column : measure::consistency::consistency_columns())
-        table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
+    table.add(number_columns(), &R::summary);
 
     // The first pixel where the form contradicts itself, and the commands that explain its two rays.
     const auto explain = [](auto ray) {

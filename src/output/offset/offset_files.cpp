@@ -227,25 +227,6 @@ Table<study::PixelInBand<OffsetBand>> OffsetPresentation::pixel_table(const Offs
     return table;
 }
 
-Table<StrategyRow> OffsetPresentation::summary_table() {
-    using R = StrategyRow;
-    Table<R> table{{"strategy", "rule for the new origin: a name of `lostbits list strategies`",
-                    [](const R& r) { return r.strategy->name; }},
-                   {"side", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
-                    [](const R& r) { return name_of(r.side); }},
-                   {"point", "starting point: as computed, or projected back onto the surface",
-                    [](const R& r) { return name_of(r.offset_form->point_kind); }}};
-    table.add(
-        table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
-        [](const R& r) -> const auto& { return r.offset_form->tested_form; });
-    table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.offset_form->tested_form.form->shape); }});
-    for (const auto& column : measure::offset::offset_columns())
-        table.add(table::measured_column<R>(
-            column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.strategy_index); }));
-    return table;
-}
-
 std::vector<StrategyRow> OffsetPresentation::summary_rows(const OffsetStudy& study,
                                                           const std::vector<OffsetSummary>& summaries) {
     std::vector<StrategyRow> rows;

@@ -35,6 +35,11 @@ struct StrategyRow {
     Side side;
     const Strategy* strategy;
     std::size_t strategy_index;
+
+    [[nodiscard]] const measure::offset::SideSummary& side_summary() const { return summary->side_summary(side); }
+    [[nodiscard]] const measure::offset::StrategySummary& strategy_summary() const {
+        return side_summary().strategies[strategy_index];
+    }
 };
 /// A presentation, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the
 /// strategies across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
@@ -46,7 +51,7 @@ struct OffsetPresentation {
     static constexpr const char* summary_title = "One row per strategy, side, kind of point, form and format";
     static constexpr const char* pixel_title = "One row per pixel with a point that counts";
 
-    /// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
+    /// The columns strategy, side, point, form, format and operations, and the numbers of the strategy.
     static table::Table<StrategyRow> summary_table();
     /// One row for every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);

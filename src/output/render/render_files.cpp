@@ -7,14 +7,124 @@ namespace lostbits::output::render {
 
 using measure::render::RenderBand;
 
+namespace {
+
+using measure::render::Receiver;
+using measure::render::SeenContent;
+using measure::render::Shadow;
+using S = RenderSummary;
+
+/// Returns the number of points of a receiver that truly get the light. `count_truly_shadowed` counts those whose light
+/// is truly blocked.
+std::uint64_t count_truly_lit(const S& r, Receiver receiver) {
+    return r.count(receiver, Shadow::both_lit) + r.count(receiver, Shadow::false_shadow) +
+           r.count(receiver, Shadow::own_shadow);
+}
+std::uint64_t count_truly_shadowed(const S& r, Receiver receiver) {
+    return r.count(receiver, Shadow::both_shadowed) + r.count(receiver, Shadow::false_light);
+}
+
+/// A part as a fraction of the whole; missing for a picture without shadows.
+std::optional<double> shadow_fraction(const S& r, std::uint64_t part, std::uint64_t whole) {
+    return r.rule.has_shadows ? table::fraction_or_missing(part, whole) : std::nullopt;
+}
+
+/// Columns of the numbers of a stage.
+table::Table<S> number_columns() {
+    using table::percentile;
+    const auto seen = [](SeenContent content) { return [content](const S& r) { return r.count(content); }; };
+    const auto shadows = [](Receiver receiver, Shadow shadow) {
+        return [=](const S& r) { return table::when(r.rule.has_shadows, r.count(receiver, shadow)); };
+    };
+    const auto truly_lit = [](Receiver receiver) {
+        return [=](const S& r) { return table::when(r.rule.has_shadows, count_truly_lit(r, receiver)); };
+    };
+    const auto truly_shadowed = [](Receiver receiver) {
+        return [=](const S& r) { return table::when(r.rule.has_shadows, count_truly_shadowed(r, receiver)); };
+    };
+    return {
+        // Contents
+        {"pixels", "pixels of the picture", &S::pixels},
+        {"same_sphere", "pixels on which form and truth see the same sphere", seen(SeenContent::same_sphere)},
+        {"background", "pixels on which both see the background", seen(SeenContent::background)},
+        {"other_sphere", "pixels on which the form sees another sphere than the true one",
+         seen(SeenContent::other_sphere)},
+        {"lost_sphere", "pixels on which the form sees the background instead of a sphere",
+         seen(SeenContent::lost_sphere)},
+        {"extra_sphere", "pixels on which the form sees a sphere where there is only background",
+         seen(SeenContent::extra_sphere)},
+        {"not_a_number", "pixels on which the form reports a hit at NaN", seen(SeenContent::not_a_number)},
+
+        // Pixels in doubt, and changed pixels
+        {"unresolved", "pixels whose content, shadow or colour could not be proved", &S::unresolved},
+        {"changed", "pixels with a byte that differs from the certified picture", &S::changed_pixels},
+        {"changed_fraction", "1", "changed, as a share of all pixels",
+         [](const S& r) { return table::fraction_or_missing(r.changed_pixels, r.pixels); }},
+
+        // Errors of colours, normals and points
+        {"colour_error_mean", "8-bit steps",
+         "mean of the largest |channel - true channel| * 255, where form and truth see the same",
+         [](const S& r) { return file::number_or_missing(r.colour_error.mean()); }},
+        {"colour_error_p50", "8-bit steps", "median (to 2^-11 of itself) of the same",
+         percentile(&S::colour_error, 50)},
+        {"colour_error_p99", "8-bit steps", "99th percentile of the same", percentile(&S::colour_error, 99)},
+        {"colour_error_max", "8-bit steps", "largest of the same", percentile(&S::colour_error, 100)},
+        {"colour_not_a_number", "pixels with a channel at NaN", &S::colour_not_a_number},
+        {"normal_angle_p50", "rad", "median angle between computed and true normal, on the same sphere",
+         percentile(&S::normal_angle, 50)},
+        {"normal_angle_p99", "rad", "99th percentile of the same", percentile(&S::normal_angle, 99)},
+        {"normal_angle_max", "rad", "largest of the same", percentile(&S::normal_angle, 100)},
+        {"residual_p50", "radius", "median of ||P - G| - r|/r, P the computed point, on the same sphere",
+         percentile(&S::residual, 50)},
+        {"residual_p99", "radius", "99th percentile of the same", percentile(&S::residual, 99)},
+        {"residual_max", "radius", "largest of the same", percentile(&S::residual, 100)},
+
+        // Light and shadow on spheres
+        {"faces_away", "same_sphere, on the side away from the light",
+         [](const S& r) { return table::when(r.rule.has_diffuse, r.faces_away); }},
+        {"surface_lit", "same_sphere that faces the light and truly gets it", truly_lit(Receiver::sphere)},
+        {"surface_shadowed", "same_sphere that faces the light, truly blocked by another sphere",
+         truly_shadowed(Receiver::sphere)},
+        {"false_shadow", "surface_lit that the form puts in the shadow of another sphere",
+         shadows(Receiver::sphere, Shadow::false_shadow)},
+        {"own_shadow", "surface_lit that the form puts in the shadow of its own sphere alone: acne",
+         shadows(Receiver::sphere, Shadow::own_shadow)},
+        {"false_light", "surface_shadowed that the form lights", shadows(Receiver::sphere, Shadow::false_light)},
+        {"own_shadow_fraction", "1", "own_shadow, as a share of surface_lit",
+         [](const S& r) {
+             return shadow_fraction(r, r.count(Receiver::sphere, Shadow::own_shadow),
+                                    count_truly_lit(r, Receiver::sphere));
+         }},
+        {"flip_fraction", "1", "false_shadow and false_light, as a share of surface_lit and surface_shadowed",
+         [](const S& r) {
+             return shadow_fraction(
+                 r, r.count(Receiver::sphere, Shadow::false_shadow) + r.count(Receiver::sphere, Shadow::false_light),
+                 count_truly_lit(r, Receiver::sphere) + count_truly_shadowed(r, Receiver::sphere));
+         }},
+
+        // Light and shadow on the background
+        {"background_lit", "background that truly gets the light, as seen by both", truly_lit(Receiver::background)},
+        {"background_shadowed", "background truly in shadow, as seen by both", truly_shadowed(Receiver::background)},
+        {"background_false_shadow", "background_lit that the form puts in shadow",
+         shadows(Receiver::background, Shadow::false_shadow)},
+        {"background_false_light", "background_shadowed that the form lights",
+         shadows(Receiver::background, Shadow::false_light)},
+
+        // Appearance of the scene itself
+        {"light_in_shadow_fraction", "1",
+         "share of the certified picture's points that face the light, are in shadow, and get diffuse light anyway",
+         [](const S& r) { return shadow_fraction(r, r.light_in_true_shadow, r.truly_shadowed_points); }}};
+}
+
+}  // namespace
+
 table::Table<StageRow> RenderPresentation::summary_table() {
     using R = StageRow;
     table::Table<R> table{{"stage", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
     table.add(table::subject_columns("form that finds hits and shadows", "format of all computations"),
               &R::tested_form);
-    for (const auto& column : measure::render::render_columns())
-        table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
+    table.add(number_columns(), &R::summary);
     return table;
 }
 

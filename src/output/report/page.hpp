@@ -127,7 +127,7 @@ struct Report {
 /// One table per side: the fraction of rays that each strategy gets wrong, the kinds of errors, and the factor by which
 /// the offset is too large.
 [[nodiscard]] std::string offset_table(const measure::offset::OffsetStudy& study,
-                                       const measure::offset::OffsetSummary& summary);
+                                       const std::vector<measure::offset::OffsetSummary>& summaries);
 
 /// One table per side with a row per strategy and a column per scene: the fraction of rays that go wrong.
 [[nodiscard]] std::string offset_overview(const std::vector<StudySection>& parts);

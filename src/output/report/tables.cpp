@@ -28,31 +28,24 @@ std::string fraction_cell(double fraction) {
     return fmt::format("<td class=\"n\"><data value=\"{}\">{}</data></td>", file::decimal(fraction), text);
 }
 
-/// A column of the table of strategies.
-struct StrategyColumn {
-    enum class Kind { fraction, factor };
-    const char *name, *column;
-    Kind kind;
-};
-using StrategyKind = StrategyColumn::Kind;
-constexpr StrategyColumn strategy_columns[] = {
-    {"rays wrong", "bad_fraction", StrategyKind::fraction},
-    {"self-hits", "self_hit_fraction", StrategyKind::fraction},
-    {"self-hits by the form", "self_hit_by_form_fraction", StrategyKind::fraction},
-    {"lost occluders", "lost_occluder_fraction", StrategyKind::fraction},
-    {"lost exits", "lost_exit_fraction", StrategyKind::fraction},
-    {"wrong side", "wrong_side_fraction", StrategyKind::fraction},
-    {"times larger, p50", "oversize_p50", StrategyKind::factor},
-    {"p99", "oversize_p99", StrategyKind::factor}};
-
-/// A column of the table of a map that counts an outcome.
-struct CountColumn {
+/// A column of a table of the page, which shows a column of a CSV file under another title.
+struct ShownColumn {
     const char *title, *column;
 };
 
+/// Columns of the table of strategies. Those that are not fractions are factors.
+constexpr ShownColumn strategy_columns[] = {{"rays wrong", "bad_fraction"},
+                                            {"self-hits", "self_hit_fraction"},
+                                            {"self-hits by the form", "self_hit_by_form_fraction"},
+                                            {"lost occluders", "lost_occluder_fraction"},
+                                            {"lost exits", "lost_exit_fraction"},
+                                            {"wrong side", "wrong_side_fraction"},
+                                            {"times larger, p50", "oversize_p50"},
+                                            {"p99", "oversize_p99"}};
+
 /// Columns of the wrong outcomes. Those of meshes are only for scenes with a mesh.
-std::vector<CountColumn> count_columns_for(const scene::file::Scene& scene) {
-    std::vector<CountColumn> count_columns{{"false hits", "false_hit"},
+std::vector<ShownColumn> count_columns_for(const scene::file::Scene& scene) {
+    std::vector<ShownColumn> count_columns{{"false hits", "false_hit"},
                                            {"false misses", "false_miss"},
                                            {"NaN", "not_a_number"},
                                            {"wrong primitives", "wrong_primitive"}};
@@ -63,9 +56,9 @@ std::vector<CountColumn> count_columns_for(const scene::file::Scene& scene) {
     return count_columns;
 }
 
-std::string summary_table_head(const std::vector<CountColumn>& count_columns) {
+std::string summary_table_head(const std::vector<ShownColumn>& count_columns) {
     std::vector<std::string> names{"form", "format"};
-    for (const CountColumn& count_column : count_columns) names.emplace_back(count_column.title);
+    for (const ShownColumn& count_column : count_columns) names.emplace_back(count_column.title);
     names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
     return begin_table(names);
 }
@@ -83,13 +76,13 @@ std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& 
 
 /// Row of a form and format in the table of a map. `value(name)` is the value of the column `name` of summary.csv.
 std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s,
-                              const std::vector<CountColumn>& count_columns, const auto& value) {
+                              const std::vector<ShownColumn>& count_columns, const auto& value) {
     std::string text =
         fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
                     html(tested_form.form->info->name), tested_form.format.name);
 
     // Numbers of rays with each outcome.
-    for (const CountColumn& count_column : count_columns)
+    for (const ShownColumn& count_column : count_columns)
         text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column)));
     text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
 
@@ -107,7 +100,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 
 std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto columns = measure::evaluate::summary_columns(request.metrics);
-    const std::vector<CountColumn> count_columns = count_columns_for(*request.scene);
+    const std::vector<ShownColumn> count_columns = count_columns_for(*request.scene);
     std::string text = summary_table_head(count_columns);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const auto value = [&](std::string_view name) {
@@ -180,19 +173,22 @@ std::string mend_table(const repair::RepairSummary& result) {
     return text + end_table;
 }
 
-std::string offset_table(const measure::offset::OffsetStudy& study, const measure::offset::OffsetSummary& summary) {
+std::string offset_table(const measure::offset::OffsetStudy& study,
+                         const std::vector<measure::offset::OffsetSummary>& summaries) {
+    auto table = offset::OffsetPresentation::summary_table();
+    const auto rows = offset::OffsetPresentation::summary_rows(study, summaries);
     std::string text = "<div class=\"pair\">\n";
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};
-        for (const StrategyColumn& column : strategy_columns) names.emplace_back(column.name);
+        for (const ShownColumn& column : strategy_columns) names.emplace_back(column.title);
         text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
 
-        for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-            text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*study.strategies[k])));
-            for (const StrategyColumn& column : strategy_columns) {
-                const double value =
-                    column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);
-                text += column.kind == StrategyKind::fraction
+        for (const offset::StrategyRow& row : rows) {
+            if (row.side != side) continue;
+            text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*row.strategy)));
+            for (const ShownColumn& column : strategy_columns) {
+                const double value = table.find(column.column)->value(row).number();
+                text += std::string_view(column.column).ends_with("_fraction")
                             ? fraction_cell(value)
                             : fmt::format("<td class=\"n\">{}</td>", number_html(value));
             }

@@ -1,9 +1,11 @@
 // Columns that the tables of several commands share.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "measure/evaluate/evaluate.hpp"
+#include "measure/truth/missing.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::table {
@@ -18,5 +20,16 @@ Table<Ray<double>> ray_columns(const std::string& meaning);
 /// Columns with the numbers of a primitive of this shape as C hexadecimal floats. `meaning` is the meaning of each
 /// column.
 Table<Primitive<double>> primitive_columns(Shape shape, const std::string& meaning);
+
+/// A part as a fraction of the whole; missing if the whole is 0.
+inline std::optional<double> fraction_or_missing(std::uint64_t part, std::uint64_t whole) {
+    return file::number_or_missing(measure::truth::fraction(part, whole));
+}
+
+/// Returns a function of a row: a percentile of its member `distribution`, or missing if that is empty.
+template <class Row>
+auto percentile(measure::metric::Distribution Row::*distribution, int percent) {
+    return [=](const Row& row) { return file::number_or_missing((row.*distribution).quantile(percent / 100.0)); };
+}
 
 }  // namespace lostbits::output::table

@@ -75,19 +75,6 @@ inline std::optional<std::string> hex_text(const Cell& cell) {
     return cell.is_missing() ? std::nullopt : std::optional(file::hex(cell.number()));
 }
 
-/// Makes a column of numbers from the description `column` of a measured quantity, which must outlive the result. A
-/// cell is `value(column, row)`; NaN is missing.
-template <class R, class Measured, class Value>
-TableColumn<R> measured_column(const Measured& column, const Value& value) {
-    return {{std::string(column.name), column.is_count ? "integer" : "number", std::string(column.unit),
-             std::string(column.meaning)},
-            [&column, value](const R& row) {
-                const double x = value(column, row);
-                return column.is_count && !std::isnan(x) ? Cell(static_cast<std::uint64_t>(x))
-                                                         : file::number_or_missing(x);
-            }};
-}
-
 /// The columns of a table whose rows are of type R.
 template <class R>
 class Table {

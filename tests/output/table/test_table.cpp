@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "output/helpers.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace test_table {
 
@@ -106,6 +107,19 @@ TEST_CASE("meanings are given for existing columns only", "[table]") {
     CHECK(table.columns().at(3).meaning == "another");
     CHECK(table.columns().size() == row_table().columns().size());
     CHECK(table.find("no_such") == nullptr);
+}
+
+TEST_CASE("numbers of nothing are missing", "[table]") {
+    CHECK(!fraction_or_missing(0, 0));
+    CHECK(fraction_or_missing(1, 4) == 0.25);
+    struct Numbers {
+        lostbits::measure::metric::Distribution sizes;
+    } numbers;
+    const auto largest = percentile(&Numbers::sizes, 100);
+    CHECK(!largest(numbers));
+    numbers.sizes.add(3);
+    numbers.sizes.add(5);
+    CHECK(largest(numbers) == 5);
 }
 
 }  // namespace test_table
