@@ -10,6 +10,14 @@ namespace lostbits::analysis::shell {
 namespace {
 
 constexpr std::string_view every_command = "*";
+
+struct RenamedOption {
+    const char* command;  ///< "*" for every command
+    const char* old_name;
+    const char* new_name;  ///< an option, or the name of an argument
+};
+
+/// All renamed options; CHANGELOG.md has the same table.
 constexpr RenamedOption renamed[] = {
     {"*", "--intersector", "--form"},
     {"diff", "--tolerance", "--allow"},
@@ -50,8 +58,6 @@ std::string advice_text(const std::string& command, const RenamedOption& option)
 }
 
 }  // namespace
-
-std::span<const RenamedOption> renamed_options() { return renamed; }
 
 UpdatedArguments update_names(const Command& program, const std::vector<std::string>& arguments) {
     UpdatedArguments result{arguments, {}};

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <string>
-#include <string_view>
 
 #include "intersect/info.hpp"
 #include "number/error.hpp"
@@ -23,8 +22,6 @@ enum class Situation : std::uint8_t {
     touching_ahead,      ///< touches the surface ahead of the origin: a tangent, a face, a rim
     ending_at_surface    ///< ends where it enters, or on a surface without an inside
 };
-inline constexpr std::array<std::string_view, 7> situation_names{"inside", "entering", "leaving", "tangent",
-                                                                 "along",  "touching", "ending"};
 inline constexpr std::array all_situations{
     Situation::inside, Situation::entering,       Situation::leaving,          Situation::touching_at_origin,
     Situation::along,  Situation::touching_ahead, Situation::ending_at_surface};
@@ -36,7 +33,6 @@ enum class RightAnswer : std::uint8_t {
     miss,
     none  ///< no such ray exists
 };
-inline constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss", "-"};
 
 /// True if the answer is 0 for a ray from inside.
 constexpr bool answers_0_inside(Shape shape, Inside inside) {

@@ -107,14 +107,6 @@ std::vector<Token> code_tokens(const std::vector<Token>& tokens) {
     return code;
 }
 
-std::string place_in(std::string_view text, std::size_t offset) {
-    const std::string_view preceding = text.substr(0, offset);
-    const std::size_t newline = preceding.rfind('\n');
-    const auto line = 1 + std::ranges::count(preceding, '\n');
-    return std::to_string(line) + ":" +
-           std::to_string(newline == std::string_view::npos ? offset + 1 : offset - newline);
-}
-
 namespace {
 
 constexpr std::array<std::string_view, 10> type_modifiers{"const",    "highp",    "mediump",  "lowp",     "precise",

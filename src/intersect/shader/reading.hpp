@@ -25,9 +25,6 @@ std::vector<Token> tokens_of(std::string_view text);
 /// Returns the tokens that are neither in comments nor in directives.
 std::vector<Token> code_tokens(const std::vector<Token>& tokens);
 
-/// Returns `line:column` of an offset in a text, both from 1.
-std::string place_in(std::string_view text, std::size_t offset);
-
 struct Parameter {
     enum class Qualifier { in, out, inout };
     Qualifier qualifier = Qualifier::in;

@@ -302,11 +302,6 @@ std::vector<answer::OneRay> make_neighbours(const answer::OneRay& ray, const ans
     return rays;
 }
 
-bool FormResult::beats(const FormResult& other) const {
-    if (is_right() != other.is_right()) return is_right();
-    return outcome == Outcome::agree_hit && other.outcome == Outcome::agree_hit && lost_bits < other.lost_bits;
-}
-
 double Explanation::ulp_of_subject() const {
     const NodeId s = attribution.subject;
     if (s == no_node) return missing;

@@ -25,9 +25,6 @@ struct FormResult {
     double mean_lost_nearby = truth::missing;
     bool has_other_truth = false;  ///< its contract gives the ray another truth than the contract of the explained form
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
-    /// Compares the results on this ray alone, where luck may decide: a right decision beats a wrong one; of two right
-    /// decisions, the one with fewer lost bits wins.
-    bool beats(const FormResult& other) const;
 };
 
 /// Answer of a form on one primitive alone: the one that the ray truly meets first, if the form hits another one.

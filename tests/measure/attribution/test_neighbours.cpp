@@ -98,7 +98,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
             CHECK(s.mean_lost_nearby >= before);
             before = s.mean_lost_nearby;
             ++better;
-            unlucky += !s.beats(all.result);  // loses more on this very ray
+            unlucky += !(lost(*s.form, ray) < all.result.lost_bits);  // loses more on this very ray
         }
         for (const Intersector& other : intersect::table::intersectors()) {
             if (other.info->roots == intersect::Roots::none || other.shape != form.shape || !other.exists_in(f32) ||

@@ -1,8 +1,10 @@
 // The table of conventions: the truth follows it for every combination of properties, and docs/truth.md shows it.
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "catch.hpp"
@@ -20,6 +22,11 @@ using measure::truth::find_truth;
 using measure::truth::Truth;
 
 namespace {
+
+/// Names of the values of `Situation` and of `RightAnswer`.
+constexpr std::array<std::string_view, 7> situation_names{"inside", "entering", "leaving", "tangent",
+                                                          "along",  "touching", "ending"};
+constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss", "-"};
 
 /// A ray of whole numbers or short fractions in a situation; `ahead` is the t of its next crossing, by hand.
 struct Example {
@@ -129,7 +136,7 @@ std::string cell(Shape shape, Situation of, const Values& values, Member Convent
         asked.*property = value;
         const RightAnswer answer = intersect::right_answer(shape, of, asked);
         if (answer == RightAnswer::none) return "";
-        words += (words.empty() ? "" : ", ") + std::string(intersect::answer_names[static_cast<std::size_t>(answer)]);
+        words += (words.empty() ? "" : ", ") + std::string(answer_names[static_cast<std::size_t>(answer)]);
     }
     return words;
 }
@@ -183,12 +190,12 @@ TEST_CASE("conventions: the truth answers each situation as the table says", "[m
                     asked.inside = inside;
                     const Truth truth = truth_of(e, asked);
                     const RightAnswer right = intersect::right_answer(e.shape, e.of, asked);
-                    INFO(name_of(e.shape) << " " << intersect::situation_names[static_cast<std::size_t>(e.of)]
-                                          << ", touching " << static_cast<int>(touching) << ", at_origin "
+                    INFO(name_of(e.shape) << " " << situation_names[static_cast<std::size_t>(e.of)] << ", touching "
+                                          << static_cast<int>(touching) << ", at_origin "
                                           << intersect::at_origin_names[static_cast<std::size_t>(at_origin)]
                                           << ", inside " << intersect::inside_names[static_cast<std::size_t>(inside)]
-                                          << ": right is " << intersect::answer_names[static_cast<std::size_t>(right)]
-                                          << ", hit " << truth.is_hit() << " at " << truth.t.hi);
+                                          << ": right is " << answer_names[static_cast<std::size_t>(right)] << ", hit "
+                                          << truth.is_hit() << " at " << truth.t.hi);
                     CHECK(right != RightAnswer::none);
                     CHECK(truth.is_hit() == (right != RightAnswer::miss));
                     if (truth.is_hit())
@@ -208,7 +215,7 @@ TEST_CASE("conventions: the table covers every situation of every kind", "[measu
         for (const Situation of : intersect::all_situations) {
             const bool has =
                 std::ranges::any_of(examples, [&](const Example& e) { return e.shape == shape.shape && e.of == of; });
-            INFO(shape.name << " " << intersect::situation_names[static_cast<std::size_t>(of)]);
+            INFO(shape.name << " " << situation_names[static_cast<std::size_t>(of)]);
             CHECK(has == (intersect::right_answer(shape.shape, of, {}) != RightAnswer::none));
         }
     }
