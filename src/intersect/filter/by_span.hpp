@@ -4,11 +4,11 @@
 
 #include <array>
 #include <string_view>
-#include <utility>
 
 #include "intersect/filter/exact_fallback.hpp"
 #include "intersect/filter/first_span_hit.hpp"
 #include "intersect/filter/first_span_hit_quartic.hpp"
+#include "intersect/filter/last_steps.hpp"
 #include "number/wide/proving.hpp"
 
 namespace lostbits::intersect::filter {
@@ -104,17 +104,7 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, 
         return single_root_hit(first_hit.hit, named("t", first_hit.t));
     } else {
         using P = decltype(number::wide::plain_value(ray.origin.x));
-        const Vec<T>&o = ray.origin, &d = ray.direction;
-
-        // Collects the numbers of the ray, then those of the primitive.
-        const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
-            std::array<T, 6 + sizeof...(i)> result{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
-            std::size_t k = 6;
-            for_each_number(primitive, [&](const T& x) { result[k++] = x; });
-            return result;
-        }
-        (std::make_index_sequence<row_of(shape_as<S>).numbers>());
-
+        const auto numbers = numbers_of(ray, primitive);
         const FirstStep<T, P> known = prove<S, T, P>(numbers.data());
         if (any_of(number::wide::constant_mask<T>(!known.proved)))
             return decide_in_wider<T>(form, shape_as<S>, numbers, known, watch);

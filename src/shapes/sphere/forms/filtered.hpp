@@ -29,25 +29,25 @@ struct Filtered {
         if constexpr (is_exact<T>) {
             return to_hit(filtered::decide_unrounded<T>(ray, sphere));
         } else {
-            const filtered::SphereDecision<T> cheap_decision = filtered::decide_cheaply<T>(ray, sphere);
+            const filter::Decision<T> cheap_decision = filtered::decide_cheaply<T>(ray, sphere);
             if (!any_of(!cheap_decision.is_proved)) return to_hit(cheap_decision);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
                     watch(FilterArithmetic::wider);
                     using W = number::wide::OneWord<T>;
-                    const filtered::SphereDecision<T> wide_decision =
+                    const filter::Decision<T> wide_decision =
                         first_proved(cheap_decision, filtered::decide_in_wider<W, T>(ray, sphere));
                     if (!any_of(!wide_decision.is_proved)) return to_hit(wide_decision);
-                    return to_hit(filtered::finish<T>(ray, sphere, wide_decision, watch));
+                    return to_hit(filter::finish<filtered::SphereSteps>(ray, sphere, wide_decision, watch));
                 }
             }
-            return to_hit(filtered::finish<T>(ray, sphere, cheap_decision, watch));
+            return to_hit(filter::finish<filtered::SphereSteps>(ray, sphere, cheap_decision, watch));
         }
     }
 
 private:
     template <Number T>
-    static Hit<T> to_hit(const filtered::SphereDecision<T>& decision) {
+    static Hit<T> to_hit(const filter::Decision<T>& decision) {
         return {decision.hit, decision.t, decision.t, decision.t};
     }
 };

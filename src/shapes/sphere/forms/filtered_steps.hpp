@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/filter/last_steps.hpp"
 #include "intersect/roots.hpp"
 #include "number/wide/dyadic_sphere.hpp"
 #include "number/wide/exact_sum.hpp"
@@ -11,22 +11,7 @@
 namespace lostbits::intersect::sphere {
 namespace filtered {
 
-/// Result of a step for a ray: the decision and t, which are valid only if they are proved.
-template <Number T>
-struct SphereDecision {
-    mask_t<T> is_proved, hit;
-    T t;
-
-    /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
-    /// the second step was taken because the first proved nothing, so it returns `second`.
-    friend SphereDecision first_proved(const SphereDecision& first, const SphereDecision& second) {
-        if constexpr (traces_operations<T>) return second;
-        else
-            return {first.is_proved || second.is_proved,
-                    (first.is_proved && first.hit) || (!first.is_proved && second.hit),
-                    select(first.is_proved, first.t, second.t)};
-    }
-};
+using filter::Decision;
 
 /// Values that `decide_cheaply` computes.
 template <Number T>
@@ -37,7 +22,7 @@ struct CheapValues {
 
 /// Proves the decision of `decide_cheaply` from bounds on its values; `decide_cheaply` derives them.
 template <Number T>
-SphereDecision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t) {
+Decision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t) {
     using number::wide::plain_value;
     using P = decltype(plain_value(t));
     const P u = unit_roundoff<P>(), infinity = P(1) / P(0), r = plain_value(values.r), s = plain_value(values.s),
@@ -90,7 +75,7 @@ SphereDecision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t)
 /// loss. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
 /// overflow.
 template <Number T>
-SphereDecision<T> decide_cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
+Decision<T> decide_cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T r2 = square(sphere.radius);
     const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation, so that s and l need no minus
     const T inv = named("inv", T(1) / square(ray.direction));
@@ -110,7 +95,7 @@ struct WideValues {
 /// Proves the decision of `decide_in_wider` from bounds on its values; `decide_in_wider` derives them. W is the wider
 /// number type.
 template <class W, Number T>
-SphereDecision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
+Decision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
     using number::wide::plain_value;
     using P = decltype(plain_value(t));
     const P u = unit_roundoff<P>(), least = number::wide::smallest_normal<P>(), infinity = P(1) / P(0);
@@ -151,7 +136,7 @@ SphereDecision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
 /// each, is uv of A, of a and of √(Aa). Overflow: e < ∞ implies |c| < ∞, a < ∞ and h², ac ≤ A a < ∞/4, and |h| and q
 /// are tested. Comparisons with a number that overflowed on the way are false.
 template <class W, Number T>
-SphereDecision<T> decide_in_wider(const Ray<T>& ray, const Sphere<T>& sphere) {
+Decision<T> decide_in_wider(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::narrow, number::wide::widen;
     const auto widen_vec = [](const Vec<T>& x) { return Vec<W>(widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)); };
     const Vec<W> d = widen_vec(ray.direction), f = widen_vec(ray.origin) - widen_vec(sphere.centre);
@@ -168,7 +153,7 @@ SphereDecision<T> decide_in_wider(const Ray<T>& ray, const Sphere<T>& sphere) {
 
 /// The terms h, c, a and D = a r² − |f × d|², each an exact sum of products of the words of f = o − G and of d,
 /// rounded. Each is accurate to 2^-52 of itself, and zero only if the exact value is zero. Requires that the numbers
-/// fit (`fits`).
+/// fit (`filter::fits`).
 template <Number B>
 struct ExactTerms {
     B h, c, a, disc;
@@ -225,7 +210,7 @@ struct ExactTerms {
 /// Returns the decision and t from the terms, without a bound: the terms have the right signs, or T is exact. A ray
 /// that touches hits, and a ray that starts on the surface hits at t = 0.
 template <Number T>
-SphereDecision<T> decision_of_terms(const T& h, const T& c, const T& a, const T& disc) {
+Decision<T> decision_of_terms(const T& h, const T& c, const T& a, const T& disc) {
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& is_inside) {
         return T(select(is_inside, q, abs(c)) / select(is_inside, a, q));
@@ -236,126 +221,44 @@ SphereDecision<T> decision_of_terms(const T& h, const T& c, const T& a, const T&
 
 /// Decides in exact arithmetic, which needs no filter.
 template <Number T>
-SphereDecision<T> decide_unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
+Decision<T> decide_unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     const Vec<T> f = ray.origin - sphere.centre;
     const T a = named("a", square(ray.direction)), h = named("h", dot(f, ray.direction));
     const T r2 = square(sphere.radius), c = named("c", square(f) - r2);
     return decision_of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
-/// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of four numbers, and of their last
-/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN, because wider sums would decide no
-/// better.
-template <Number T>
-mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
-    mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::products_may_overflow<T>) {
-        using B = number::wide::OneWord<T>;
-        const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
-        B zero_if_finite(0);
-        const auto check_size = [&](const T& x) {
-            const B size = abs(number::wide::widen<B>(x));
-            all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
-            zero_if_finite = zero_if_finite + B(0) * size;
-        };
-
-        for (int axis = 0; axis < 3; ++axis) {
-            check_size(ray.origin[axis]);
-            check_size(ray.direction[axis]);
-            check_size(sphere.centre[axis]);
-        }
-        check_size(sphere.radius);
-        all_fit = all_fit || !(zero_if_finite <= B(0));
-    }
-    return all_fit;
-}
-
 /// Decides by exact sums. The result is proved where the numbers fit (`fit`). The decision is narrowed to T together
 /// with t, as t = −1 for a miss, because T may be narrower and have other masks.
 template <Number T>
-[[gnu::noinline]] SphereDecision<T> decide_by_exact_sums(const Ray<T>& ray, const Sphere<T>& sphere,
-                                                         const mask_t<T>& fit) {
+[[gnu::noinline]] Decision<T> decide_by_exact_sums(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
     const auto widen = [](const T& x) { return number::wide::widen<B>(x); };
     const auto widen_vec = [&](const Vec<T>& x) { return Vec<B>(widen(x.x), widen(x.y), widen(x.z)); };
     const ExactTerms<B> terms(Ray<B>{widen_vec(ray.origin), widen_vec(ray.direction)},
                               Sphere<B>{widen_vec(sphere.centre), widen(sphere.radius)});
-    const SphereDecision<B> decision = decision_of_terms<B>(terms.h, terms.c, terms.a, terms.disc);
+    const Decision<B> decision = decision_of_terms<B>(terms.h, terms.c, terms.a, terms.disc);
     const T t = number::wide::narrow<T>(select(decision.hit, decision.t, B(-1)));
     return {fit, t >= T(0), t};
 }
 
-/// Returns `known_decision`. Where it is not proved, the decision and t are computed again, over the whole range of
-/// numbers.
-template <Number T>
-SphereDecision<T> decide_in_every_range(const Ray<T>& ray, const Sphere<T>& sphere,
-                                        const SphereDecision<T>& known_decision) {
-    const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 2> answers = number::wide::apply_to_lanes<T, 10, 2>(
-        select(known_decision.is_proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
-        {select(known_decision.hit, T(1), -T(1)), known_decision.t}, number::wide::meet_sphere<T>);
-    return {T(0) <= T(0), answers[0] > T(0), answers[1]};
-}
+/// The form's own formulas for the last steps (intersect/filter/last_steps.hpp).
+struct SphereSteps {
+    static constexpr std::string_view name = "sphere.filtered";
+    template <class T>
+    static void in_any_range(const auto& numbers, auto& answer) {
+        number::wide::meet_sphere<T>(numbers, answer);
+    }
 
-/// Decides without rounding where `known_decision` is not proved.
-template <Number T>
-SphereDecision<T> decide_exactly(const Ray<T>& ray, const Sphere<T>& sphere, SphereDecision<T> known_decision) {
-    const mask_t<T> fit = fits(ray, sphere);
-    if (any_of(!known_decision.is_proved && fit))
-        known_decision = first_proved(known_decision, decide_by_exact_sums<T>(ray, sphere, fit));
-    if constexpr (number::wide::products_may_overflow<T>)
-        if (any_of(!known_decision.is_proved)) return decide_in_every_range<T>(ray, sphere, known_decision);
-    return known_decision;
-}
-
-/// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
-/// the step is recorded as a call.
-template <Number T>
-SphereDecision<T> decide_in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
-    using number::wide::plain_value, number::wide::record_call;
-    using P = decltype(plain_value(sphere.radius));
-    const P zero(0);
-    const SphereDecision<P> decision =
-        decide_exactly<P>({plain_value(ray.origin), plain_value(ray.direction)},
-                          {plain_value(sphere.centre), plain_value(sphere.radius)}, {zero < zero, zero < zero, zero});
-    const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 10> inputs{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
-    const T decision_call =
-        record_call<T>({"sphere.filtered", CallAnswer::decision}, inputs, select(decision.hit, P(1), P(-1)));
-    return {number::wide::constant_mask<T>(decision.is_proved), decision_call > T(0),
-            record_call<T>({"sphere.filtered", CallAnswer::t}, inputs, decision.t)};
-}
-
-/// Decides where `first_decision` is not proved: in double-double, then without rounding.
-template <Number T, class Watch>
-SphereDecision<T> decide_further(const Ray<T>& ray, const Sphere<T>& sphere, const SphereDecision<T>& first_decision,
-                                 Watch& watch) {
-    using W = number::wide::TwoWords<number::wide::OneWord<T>>;
-    watch(FilterArithmetic::two_words);
-    const auto in_two_words = [&] {
-        const Part<T> part("in two words");
-        return first_proved(first_decision, decide_in_wider<W, T>(ray, sphere));
-    };
-    const SphereDecision<T> two_word_decision = in_two_words();
-    if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
-    watch(FilterArithmetic::exact);
-    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, sphere);
-    else return decide_exactly<T>(ray, sphere, two_word_decision);
-}
-
-/// Does what `decide_further` does, as a function of its own that takes its arguments by value, so that the loops over
-/// packs keep their registers.
-template <Number T, class Watch>
-[[gnu::noinline]] SphereDecision<T> finish(Ray<T> ray, Sphere<T> sphere, SphereDecision<T> first_decision,
-                                           Watch& watch) {
-    return decide_further<T>(ray, sphere, first_decision, watch);
-}
-template <Number T, class Watch>
-requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] SphereDecision<T> finish(Ray<T> ray, Sphere<T> sphere, SphereDecision<T> first_decision,
-                                                         Watch& watch) {
-    return decide_further<T>(ray, sphere, first_decision, watch);
-}
+    template <Number T>
+    static Decision<T> in_two_words(const Ray<T>& ray, const Sphere<T>& sphere) {
+        return decide_in_wider<number::wide::TwoWords<number::wide::OneWord<T>>, T>(ray, sphere);
+    }
+    template <Number T>
+    static Decision<T> by_exact_sums(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
+        return decide_by_exact_sums<T>(ray, sphere, fit);
+    }
+};
 
 }  // namespace filtered
 }  // namespace lostbits::intersect::sphere

@@ -31,7 +31,7 @@ struct FilteredTriangle {
             return single_hit<T>(filtered::is_hit_by_signs<T>(determinants),
                                  named("t", determinants.k / determinants.m));
         } else {
-            filtered::TriangleDecision<T> decision = filtered::decide_in<T>(ray, triangle);
+            filter::Decision<T> decision = filtered::decide_in<T>(ray, triangle);
             if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
@@ -40,7 +40,7 @@ struct FilteredTriangle {
                     if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
                 }
             }
-            decision = filtered::finish<T>(ray, triangle, decision, watch);
+            decision = filter::finish<filtered::TriangleSteps>(ray, triangle, decision, watch);
             return single_hit<T>(decision.hit, decision.t);
         }
     }

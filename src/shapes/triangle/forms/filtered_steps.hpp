@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/filter/last_steps.hpp"
 #include "number/wide/dyadic_triangle.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/widening.hpp"
@@ -11,22 +11,7 @@
 namespace lostbits::intersect::triangle {
 namespace filtered {
 
-/// Result of a step for a ray: the decision and t, which are valid only if they are proved.
-template <Number T>
-struct TriangleDecision {
-    mask_t<T> is_proved, hit;
-    T t;
-
-    /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
-    /// the second step was taken because the first proved nothing, so it returns `second`.
-    friend TriangleDecision first_proved(const TriangleDecision& first, const TriangleDecision& second) {
-        if constexpr (traces_operations<T>) return second;
-        else
-            return {first.is_proved || second.is_proved,
-                    (first.is_proved && first.hit) || (!first.is_proved && second.hit),
-                    select(first.is_proved, first.t, second.t)};
-    }
-};
+using filter::Decision;
 
 /// Values by which `Triangle::span` decides, in any number type. a, b and c are the vertices relative to the origin, ea
 /// = d·(b × c), eb = d·(c × a) and ec = d·(a × b) the tests of the edges, p = b − a, q = c − a, n = p × q, m = d·n and
@@ -162,7 +147,7 @@ P roundoff_in() {
 
 /// Decides in the arithmetic of W: T, its `OneWord`, or two words of that type.
 template <class W, Number T>
-TriangleDecision<T> decide_in(const Ray<T>& ray, const Triangle<T>& triangle) {
+Decision<T> decide_in(const Ray<T>& ray, const Triangle<T>& triangle) {
     using number::wide::plain_value, number::wide::constant_mask;
     const auto wide_determinants = determinants_of_mapped<W>(ray, triangle, [](const T& x) -> W {
         if constexpr (std::same_as<W, T>) return x;
@@ -200,7 +185,7 @@ template <class B>
 using ThreeSums = std::array<number::wide::TwoWords<B>, 3>;
 
 /// Returns x·(y × z), the exact sum of the products of all words, rounded. The result is accurate to 2^-52 of itself,
-/// and zero only if the exact value is zero. Requires that the numbers fit (`fits`).
+/// and zero only if the exact value is zero. Requires that the numbers fit (`filter::fits`).
 template <class B>
 B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B>& z) {
     using number::wide::ExactSum, number::wide::TwoWords;
@@ -225,33 +210,12 @@ B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B
     return all.value();
 }
 
-/// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of three numbers, and of their last
-/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN, because wider sums would decide no
-/// better.
-template <Number T>
-mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
-    mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::products_may_overflow<T>) {
-        using B = number::wide::OneWord<T>;
-        const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
-        B zero_if_finite(0);
-        for (const Vec<T>* const p : {&ray.origin, &ray.direction, &triangle.a, &triangle.b, &triangle.c})
-            for (int axis = 0; axis < 3; ++axis) {
-                const B size = abs(number::wide::widen<B>((*p)[axis]));
-                all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
-                zero_if_finite = zero_if_finite + B(0) * size;
-            }
-        all_fit = all_fit || !(zero_if_finite <= B(0));
-    }
-    return all_fit;
-}
-
 /// Decides by exact sums. The result is proved where the numbers fit (`fit`). The decision is narrowed to T together
 /// with t, as t = −1 for a miss. m is the sum of the edge tests, accurate to 2^-50 of itself if all have one sign;
 /// otherwise it is not used.
 template <Number T>
-[[gnu::noinline]] TriangleDecision<T> decide_by_exact_sums(const Ray<T>& ray, const Triangle<T>& triangle,
-                                                           const mask_t<T>& fit) {
+[[gnu::noinline]] Decision<T> decide_by_exact_sums(const Ray<T>& ray, const Triangle<T>& triangle,
+                                                   const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
     using number::wide::sum_of, number::wide::widen, number::wide::TwoWords;
     const auto differences = [](const Vec<T>& x, const Vec<T>& base) {
@@ -269,77 +233,23 @@ template <Number T>
     return {fit, t >= T(0), t};
 }
 
-/// Returns `known_decision`. Where it is not proved, the decision and t are computed again, over the whole range of
-/// numbers.
-template <Number T>
-TriangleDecision<T> decide_in_every_range(const Ray<T>& ray, const Triangle<T>& triangle,
-                                          const TriangleDecision<T>& known_decision) {
-    const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
-    const std::array<T, 2> answers = number::wide::apply_to_lanes<T, 15, 2>(
-        select(known_decision.is_proved, T(0), T(1)),
-        {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
-        {select(known_decision.hit, T(1), -T(1)), known_decision.t}, number::wide::meet_triangle<T>);
-    return {T(0) <= T(0), answers[0] > T(0), answers[1]};
-}
+/// The form's own formulas for the last steps (intersect/filter/last_steps.hpp).
+struct TriangleSteps {
+    static constexpr std::string_view name = "triangle.filtered";
+    template <class T>
+    static void in_any_range(const auto& numbers, auto& answer) {
+        number::wide::meet_triangle<T>(numbers, answer);
+    }
 
-/// Decides without rounding where `known_decision` is not proved.
-template <Number T>
-TriangleDecision<T> decide_exactly(const Ray<T>& ray, const Triangle<T>& triangle, TriangleDecision<T> known_decision) {
-    const mask_t<T> fit = fits(ray, triangle);
-    if (any_of(!known_decision.is_proved && fit))
-        known_decision = first_proved(known_decision, decide_by_exact_sums<T>(ray, triangle, fit));
-    if constexpr (number::wide::products_may_overflow<T>)
-        if (any_of(!known_decision.is_proved)) return decide_in_every_range<T>(ray, triangle, known_decision);
-    return known_decision;
-}
-
-/// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
-/// the step is recorded as a call.
-template <Number T>
-TriangleDecision<T> decide_in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
-    using number::wide::plain_value, number::wide::record_call;
-    using P = decltype(plain_value(ray.origin.x));
-    const P zero(0);
-    const TriangleDecision<P> decision = decide_exactly<P>(
-        {plain_value(ray.origin), plain_value(ray.direction)},
-        {plain_value(triangle.a), plain_value(triangle.b), plain_value(triangle.c)}, {zero < zero, zero < zero, zero});
-    const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
-    const std::array<T, 15> inputs{o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
-    const T decision_call =
-        record_call<T>({"triangle.filtered", CallAnswer::decision}, inputs, select(decision.hit, P(1), P(-1)));
-    return {number::wide::constant_mask<T>(decision.is_proved), decision_call > T(0),
-            record_call<T>({"triangle.filtered", CallAnswer::t}, inputs, decision.t)};
-}
-
-/// Decides where `first_decision` is not proved: in double-double, then without rounding.
-template <Number T, class Watch>
-TriangleDecision<T> decide_further(const Ray<T>& ray, const Triangle<T>& triangle,
-                                   const TriangleDecision<T>& first_decision, Watch& watch) {
-    watch(FilterArithmetic::two_words);
-    const auto in_two_words = [&] {
-        const Part<T> part("in two words");
-        return first_proved(first_decision, decide_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
-    };
-    const TriangleDecision<T> two_word_decision = in_two_words();
-    if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
-    watch(FilterArithmetic::exact);
-    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, triangle);
-    else return decide_exactly<T>(ray, triangle, two_word_decision);
-}
-
-/// Does what `decide_further` does, as a function of its own that takes its arguments by value, so that the loops over
-/// packs keep their registers.
-template <Number T, class Watch>
-[[gnu::noinline]] TriangleDecision<T> finish(Ray<T> ray, Triangle<T> triangle, TriangleDecision<T> first_decision,
-                                             Watch& watch) {
-    return decide_further<T>(ray, triangle, first_decision, watch);
-}
-template <Number T, class Watch>
-requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] TriangleDecision<T> finish(Ray<T> ray, Triangle<T> triangle,
-                                                           TriangleDecision<T> first_decision, Watch& watch) {
-    return decide_further<T>(ray, triangle, first_decision, watch);
-}
+    template <Number T>
+    static Decision<T> in_two_words(const Ray<T>& ray, const Triangle<T>& triangle) {
+        return decide_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle);
+    }
+    template <Number T>
+    static Decision<T> by_exact_sums(const Ray<T>& ray, const Triangle<T>& triangle, const mask_t<T>& fit) {
+        return decide_by_exact_sums<T>(ray, triangle, fit);
+    }
+};
 
 }  // namespace filtered
 }  // namespace lostbits::intersect::triangle
