@@ -198,15 +198,15 @@ private:
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
         return as_doubles(add_scaled<T>(strategy_input_.point, signed_e, strategy_input_.normal));
     }
-    /// Finds the smallest offset that `judge` calls enough, up to 64 times the largest number of the point and the
+    /// Finds the smallest offset that `verdict_on` calls enough, up to 64 times the largest number of the point and the
     /// primitive; infinite if there is none.
-    template <class Judge>
-    [[nodiscard]] double smallest_offset(const Judge& judge) const {
+    template <class VerdictOn>
+    [[nodiscard]] double smallest_offset(const VerdictOn& verdict_on) const {
         const FloatFormat& format = work_.tested_form_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
-        return smallest_enough(format, start, 64 * size, judge);
+        return smallest_enough(format, start, 64 * size, verdict_on);
     }
 
     /// Projects p onto the surface if the kind of the points is `HitPointKind::projected`, and computes the normal

@@ -68,8 +68,8 @@ public:
             if (position != std::string::npos) ++position;
         }
         if (request.scene) smaller_scene_ = choose::with_smaller_picture(*request.scene, few_rays_count);
-        if (smaller_scene_) judge_.emplace(request, *smaller_scene_);
-        else judge_.emplace(request);
+        if (smaller_scene_) measurer_.emplace(request, *smaller_scene_);
+        else measurer_.emplace(request);
         locate_nodes();
     }
 
@@ -183,7 +183,7 @@ private:
     SourceTokens tokens_;
     std::vector<std::size_t> line_begins_;
     std::optional<scene::file::Scene> smaller_scene_;
-    std::optional<Judge> judge_;
+    std::optional<QualityMeasurer> measurer_;
     std::map<NodeId, ComputedText> computed_;
     struct StoredNode {
         std::size_t begin;
@@ -403,7 +403,7 @@ bool Patcher::Writer::answers_like_tape(const std::string& text, const Tape& new
             {.stop = request_.limit.stop, .headers = std::filesystem::absolute(original_path).parent_path()});
         if (patched->intersector.shape != request_.tested_form.form->shape) return false;
         return has_answers_of_tape({.form = &patched->intersector, .format = request_.tested_form.format}, new_tape,
-                                   request_, *judge_);
+                                   request_, *measurer_);
     } catch (const InputError&) {
         return false;
     }

@@ -193,10 +193,10 @@ fs::path compile_library(const RepairRequest& request, const std::vector<Repaire
 void require_answers_of_tape(const RepairRequest& request, const RepairedSource& source, const Intersector& compiled) {
     RepairRequest form_request = request;
     form_request.tested_form = source.original;
-    Judge judge(form_request);
+    QualityMeasurer measurer(form_request);
     const evaluate::TestedForm compiled_row{
         .form = &compiled, .format = source.original.format, .touching = source.original.touching};
-    if (!has_answers_of_tape(compiled_row, *source.tape, form_request, judge))
+    if (!has_answers_of_tape(compiled_row, *source.tape, form_request, measurer))
         throw std::logic_error(source.type + ": the compiled form has other answers than its tape");
 }
 

@@ -10,7 +10,7 @@
 
 #include "geometry/affine.hpp"
 #include "measure/choose/ideal_rays.hpp"
-#include "measure/repair/judge.hpp"
+#include "measure/repair/quality.hpp"
 
 namespace lostbits::measure::repair {
 
@@ -53,13 +53,13 @@ std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, c
 class Probe {
 public:
     Probe(const Isometry& isometry, const RepairRequest& request, const MovedRays& rays)
-        : isometry_(&isometry), judge_(request, rays) {}
+        : isometry_(&isometry), measurer_(request, rays) {}
     [[nodiscard]] const Isometry& isometry() const { return *isometry_; }
-    [[nodiscard]] Judge& judge() { return judge_; }
+    [[nodiscard]] QualityMeasurer& measurer() { return measurer_; }
 
 private:
     const Isometry* isometry_;
-    Judge judge_;
+    QualityMeasurer measurer_;
 };
 
 /// Makes the probes that apply to a request, on at most `rays` of its rays, fewer if there are many primitives. Returns

@@ -1,4 +1,4 @@
-#include "measure/repair/judge.hpp"
+#include "measure/repair/quality.hpp"
 
 #include <algorithm>
 #include <array>
@@ -54,7 +54,7 @@ TestedForm make_tested_form(const TestedForm& tested_form, const TapeForm& form)
 /// call. `answer::evaluate` calls a form for one primitive after the other, and one call of a tape costs as much as
 /// some hundred rays.
 template <class S>
-void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
+void evaluate_pairs(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
     constexpr std::size_t rays_per_call = 512;
     const scene::rays::RayBlock& rays = in.rays_for(*form.form().info);
     answers.claimed.resize(in.candidates->pair_count());
@@ -68,13 +68,13 @@ void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, an
     }
 }
 
-std::optional<answer::Answers> evaluate_candidate_pairs(const TapeForm& form, const truth::FormatInputs& in) {
+std::optional<answer::Answers> evaluate_pairs_of_tape(const TapeForm& form, const truth::FormatInputs& in) {
     if (!in.candidates) return std::nullopt;
     const std::size_t ray_count = in.rays_for(*form.form().info).size();
     answer::Answers answers{std::vector<double>(ray_count), std::vector<std::uint8_t>(ray_count),
                             std::vector<std::int32_t>(ray_count, -1)};
-    if (in.format.engine == Format::Engine::native32) evaluate_candidates<float>(form, in, answers);
-    else evaluate_candidates<double>(form, in, answers);
+    if (in.format.engine == Format::Engine::native32) evaluate_pairs<float>(form, in, answers);
+    else evaluate_pairs<double>(form, in, answers);
     return answers;
 }
 
@@ -83,11 +83,12 @@ struct Comparison {
     FormQuality quality;
     bool is_same;
 };
-Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
+Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request,
+                             QualityMeasurer& measurer) {
     const TapeForm tape_form(*request.tested_form.form, request.tested_form.format, tape, "tape", "");
     std::array<AnswerHash, 2> hashes;
     const auto quality =
-        judge.measure_quality({form, make_tested_form(form, tape_form)}, evaluate::show_to_each(hashes));
+        measurer.measure_quality({form, make_tested_form(form, tape_form)}, evaluate::show_to_each(hashes));
     return {quality.front(), hashes[0] == hashes[1]};
 }
 
@@ -96,7 +97,7 @@ Comparison compare_with_tape(const TestedForm& form, const Tape& tape, const Rep
 const std::string& RepairRequest::id() const { return scene ? scene->id : rays->result_name; }
 
 /// Part of the rays, their truth, and the data that all forms with the request's contract and format share.
-class Judge::Part {
+class QualityMeasurer::Part {
 public:
     Part(const RepairRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
         : band(bands.at(k, request.limit, culler)),
@@ -120,7 +121,7 @@ private:
     evaluate::SharedBandTruth shared_;
 };
 
-Judge::Judge(const RepairRequest& request, const Scene* scene) : request_(request), scene_(scene) {
+QualityMeasurer::QualityMeasurer(const RepairRequest& request, const Scene* scene) : request_(request), scene_(scene) {
     if (!scene) {
         parts_.push_back(std::make_unique<Part>(request_, request_.rays->sample));
         return;
@@ -132,30 +133,31 @@ Judge::Judge(const RepairRequest& request, const Scene* scene) : request_(reques
         parts_.push_back(std::make_unique<Part>(request_, bands, k, *culler_));
 }
 
-Judge::Judge(const RepairRequest& request, const MovedRays& rays) : request_(request), scene_(nullptr) {
+QualityMeasurer::QualityMeasurer(const RepairRequest& request, const MovedRays& rays)
+    : request_(request), scene_(nullptr) {
     parts_.push_back(
         std::visit([&](const auto& moved_rays) { return std::make_unique<Part>(request_, moved_rays); }, rays));
 }
 
-Judge::~Judge() = default;
+QualityMeasurer::~QualityMeasurer() = default;
 
-std::uint64_t Judge::rays() const { return scene_ ? scene_->pixels() : parts_.front()->band.pixels(); }
+std::uint64_t QualityMeasurer::rays() const { return scene_ ? scene_->pixels() : parts_.front()->band.pixels(); }
 
-void Judge::for_each_part(const std::function<void(const Part&)>& action) {
+void QualityMeasurer::for_each_part(const std::function<void(const Part&)>& action) {
     for (const auto& part : parts_) action(*part);
     if (!parts_.empty()) return;
     const study::Bands bands(*scene_);
     for (std::size_t k = 0; k < bands.size(); ++k) action(Part(request_, bands, k, *culler_));
 }
 
-std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& tested_forms,
-                                                const evaluate::ShowForms& show) {
+std::vector<FormQuality> QualityMeasurer::measure_quality(const std::vector<TestedForm>& tested_forms,
+                                                          const evaluate::ShowForms& show) {
     return measure_quality(tested_forms, show, {});
 }
 
-std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& tested_forms,
-                                                const evaluate::ShowForms& show,
-                                                const std::vector<std::unique_ptr<TapeForm>>& tapes) {
+std::vector<FormQuality> QualityMeasurer::measure_quality(const std::vector<TestedForm>& tested_forms,
+                                                          const evaluate::ShowForms& show,
+                                                          const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.requirement.metrics();
     std::vector<evaluate::FormSummary> summaries;
     for (std::size_t r = 0; r < tested_forms.size(); ++r) summaries.emplace_back(metrics);
@@ -163,11 +165,11 @@ std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& t
     for_each_part([&](const Part& part) {
         intersect::process::in_parallel(std::size_t{0}, tested_forms.size(), [&](std::size_t r) {
             request_.limit.stop.check();
-            const auto candidate_answers =
-                tapes.empty() ? std::nullopt : evaluate_candidate_pairs(*tapes[r], part.form_inputs().inputs);
+            const auto pair_answers =
+                tapes.empty() ? std::nullopt : evaluate_pairs_of_tape(*tapes[r], part.form_inputs().inputs);
             evaluate::FormRequest form_request{tested_forms[r], metrics};
             if (show) form_request.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
-            if (candidate_answers) form_request.answers = &*candidate_answers;
+            if (pair_answers) form_request.answers = &*pair_answers;
             measure_form(form_request, part.form_inputs(), summaries[r]);
         });
     });
@@ -178,7 +180,7 @@ std::vector<FormQuality> Judge::measure_quality(const std::vector<TestedForm>& t
     return qualities;
 }
 
-std::vector<FormQuality> Judge::measure_quality(const std::vector<Tape>& tapes) {
+std::vector<FormQuality> QualityMeasurer::measure_quality(const std::vector<Tape>& tapes) {
     std::vector<FormQuality> qualities;
     for (std::size_t begin = 0; begin < tapes.size(); begin += tapes_per_call) {
         const std::size_t end = std::min(begin + tapes_per_call, tapes.size());
@@ -206,12 +208,13 @@ bool is_more_accurate(const FormQuality& a, const FormQuality& b) {
                                                     : known_bits(a) > known_bits(b);
 }
 
-bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
-    return compare_with_tape(form, tape, request, judge).is_same;
+bool has_answers_of_tape(const TestedForm& form, const Tape& tape, const RepairRequest& request,
+                         QualityMeasurer& measurer) {
+    return compare_with_tape(form, tape, request, measurer).is_same;
 }
 
-FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
-    const Comparison comparison = compare_with_tape(request.tested_form, tape, request, judge);
+FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, QualityMeasurer& measurer) {
+    const Comparison comparison = compare_with_tape(request.tested_form, tape, request, measurer);
     if (comparison.is_same) return comparison.quality;
     throw InputError(
         std::string(request.tested_form.form->info->name) +

@@ -40,16 +40,16 @@ using MovedRays = std::variant<scene::rays::RayGroup, choose::IdealRays>;
 
 /// Measures the quality of tapes on the rays of a request. If there are at most `max_kept_rays` rays, their truth is
 /// found once and kept; otherwise it is found again in every call.
-class Judge {
+class QualityMeasurer {
 public:
-    explicit Judge(const RepairRequest& request) : Judge(request, request.scene) {}
+    explicit QualityMeasurer(const RepairRequest& request) : QualityMeasurer(request, request.scene) {}
     /// Uses the request's row and requirement, but the rays of this scene.
-    Judge(const RepairRequest& request, const scene::file::Scene& scene) : Judge(request, &scene) {}
+    QualityMeasurer(const RepairRequest& request, const scene::file::Scene& scene) : QualityMeasurer(request, &scene) {}
     /// Uses the request's row and requirement, but these rays.
-    Judge(const RepairRequest& request, const MovedRays& rays);
-    ~Judge();
-    Judge(const Judge&) = delete;
-    Judge& operator=(const Judge&) = delete;
+    QualityMeasurer(const RepairRequest& request, const MovedRays& rays);
+    ~QualityMeasurer();
+    QualityMeasurer(const QualityMeasurer&) = delete;
+    QualityMeasurer& operator=(const QualityMeasurer&) = delete;
 
     /// Quality of each tape, in the order of the tapes.
     std::vector<FormQuality> measure_quality(const std::vector<Tape>& tapes);
@@ -64,7 +64,7 @@ public:
 
 private:
     class Part;
-    Judge(const RepairRequest& request, const scene::file::Scene* scene);
+    QualityMeasurer(const RepairRequest& request, const scene::file::Scene* scene);
     std::vector<FormQuality> measure_quality(const std::vector<evaluate::TestedForm>& tested_forms,
                                              const evaluate::ShowForms& show,
                                              const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
@@ -81,12 +81,12 @@ private:
 bool is_more_accurate(const FormQuality& a, const FormQuality& b);
 
 /// Quality of the form itself. Throws InputError if its tape answers differently on some ray.
-FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
+FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, QualityMeasurer& measurer);
 
 /// True if a form with the contract of the request's form has the same answers as a tape, to the bit, on all rays of
 /// the request.
 bool has_answers_of_tape(const evaluate::TestedForm& form, const Tape& tape, const RepairRequest& request,
-                         Judge& judge);
+                         QualityMeasurer& measurer);
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is combined with
 /// the transform method of the row, and the form itself with all methods.
