@@ -267,14 +267,14 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     const auto folder = std::filesystem::path(options.out) / id;
     const auto result_folder = lock_folder(folder, common, opened_rays.quoted_files);
     output::choose::ChoiceWriter writer(folder);
-    const bool counts_bytes = opened_rays.dump->bytes() > 0;
-    output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
+    const bool counts_bytes = opened_rays.ray_file->bytes() > 0;
+    output::file::Progress progress(counts_bytes ? opened_rays.ray_file->bytes() : 1, fmt::format("choose {}", id),
                                     common.progress, common.quiet);
     const auto advance = advance_callback(progress);
     opened_rays.options.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
 
     // Reads the files once. What follows uses a sample of their rays.
-    const measure::choose::FileRays rays = judge_and_sample(*opened_rays.dump, opened_rays.options, request);
+    const measure::choose::FileRays rays = judge_and_sample(*opened_rays.ray_file, opened_rays.options, request);
     if (!common.quiet) selection::warn_of_rounded_values(rays.typed_file_names, rays.rounded_count, rays.format);
     request.rays = &rays;
     return choose(request, writer, result_folder, progress, common);

@@ -59,7 +59,7 @@ std::vector<NamedCommand> study_commands();
 /// Runs `judge` on a file of answers about the whole surface of a mesh: all hits of rays, numbers of crossings, or
 /// points inside.
 Exit run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
-                    scene::dump::Dump& dump, const CommonOptions& common);
+                    scene::ray_file::RayFile& ray_file, const CommonOptions& common);
 
 /// Adds the examples in the help of each command, once all commands are there.
 void add_examples(const shell::Command& program);
@@ -193,9 +193,9 @@ void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 
 /// Prints a table on stdout, with a line per tested form of a map, or per form for the bits needed.
-void print_table(const measure::evaluate::MapStudy& request,
+void print_table(const measure::evaluate::MapStudy& study,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
-void print_table(const measure::evaluate::BitsNeededStudy& request,
+void print_table(const measure::evaluate::BitsNeededStudy& study,
                  const std::vector<measure::evaluate::BitsNeededSummary>& summaries);
 
 /// Prints a line on stdout with the number of truths that each stage settled. Each truth is about one ray and one

@@ -165,7 +165,7 @@ private:
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
         measure::choose::ChoiceRequest choice_request{.tested_forms = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
-        return judge_and_sample(*opened_.dump, opened_.options, choice_request);
+        return judge_and_sample(*opened_.ray_file, opened_.options, choice_request);
     }
 
     const MendOptions& options_;

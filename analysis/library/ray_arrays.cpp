@@ -1,4 +1,4 @@
-#include "analysis/library/array_dump.hpp"
+#include "analysis/library/ray_arrays.hpp"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 
 namespace lostbits::analysis::library {
 
-using scene::dump::Chunk;
-using scene::dump::ChunkWriter;
-using scene::dump::DumpOptions;
-using scene::dump::Records;
+using scene::ray_file::Chunk;
+using scene::ray_file::ChunkWriter;
+using scene::ray_file::ReadOptions;
+using scene::ray_file::Records;
 
 namespace {
 
@@ -89,12 +89,12 @@ OpenEnds parse_open_ends(const std::string& text) {
 }
 
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format) {
-    return scene::dump::number_in(exact_number_at(column, i), format);
+    return scene::ray_file::number_in(exact_number_at(column, i), format);
 }
 
-ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
-                     const DumpOptions& options)
-    : Dump(name, {}),
+RayArrays::RayArrays(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
+                     const ReadOptions& options)
+    : RayFile(name, {}),
       columns_(std::move(columns)),
       count_(count),
       layout_(names_of(columns_),
@@ -103,7 +103,7 @@ ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, 
     finish_header(options, layout_, default_format(columns_));
 }
 
-bool ArrayDump::next(std::size_t max_records, Records& records) {
+bool RayArrays::next(std::size_t max_records, Records& records) {
     stop_.check();
     records.first = read_;
     records.count = std::min(max_records, count_ - read_);
@@ -111,7 +111,7 @@ bool ArrayDump::next(std::size_t max_records, Records& records) {
     return records.count > 0;
 }
 
-Chunk ArrayDump::decode(const Records& records) const {
+Chunk RayArrays::decode(const Records& records) const {
     Chunk chunk;
     chunk.first = records.first;
     ChunkWriter writer(layout_, settings(), records.count, chunk);
@@ -122,7 +122,7 @@ Chunk ArrayDump::decode(const Records& records) const {
                 chunk.kept.push_back(text_at(columns_[c], i));
                 continue;
             }
-            const double x = exact_number_at(columns_[c], i), stored = scene::dump::number_in(x, format());
+            const double x = exact_number_at(columns_[c], i), stored = scene::ray_file::number_in(x, format());
             if (std::isinf(stored) && !std::isinf(x))
                 throw InputError(fmt::format("{}: ray {}: {} is {}, larger than the largest number of {}", name(), i,
                                              columns_[c].name, x, format().name));

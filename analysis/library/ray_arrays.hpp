@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/library/lostbits.h"
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -30,26 +30,26 @@ OpenEnds parse_open_ends(const std::string& text);
 /// Number i of a column, rounded once to the format.
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format);
 
-/// The columns of `count` rays. The arrays must live longer than the dump. A column whose name means nothing in a file
-/// of rays is kept as text. An error in a ray is an InputError that begins with `name` and the index of the ray, from
-/// 0.
-class ArrayDump final : public scene::dump::Dump {
+/// The columns of `count` rays. The arrays must live longer than the ray file. A column whose name means nothing in a
+/// file of rays is kept as text. An error in a ray is an InputError that begins with `name` and the index of the ray,
+/// from 0.
+class RayArrays final : public scene::ray_file::RayFile {
 public:
     /// Uses the members format, primitive, open and stop of `options`. If no format is given, answers have the format
     /// of t or, without t, the format of the widest column.
-    ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
-              const scene::dump::DumpOptions& options);
+    RayArrays(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
+              const scene::ray_file::ReadOptions& options);
 
-    [[nodiscard]] const scene::dump::Layout& layout() const override { return layout_; }
+    [[nodiscard]] const scene::ray_file::Layout& layout() const override { return layout_; }
     [[nodiscard]] std::optional<std::uint64_t> size() const override { return count_; }
     [[nodiscard]] std::uint64_t bytes() const override { return 0; }
-    bool next(std::size_t max_records, scene::dump::Records& records) override;
-    [[nodiscard]] scene::dump::Chunk decode(const scene::dump::Records& records) const override;
+    bool next(std::size_t max_records, scene::ray_file::Records& records) override;
+    [[nodiscard]] scene::ray_file::Chunk decode(const scene::ray_file::Records& records) const override;
 
 private:
     std::vector<ArrayColumn> columns_;
     std::size_t count_, read_ = 0;
-    scene::dump::Layout layout_;
+    scene::ray_file::Layout layout_;
     intersect::process::StopToken stop_;
 };
 

@@ -7,7 +7,7 @@
 
 #include "analysis/shard/division.hpp"
 #include "measure/study/study.hpp"
-#include "output/pixel/row_files.hpp"
+#include "output/pixel/form_files.hpp"
 
 namespace lostbits::analysis::shard {
 

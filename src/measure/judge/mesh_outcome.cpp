@@ -7,7 +7,7 @@
 namespace lostbits::measure::judge {
 
 using crossing::MeshCrossing, crossing::MeshCrossings;
-using scene::dump::AnswerKind;
+using scene::ray_file::AnswerKind;
 using scene::rays::MeshColumns;
 using Surface = SurfaceCrossings::Surface;
 

@@ -67,7 +67,7 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
         {"format", "format that they were computed in", &MeshSummaryRow::format},
         {"answers", "what the answers are about",
          [](const MeshSummaryRow& r) {
-             return std::string(scene::dump::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
+             return std::string(scene::ray_file::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
          }},
         {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
 
@@ -119,7 +119,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
     table.add({kind == AnswerKind::all_hits
                    ? "listed"
-                   : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
+                   : std::string(scene::ray_file::answer_kind_names.at(static_cast<std::size_t>(kind))),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
 

@@ -1,4 +1,4 @@
-#include "scene/dump/binary_dump.hpp"
+#include "scene/ray_file/binary_ray_file.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "number/error.hpp"
 #include "text/count_with_noun.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 namespace {
 
@@ -26,8 +26,8 @@ Format default_format(const Layout& layout, const std::vector<BinaryColumn>& col
 
 }  // namespace
 
-BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& options, LayoutReader read)
-    : Dump(path), source_(path, options.stop), record_layout_(read(source_, options)) {
+BinaryRayFile::BinaryRayFile(const std::filesystem::path& path, const ReadOptions& options, LayoutReader read)
+    : RayFile(path), source_(path, options.stop), record_layout_(read(source_, options)) {
     std::vector<std::string> names;
     for (const BinaryColumn& c : record_layout_.columns) names.push_back(c.name);
     layout_.emplace(std::move(names), [this](std::size_t, const std::string& why) {
@@ -53,7 +53,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     if (!records_) records_ = whole_records;
 }
 
-void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
+void BinaryRayFile::fail_short(std::uint64_t record, std::uint64_t bytes) const {
     if (record_layout_.is_column_major)
         throw InputError(
             fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
@@ -68,7 +68,7 @@ void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
                                : ""));
 }
 
-bool BinaryDump::next(std::size_t max_records, Records& records) {
+bool BinaryRayFile::next(std::size_t max_records, Records& records) {
     records.first = next_record_;
     records.bytes.clear();
     if (records_)
@@ -90,8 +90,8 @@ bool BinaryDump::next(std::size_t max_records, Records& records) {
     return records.count > 0;
 }
 
-bool BinaryDump::looks_byte_swapped(const Records& records, const std::vector<std::size_t>& columns,
-                                    const std::function<bool(double)>& is_usual, std::string& first_unusual) const {
+bool BinaryRayFile::looks_byte_swapped(const Records& records, const std::vector<std::size_t>& columns,
+                                       const std::function<bool(double)>& is_usual, std::string& first_unusual) const {
     std::size_t number_count = 0, usual_count = 0, reversed_usual_count = 0;
     for (const std::size_t c : columns) {
         const BinaryColumn& column = record_layout_.columns[c];
@@ -111,7 +111,7 @@ bool BinaryDump::looks_byte_swapped(const Records& records, const std::vector<st
     return number_count >= 6 && 2 * usual_count <= number_count && 10 * reversed_usual_count >= 9 * number_count;
 }
 
-void BinaryDump::require_not_byte_swapped(const Records& records) const {
+void BinaryRayFile::require_not_byte_swapped(const Records& records) const {
     // t may have any value: the number that means a miss may be of any size.
     std::vector<std::size_t> float_columns, hit_columns;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
@@ -154,7 +154,7 @@ void BinaryDump::require_not_byte_swapped(const Records& records) const {
                     source_.name(), first_unusual, is_big_endian ? "most" : "least", columns_text));
 }
 
-std::vector<BinaryDump::ColumnReader> BinaryDump::make_column_readers(const Records& records) const {
+std::vector<BinaryRayFile::ColumnReader> BinaryRayFile::make_column_readers(const Records& records) const {
     std::vector<ColumnReader> readers;
     std::size_t begin = 0;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
@@ -172,7 +172,7 @@ std::vector<BinaryDump::ColumnReader> BinaryDump::make_column_readers(const Reco
     return readers;
 }
 
-void BinaryDump::put_rounded(const ColumnReader& reader, std::uint64_t record, ChunkWriter& writer) const {
+void BinaryRayFile::put_rounded(const ColumnReader& reader, std::uint64_t record, ChunkWriter& writer) const {
     const auto [value, exact] = reader.type.read(reader.bytes);
     const double stored = number_in(value, format());
     if (std::isinf(stored) && !std::isinf(value))
@@ -184,7 +184,7 @@ void BinaryDump::put_rounded(const ColumnReader& reader, std::uint64_t record, C
     writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
 }
 
-Chunk BinaryDump::decode(const Records& records) const {
+Chunk BinaryRayFile::decode(const Records& records) const {
     if (records.first == 0 && !record_layout_.records) require_not_byte_swapped(records);
     Chunk chunk;
     chunk.first = records.first;
@@ -247,7 +247,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
 
 }  // namespace
 
-RecordLayout read_raw_layout(toml::ByteSource& source, const DumpOptions& options) {
+RecordLayout read_raw_layout(toml::ByteSource& source, const ReadOptions& options) {
     if (options.columns.empty())
         throw InputError(source.name() +
                          ": raw numbers have no header; name them and their types with "
@@ -267,4 +267,4 @@ RecordLayout read_raw_layout(toml::ByteSource& source, const DumpOptions& option
     return raw;
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -4,11 +4,11 @@
 #include <functional>
 #include <vector>
 
-#include "scene/dump/dump.hpp"
-#include "scene/dump/item_type.hpp"
+#include "scene/ray_file/item_type.hpp"
+#include "scene/ray_file/ray_file.hpp"
 #include "scene/toml/byte_source.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 /// A column of a binary file.
 struct BinaryColumn {
@@ -27,21 +27,21 @@ struct RecordLayout {
     std::optional<std::pair<int, int>> picture = {};
     std::string error_source = {};  ///< name in the errors about columns that are not those of rays
 };
-using LayoutReader = RecordLayout (*)(toml::ByteSource& source, const DumpOptions& options);
+using LayoutReader = RecordLayout (*)(toml::ByteSource& source, const ReadOptions& options);
 
 /// Reads the layout of a file without a header. `--columns` gives the columns, `ox:f32,oy,oz,…`. A column without a
 /// type has the type of the column before it.
-RecordLayout read_raw_layout(toml::ByteSource& source, const DumpOptions& options);
+RecordLayout read_raw_layout(toml::ByteSource& source, const ReadOptions& options);
 
 /// Reads the header of a numpy array, plain or of records with named fields, versions 1 to 3. The last axis of a plain
 /// array is the columns, which `--columns` names. The axes before it, or all axes of an array of records, are rays;
 /// two of them are a picture with that many rows and columns.
-RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& options);
+RecordLayout read_npy_layout(toml::ByteSource& source, const ReadOptions& options);
 
 /// A file of raw numbers, or a numpy array.
-class BinaryDump final : public Dump {
+class BinaryRayFile final : public RayFile {
 public:
-    BinaryDump(const std::filesystem::path& path, const DumpOptions& options, LayoutReader read);
+    BinaryRayFile(const std::filesystem::path& path, const ReadOptions& options, LayoutReader read);
     [[nodiscard]] const Layout& layout() const override { return *layout_; }
     [[nodiscard]] std::optional<std::uint64_t> size() const override { return records_; }
     [[nodiscard]] std::optional<std::pair<int, int>> picture() const override { return record_layout_.picture; }
@@ -79,4 +79,4 @@ private:
     std::uint64_t next_record_ = 0;
 };
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -1,4 +1,4 @@
-#include "scene/dump/chunk.hpp"
+#include "scene/ray_file/chunk.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t records, Chunk& chunk)
     : layout_(layout),
@@ -294,4 +294,4 @@ void ChunkWriter::store_record() {
     present_ = 0;
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

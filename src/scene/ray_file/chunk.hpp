@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/dump/layout.hpp"
+#include "scene/ray_file/layout.hpp"
 #include "scene/rays/rays.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 /// Rule for which t are misses if no column says whether the ray hits. NaN, infinities and empty cells are always
 /// misses.
@@ -119,4 +119,4 @@ private:
     bool is_hit_ = false;       ///< true if the answer of this record is a hit
 };
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

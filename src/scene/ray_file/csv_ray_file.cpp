@@ -1,4 +1,4 @@
-#include "scene/dump/csv_dump.hpp"
+#include "scene/ray_file/csv_ray_file.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "number/error.hpp"
 #include "text/count_with_noun.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 namespace {
 
@@ -84,18 +84,18 @@ std::string_view trim_line_break(std::string_view text) {
 
 }  // namespace
 
-CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options)
-    : Dump(path), source_(path, options.stop) {
+CsvRayFile::CsvRayFile(const std::filesystem::path& path, const ReadOptions& options)
+    : RayFile(path), source_(path, options.stop) {
     read_header(options);
     finish_header(options, *layout_, *find_format("f64"));
     parser_.emplace(settings().format);
 }
 
-std::string CsvDump::position_text(std::uint64_t line, std::size_t column) const {
+std::string CsvRayFile::position_text(std::uint64_t line, std::size_t column) const {
     return fmt::format("{}:{}:{}", source_.name(), line, column + 1);
 }
 
-std::size_t CsvDump::find_record_end(std::size_t begin) {
+std::size_t CsvRayFile::find_record_end(std::size_t begin) {
     std::size_t counted_end = begin;  // the quotes before this position are counted
     bool is_in_quotes = false;
     for (;;) {
@@ -122,14 +122,14 @@ std::size_t CsvDump::find_record_end(std::size_t begin) {
     }
 }
 
-void CsvDump::read_header(const DumpOptions& options) {
+void CsvRayFile::read_header(const ReadOptions& options) {
     if (source_.read(buffer_, block_bytes) < block_bytes) at_end_of_file_ = true;
     if (buffer_.starts_with("\xEF\xBB\xBF")) used_bytes_ = 3;
     if (options.columns.empty()) read_header_line();
     else name_columns(options.columns);
 }
 
-void CsvDump::name_columns(const std::string& names_text) {
+void CsvRayFile::name_columns(const std::string& names_text) {
     std::vector<std::string> names;
     CellReader cells(names_text);
     const char* fault = nullptr;
@@ -138,7 +138,7 @@ void CsvDump::name_columns(const std::string& names_text) {
                     [](std::size_t, const std::string& why) { throw InputError("--columns: " + why); });
 }
 
-void CsvDump::read_header_line() {
+void CsvRayFile::read_header_line() {
     // Finds the first line that is not blank.
     std::string_view line;
     std::size_t end = used_bytes_;
@@ -180,7 +180,7 @@ void CsvDump::read_header_line() {
     used_bytes_ = end;
 }
 
-bool CsvDump::next(std::size_t max_records, Records& records) {
+bool CsvRayFile::next(std::size_t max_records, Records& records) {
     records.first = record_;
     records.count = 0;
     buffer_.erase(0, used_bytes_);
@@ -204,7 +204,7 @@ bool CsvDump::next(std::size_t max_records, Records& records) {
     return records.count > 0;
 }
 
-Chunk CsvDump::decode(const Records& records) const {
+Chunk CsvRayFile::decode(const Records& records) const {
     Chunk chunk;
     chunk.first = records.first;
     ChunkWriter writer(*layout_, settings(), records.count, chunk);
@@ -225,7 +225,8 @@ Chunk CsvDump::decode(const Records& records) const {
     return chunk;
 }
 
-std::optional<std::string> CsvDump::store_number(std::string_view text, std::size_t slot, ChunkWriter& writer) const {
+std::optional<std::string> CsvRayFile::store_number(std::string_view text, std::size_t slot,
+                                                    ChunkWriter& writer) const {
     if (text.empty()) return std::nullopt;
     const NumberParser::Parsed parsed = parser_->read(text);
     switch (parsed.kind) {
@@ -251,7 +252,8 @@ std::optional<std::string> CsvDump::store_number(std::string_view text, std::siz
     return std::nullopt;
 }
 
-void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const {
+void CsvRayFile::decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer,
+                             Chunk& chunk) const {
     const auto& columns = layout_->columns();
     std::size_t starts_by_slot[slot::count] = {};
     CellReader cells(line);
@@ -284,4 +286,4 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
     writer.end_record([&](std::size_t s) { return position_text(line_number, starts_by_slot[s]); });
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -2,16 +2,16 @@
 // write.
 #pragma once
 
-#include "scene/dump/dump.hpp"
-#include "scene/dump/number_parser.hpp"
+#include "scene/ray_file/number_parser.hpp"
+#include "scene/ray_file/ray_file.hpp"
 #include "scene/toml/byte_source.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 /// Accepts commas, LF or CRLF, cells with or without quotes, spaces around numbers, and blank lines between records.
-class CsvDump final : public Dump {
+class CsvRayFile final : public RayFile {
 public:
-    CsvDump(const std::filesystem::path& path, const DumpOptions& options);
+    CsvRayFile(const std::filesystem::path& path, const ReadOptions& options);
 
     [[nodiscard]] const Layout& layout() const override { return *layout_; }
     [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
@@ -22,7 +22,7 @@ private:
     /// Returns the end of the record that begins at `begin` of the buffer, after its line break. Reads more of the file
     /// if necessary. Returns 0 at the end of the file.
     std::size_t find_record_end(std::size_t begin);
-    void read_header(const DumpOptions& options);
+    void read_header(const ReadOptions& options);
     /// Names the columns of a file without a header, as `--columns` gives them.
     void name_columns(const std::string& names_text);
     void read_header_line();
@@ -41,4 +41,4 @@ private:
     std::uint64_t line_ = 1, record_ = 0;
 };
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

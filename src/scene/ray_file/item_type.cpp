@@ -1,4 +1,4 @@
-#include "scene/dump/item_type.hpp"
+#include "scene/ray_file/item_type.hpp"
 
 #include <array>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 static_assert(std::endian::native == std::endian::little);
 
@@ -130,4 +130,4 @@ std::optional<ItemType> find_item_type(std::string_view word) {
     return {};
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -9,7 +9,7 @@
 
 #include "number/format.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 struct ItemType {
     enum class Kind : std::uint8_t { floating, signed_integer, unsigned_integer, boolean };
@@ -39,4 +39,4 @@ std::optional<ItemType> find_item_type(std::string_view word);
 inline constexpr std::string_view item_type_advice =
     "f16, f32, f64, i8 to i64, u8 to u64 or bool, followed by be if the most significant byte comes first";
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -1,4 +1,4 @@
-#include "scene/dump/layout.hpp"
+#include "scene/ray_file/layout.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,7 @@
 #include "shapes/number_names.hpp"
 #include "text/did_you_mean.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 namespace {
 
@@ -360,4 +360,4 @@ std::vector<std::string> columns_of_name(std::string_view name, std::size_t coun
     return {};
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -11,7 +11,7 @@
 
 #include "shapes/primitive.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 /// Indices (slots) of the numbers of a record that have a meaning: the ray (or a point, as its origin), its range, its
 /// primitive, its answer, and the matrix of its primitive, row by row.
@@ -100,4 +100,4 @@ std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);
 /// (3), `lo` (3), `hi` (3), `sphere` (4), `box` (6), `ray` (6), `matrix` (12). Empty for other names and other counts.
 std::vector<std::string> columns_of_name(std::string_view name, std::size_t count);
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

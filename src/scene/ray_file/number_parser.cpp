@@ -1,4 +1,4 @@
-#include "scene/dump/number_parser.hpp"
+#include "scene/ray_file/number_parser.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -10,7 +10,7 @@
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 namespace {
 
@@ -158,4 +158,4 @@ bool is_float_in_decimal(double x) {
            reads_back(std::to_chars(text, text + sizeof text, narrowed, std::chars_format::general, 9));
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -5,7 +5,7 @@
 
 #include "number/format.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 /// Reads decimals, C hexadecimal floats, `nan` and `inf`, and rounds them to a format.
 class NumberParser {
@@ -39,4 +39,4 @@ private:
 /// the shortest decimal.
 bool is_float_in_decimal(double x);
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -1,4 +1,4 @@
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 
 #include "number/error.hpp"
 #include "number/rounded.hpp"
-#include "scene/dump/binary_dump.hpp"
-#include "scene/dump/csv_dump.hpp"
+#include "scene/ray_file/binary_ray_file.hpp"
+#include "scene/ray_file/csv_ray_file.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 double number_in(double x, const Format& format) {
     if (!std::isfinite(x)) return x;
@@ -24,7 +24,7 @@ double number_in(double x, const Format& format) {
     return rounding::to_format(x, 0, format.parameters);
 }
 
-void Dump::finish_header(const DumpOptions& options, const Layout& layout, const Format& file_format) {
+void RayFile::finish_header(const ReadOptions& options, const Layout& layout, const Format& file_format) {
     settings_.format = options.format.value_or(file_format);
     settings_.keep = options.keep;
     settings_.primitive = options.primitive;
@@ -53,7 +53,7 @@ void Dump::finish_header(const DumpOptions& options, const Layout& layout, const
     settings_.miss.number = rounding::to_format(settings_.miss.number, 0, settings_.format.parameters);
 }
 
-std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options) {
+std::unique_ptr<RayFile> open_ray_file(const std::filesystem::path& path, const ReadOptions& options) {
     Container container = options.container;
     if (container == Container::by_name) {
         std::string ending = path.extension().string();
@@ -69,31 +69,31 @@ std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOpt
     if (options.skip > 0 && container != Container::raw)
         throw InputError(path.string() + ": --skip is only for bytes in front of raw numbers; leave out --skip");
     switch (container) {
-        case Container::csv: return std::make_unique<CsvDump>(path, options);
-        case Container::npy: return std::make_unique<BinaryDump>(path, options, read_npy_layout);
-        default: return std::make_unique<BinaryDump>(path, options, read_raw_layout);
+        case Container::csv: return std::make_unique<CsvRayFile>(path, options);
+        case Container::npy: return std::make_unique<BinaryRayFile>(path, options, read_npy_layout);
+        default: return std::make_unique<BinaryRayFile>(path, options, read_raw_layout);
     }
 }
 
 namespace {
 
-std::string names_of(const std::vector<std::unique_ptr<Dump>>& files) {
+std::string names_of(const std::vector<std::unique_ptr<RayFile>>& files) {
     std::string names;
     for (const auto& file : files) names += (names.empty() ? "" : ", ") + file->name();
     return names;
 }
 
 /// True if both files have the same kinds of primitives and answers and the same format.
-bool are_alike(const Dump& a, const Dump& b) {
+bool are_alike(const RayFile& a, const RayFile& b) {
     return a.layout().primitive() == b.layout().primitive() && a.layout().has_matrix() == b.layout().has_matrix() &&
            a.layout().has_answers() == b.layout().has_answers() &&
            a.layout().decides_only() == b.layout().decides_only() && a.format() == b.format();
 }
 
-class JoinedDump final : public Dump {
+class JoinedRayFile final : public RayFile {
 public:
-    explicit JoinedDump(std::vector<std::unique_ptr<Dump>> files)
-        : Dump(names_of(files), {.format = files.front()->format()}),
+    explicit JoinedRayFile(std::vector<std::unique_ptr<RayFile>> files)
+        : RayFile(names_of(files), {.format = files.front()->format()}),
           files_(std::move(files)),
           first_records_(files_.size()) {
         for (const auto& file : files_) {
@@ -143,7 +143,7 @@ public:
     }
 
 private:
-    std::vector<std::unique_ptr<Dump>> files_;
+    std::vector<std::unique_ptr<RayFile>> files_;
     std::vector<std::uint64_t> first_records_;  ///< rays before each file; set before its records are read
     std::size_t file_index_ = 0;
     std::uint64_t record_count_ = 0;
@@ -151,9 +151,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Dump> join_dumps(std::vector<std::unique_ptr<Dump>> files) {
+std::unique_ptr<RayFile> join_ray_files(std::vector<std::unique_ptr<RayFile>> files) {
     if (files.size() == 1) return std::move(files.front());
-    return std::make_unique<JoinedDump>(std::move(files));
+    return std::make_unique<JoinedRayFile>(std::move(files));
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

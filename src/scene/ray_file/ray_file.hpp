@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "intersect/process/stop_token.hpp"
-#include "scene/dump/chunk.hpp"
+#include "scene/ray_file/chunk.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 /// The container of a file of rays. `by_name` uses the ending: `.csv`, `.npy`, or raw numbers for any other.
 enum class Container { by_name, csv, npy, raw };
 
 /// The command line's options for a file.
-struct DumpOptions {
+struct ReadOptions {
     Container container = Container::by_name;
     /// Names of the columns, and types for raw numbers: `ox:f32,oy,oz`. A column without a type has the type of the
     /// column before it. For a CSV: the names of its columns, since it has no header. For an array: the names of its
@@ -46,9 +46,9 @@ struct Records {
 double number_in(double x, const Format& format);
 
 /// A file of rays. Throws only InputErrors, which name the file and the position, and EnvironmentErrors.
-class Dump {
+class RayFile {
 public:
-    virtual ~Dump() = default;
+    virtual ~RayFile() = default;
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] virtual const Layout& layout() const = 0;
@@ -74,11 +74,11 @@ public:
     virtual void number_primitives(std::size_t count) { settings_.primitives = count; }
 
 protected:
-    explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
-    Dump(std::string name, ReadSettings settings) : name_(std::move(name)), settings_(std::move(settings)) {}
+    explicit RayFile(const std::filesystem::path& path) : name_(path.string()) {}
+    RayFile(std::string name, ReadSettings settings) : name_(std::move(name)), settings_(std::move(settings)) {}
     /// Ends the reading of the header. `file_format` is the format of the file's numbers. Throws InputError if the
     /// options and the file both give the primitives or the rule for misses, or if neither gives primitives.
-    void finish_header(const DumpOptions& options, const Layout& layout, const Format& file_format);
+    void finish_header(const ReadOptions& options, const Layout& layout, const Format& file_format);
     [[nodiscard]] const ReadSettings& settings() const { return settings_; }
 
 private:
@@ -87,10 +87,10 @@ private:
 };
 
 /// Opens a file and reads everything before its records.
-std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options);
+std::unique_ptr<RayFile> open_ray_file(const std::filesystem::path& path, const ReadOptions& options);
 
 /// Joins one or more files into one, in their order. Several joined files are not a picture. Throws InputError unless
 /// all files have the same kinds of primitives and answers and the same format.
-std::unique_ptr<Dump> join_dumps(std::vector<std::unique_ptr<Dump>> files);
+std::unique_ptr<RayFile> join_ray_files(std::vector<std::unique_ptr<RayFile>> files);
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

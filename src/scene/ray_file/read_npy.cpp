@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "number/error.hpp"
-#include "scene/dump/binary_dump.hpp"
+#include "scene/ray_file/binary_ray_file.hpp"
 #include "text/count_with_noun.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::ray_file {
 
 namespace {
 
@@ -254,7 +254,7 @@ std::vector<std::string> split_column_names(const std::string& columns) {
 }
 
 /// Sets the columns, the number of records and their size, for records with named fields. All axes are rays.
-void read_structured_layout(const NpyHeader& header, const DumpOptions& options, const std::string& file,
+void read_structured_layout(const NpyHeader& header, const ReadOptions& options, const std::string& file,
                             RecordLayout& array) {
     if (!options.columns.empty())
         throw InputError(file +
@@ -269,7 +269,7 @@ void read_structured_layout(const NpyHeader& header, const DumpOptions& options,
 }
 
 /// Does the same for a plain array. Its last axis is the columns; `ray_axes` are the axes before it.
-void read_plain_layout(const NpyHeader& header, const DumpOptions& options, const std::string& file,
+void read_plain_layout(const NpyHeader& header, const ReadOptions& options, const std::string& file,
                        std::vector<std::uint64_t>& ray_axes, RecordLayout& array) {
     const ItemType type = parse_item_type(header.fields.front().type, "", file);
     if (ray_axes.size() < 2)
@@ -311,7 +311,7 @@ std::optional<std::pair<int, int>> picture_size(const std::vector<std::uint64_t>
 
 }  // namespace
 
-RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& options) {
+RecordLayout read_npy_layout(toml::ByteSource& source, const ReadOptions& options) {
     const auto [text, begin] = read_header_text(source);
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);
@@ -329,4 +329,4 @@ RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& option
     return array;
 }
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::ray_file

@@ -115,12 +115,12 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
         for (int k = 0; k < 500; ++k) {
             const double least = random.magnitude(-60, 3), most = least * random.uniform(1, 3);
             const double start = random.magnitude(-70, -10);
-            const auto judge = [&](double e) {
+            const auto verdict_of = [&](double e) {
                 return e < least  ? OffsetVerdict::too_little
                        : e > most ? OffsetVerdict::too_much
                                   : OffsetVerdict::enough;
             };
-            const double found = smallest_enough(f, start, 64, judge);
+            const double found = smallest_enough(f, start, 64, verdict_of);
             CAPTURE(least, most, start, found, f.precision);
             const std::int64_t place = measure::truth::ordinal(
                 measure::truth::number_at(measure::truth::ordinal(rounding::to_format(least, 0, f), f), f), f);

@@ -36,17 +36,17 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 
 /// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
-    explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(record_tape(asked)) {}
+    explicit Search(const RepairRequest& asked) : request(asked), measurer(asked), tape(record_tape(asked)) {}
     FormQuality with(const std::vector<NodeId>& wider) {
-        return judge.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
+        return measurer.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
     }
     WiderSet smallest(std::uint64_t affordable) {
         const FormQuality quality = with(all);
         REQUIRE(quality.meets(request.requirement));
-        return find_smallest_set(tape, binary64, quality, request, judge, affordable);
+        return find_smallest_set(tape, binary64, quality, request, measurer, affordable);
     }
     const RepairRequest& request;
-    Judge judge;
+    QualityMeasurer measurer;
     Tape tape;
     std::vector<NodeId> all = tape::rounded_operations(tape);
 };
@@ -69,9 +69,9 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         Search search(request);
         CHECK_FALSE(search.with({}).meets(request.requirement));
         const WiderSet found = search.smallest(200);
-        Judge judge(request, scene);
+        QualityMeasurer measurer(request, scene);
         const auto quality_with = [&](const std::vector<NodeId>& wider) {
-            return judge.measure_quality({tape::widen_operations(search.tape, wider, binary64)}).front();
+            return measurer.measure_quality({tape::widen_operations(search.tape, wider, binary64)}).front();
         };
         const auto& set = found.operations;
         REQUIRE_FALSE(set.empty());
@@ -94,7 +94,8 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         for (const NodeId a : search.all)
             for (const NodeId b : search.all)
                 if (a <= b) pairs.push_back(tape::widen_operations(search.tape, {a, b}, binary64));
-        for (const FormQuality& quality : judge.measure_quality(pairs)) CHECK_FALSE(quality.meets(request.requirement));
+        for (const FormQuality& quality : measurer.measure_quality(pairs))
+            CHECK_FALSE(quality.meets(request.requirement));
     }
 }
 
@@ -114,8 +115,8 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
                 tapes.push_back(terms.tape(terms.replace_nodes(terms.outputs(), rewrite.replacements)));
         REQUIRE(tapes.size() == 2);
         tapes.push_back(tape::record_tape(test::form_named("triangle.signed_volumes"), *find_format("f32")));
-        Judge judge(request, scene);
-        const auto quality = judge.measure_quality(tapes);
+        QualityMeasurer measurer(request, scene);
+        const auto quality = measurer.measure_quality(tapes);
         if (is_far) {
             CHECK(quality[1].wrong > 10 * quality[0].wrong);
             CHECK(quality[2].wrong > 10 * quality[0].wrong);
@@ -291,7 +292,7 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         CHECK(search.all.size() > tape::rounded_operations(tape::record_tape(form, request.tested_form.format)).size());
         request.tested_form.form =
             &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
-        const FormQuality relative = Judge(request, scene).measure_quality({record_tape(request)}).front();
+        const FormQuality relative = QualityMeasurer(request, scene).measure_quality({record_tape(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "output/file/number_text.hpp"
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 #include "scene/scene_text.hpp"
 
 namespace lostbits::scene::test {
@@ -82,20 +82,21 @@ std::string as_npy(const Columns& columns, bool big_endian = false, ArrayOrder o
                   as_bytes<F>(columns, big_endian, order));
 }
 
-using DumpFile = lostbits::test::ScratchFile;
+using ScratchRayFile = lostbits::test::ScratchFile;
 
 /// All records of a file, read so many at a time.
-inline std::vector<dump::Chunk> read_all(dump::Dump& dump, std::size_t most = 1000) {
-    std::vector<dump::Chunk> chunks;
-    for (dump::Records records; dump.next(most, records);) chunks.push_back(dump.decode(records));
+inline std::vector<ray_file::Chunk> read_all(ray_file::RayFile& ray_file, std::size_t most = 1000) {
+    std::vector<ray_file::Chunk> chunks;
+    for (ray_file::Records records; ray_file.next(most, records);) chunks.push_back(ray_file.decode(records));
     return chunks;
 }
 
 /// Message of the error from opening or reading a file; empty if there is none.
-inline std::string fault_of(const std::string& name, const std::string& bytes, const dump::DumpOptions& options = {}) {
-    const DumpFile file(name, bytes);
+inline std::string fault_of(const std::string& name, const std::string& bytes,
+                            const ray_file::ReadOptions& options = {}) {
+    const ScratchRayFile file(name, bytes);
     try {
-        const auto opened = dump::open_dump(file.path(), options);
+        const auto opened = ray_file::open_ray_file(file.path(), options);
         static_cast<void>(read_all(*opened));
     } catch (const InputError& error) {
         const std::string what = error.what(), folder = file.path().parent_path().string() + "/";

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include "catch.hpp"
-#include "scene/dump/dump_writer.hpp"
+#include "scene/ray_file/ray_file_writer.hpp"
 
-namespace test_bad_dump {
+namespace test_bad_ray_file {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::dump;
+using namespace lostbits::scene::ray_file;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -18,7 +18,7 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n", good = "0,
 struct BadFile {
     std::string name, bytes;
     std::string place, remedy;  ///< how the message begins, and part of it
-    DumpOptions options = {};
+    ReadOptions options = {};
 };
 
 /// An array of rays, behind whose numbers each record has so many bytes of no meaning.
@@ -30,7 +30,7 @@ std::string padded_npy(const std::string& type) {
 }
 
 const std::string list = "ox,oy,oz,dx,dy,dz,hit_index,object,t\n";
-const DumpOptions of_mesh{.primitive = Shape::triangle};
+const ReadOptions of_mesh{.primitive = Shape::triangle};
 
 const BadFile bad_files[] = {
     {"a.csv", "", "a.csv:1:1:", "names of its columns"},
@@ -184,4 +184,4 @@ TEST_CASE("a cell of many lines is read in time proportional to its bytes") {
     CHECK(fault_of("a.csv", after).starts_with("a.csv:500003:1:"));
 }
 
-}  // namespace test_bad_dump
+}  // namespace test_bad_ray_file

@@ -1,19 +1,19 @@
 // A file of rays says the same in every container, and says where it is wrong.
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 
 #include <cmath>
 
 #include "catch.hpp"
 #include "measure/seeded.hpp"
-#include "scene/dump/dump_writer.hpp"
-#include "scene/dump/number_parser.hpp"
+#include "scene/ray_file/number_parser.hpp"
+#include "scene/ray_file/ray_file_writer.hpp"
 #include "shapes/number_names.hpp"
 
-namespace test_dump {
+namespace test_ray_file {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::dump;
+using namespace lostbits::scene::ray_file;
 using namespace lostbits::scene::test;
 
 namespace {
@@ -58,14 +58,14 @@ void require_same(const std::vector<Chunk>& chunks, const Columns& c) {
     REQUIRE(row == c.rows());
 }
 
-void require_reads(const std::string& name, const std::string& bytes, const DumpOptions& options,
+void require_reads(const std::string& name, const std::string& bytes, const ReadOptions& options,
                    const Columns& columns, const std::string& format) {
     INFO(name << " " << options.columns);
-    const DumpFile file(name, bytes);
+    const ScratchRayFile file(name, bytes);
     for (const std::size_t most : {1U, 7U, 64U, 1000U}) {
-        const auto dump = open_dump(file.path(), options);
-        CHECK(dump->format().name == format);
-        require_same(read_all(*dump, most), columns);
+        const auto ray_file = open_ray_file(file.path(), options);
+        CHECK(ray_file->format().name == format);
+        require_same(read_all(*ray_file, most), columns);
     }
 }
 
@@ -122,11 +122,11 @@ TEST_CASE("fields of an array keep their types, and fields of three numbers are 
         "'<f4')]";
     const std::string npy = as_npy("{'descr': " + fields + ", 'fortran_order': False, 'shape': (10, 10), }", bytes);
     require_reads("a.npy", npy, {}, columns, "f32");
-    const DumpFile file("a.npy", npy);
-    const auto dump = open_dump(file.path(), {.keep = true});
-    CHECK(dump->picture() == std::pair{10, 10});
-    CHECK(dump->layout().kept() == std::vector<std::string>{"id"});
-    CHECK(read_all(*dump, 10)[1].kept[3] == "-37");
+    const ScratchRayFile file("a.npy", npy);
+    const auto ray_file = open_ray_file(file.path(), {.keep = true});
+    CHECK(ray_file->picture() == std::pair{10, 10});
+    CHECK(ray_file->layout().kept() == std::vector<std::string>{"id"});
+    CHECK(read_all(*ray_file, 10)[1].kept[3] == "-37");
 }
 
 TEST_CASE("decimals are rounded once to the format, and values that it cannot hold are counted") {
@@ -166,10 +166,10 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n";
 
 TEST_CASE("a t means a hit or a miss as declared where no column says so") {
     const auto hits = [](const std::string& t, std::optional<MissRule> miss) {
-        const DumpFile file("a.csv", "ox,oy,oz,dx,dy,dz,t\n0,0,-5,0,0,1," + t + "\n");
-        const auto dump =
-            open_dump(file.path(), {.format = find_format("f32"), .miss = miss, .primitive = Shape::sphere});
-        return read_all(*dump).front().hit.front() != 0;
+        const ScratchRayFile file("a.csv", "ox,oy,oz,dx,dy,dz,t\n0,0,-5,0,0,1," + t + "\n");
+        const auto ray_file =
+            open_ray_file(file.path(), {.format = find_format("f32"), .miss = miss, .primitive = Shape::sphere});
+        return read_all(*ray_file).front().hit.front() != 0;
     };
     const MissRule never{MissRule::Kind::never}, negative{MissRule::Kind::negative},
         far{MissRule::Kind::number, 3.4028235e38};
@@ -212,8 +212,8 @@ TEST_CASE("the columns of each shape give its numbers in either order") {
                 const int x = numbers[reversed ? row.numbers - 1 - k : k];
                 text += "," + names[k], line += "," + std::to_string(x);
             }
-            const DumpFile file("a.csv", text + ",t" + line + ",1\n");
-            const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
+            const ScratchRayFile file("a.csv", text + ",t" + line + ",1\n");
+            const Chunk chunk = read_all(*open_ray_file(file.path(), {})).front();
             REQUIRE(chunk.primitives.front().shape == row.shape);
             for (std::size_t k = 0; k < row.numbers; ++k) CHECK(chunk.primitives.front().numbers[k] == numbers[k]);
         }
@@ -222,20 +222,20 @@ TEST_CASE("the columns of each shape give its numbers in either order") {
 
 TEST_CASE("numbers of a shape with missing columns are the user's own columns") {
     const std::string first = "ox,oy,oz,dx,dy,dz,cx,cy,cz,nx,ny,nz,";
-    const DumpFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
-    const auto dump = open_dump(spheres.path(), {.keep = true});
-    CHECK(dump->layout().kept() == std::vector<std::string>{"nx", "ny", "nz"});
-    CHECK(read_all(*dump).front().primitives.front().numbers ==
+    const ScratchRayFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
+    const auto ray_file = open_ray_file(spheres.path(), {.keep = true});
+    CHECK(ray_file->layout().kept() == std::vector<std::string>{"nx", "ny", "nz"});
+    CHECK(read_all(*ray_file).front().primitives.front().numbers ==
           Primitive<double>(Sphere<double>{{1, 2, 3}, 2}).numbers);
-    const DumpFile discs("a.csv", first + "outer_radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
-    CHECK(read_all(*open_dump(discs.path(), {})).front().primitives.front().numbers ==
+    const ScratchRayFile discs("a.csv", first + "outer_radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
+    CHECK(read_all(*open_ray_file(discs.path(), {})).front().primitives.front().numbers ==
           Primitive<double>(Disc<double>{{1, 2, 3}, {0, 0, 1}, 2, 0}).numbers);
 }
 
 TEST_CASE("a hit at NaN is an answer, and the t of a miss is ignored") {
-    const DumpFile file("a.csv",
-                        head + "0,0,-5,0,0,1,0,0,0,1,1,nan\n0,0,-5,0,0,1,0,0,0,1,0,\n0,0,-5,0,0,1,0,0,0,1,false,nan\n");
-    const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
+    const ScratchRayFile file(
+        "a.csv", head + "0,0,-5,0,0,1,0,0,0,1,1,nan\n0,0,-5,0,0,1,0,0,0,1,0,\n0,0,-5,0,0,1,0,0,0,1,false,nan\n");
+    const Chunk chunk = read_all(*open_ray_file(file.path(), {})).front();
     CHECK(chunk.hit == std::vector<std::uint8_t>{1, 0, 0});
     CHECK(std::isnan(chunk.t[0]));
     CHECK(chunk.t[1] == 0);
@@ -245,8 +245,8 @@ TEST_CASE("a hit at NaN is an answer, and the t of a miss is ignored") {
 TEST_CASE("quoted cells may hold commas and newlines, and line numbers count them") {
     const std::string text = "note,\"ox\",oy,oz,dx,dy,dz\n\"a, \"\"b\"\"\nc\",\"1\", 2 ,3,4,5,6\n\nx,1,2,3,4,5,six\n";
     CHECK(fault_of("a.csv", text, {.primitive = Shape::sphere}).starts_with("a.csv:5:13: dz \"six\" is not a number"));
-    const DumpFile file("a.csv", text.substr(0, text.find("x,1,2")));
-    const Chunk chunk = read_all(*open_dump(file.path(), {.primitive = Shape::sphere, .keep = true})).front();
+    const ScratchRayFile file("a.csv", text.substr(0, text.find("x,1,2")));
+    const Chunk chunk = read_all(*open_ray_file(file.path(), {.primitive = Shape::sphere, .keep = true})).front();
     CHECK(chunk.kept == std::vector<std::string>{"a, \"b\"\nc"});
     CHECK(chunk.rays.dz == std::vector<double>{6});
 }
@@ -255,12 +255,12 @@ TEST_CASE("columns named as in the project's tables are recognised, and hexadeci
     const std::string text =
         "t,t_hex,origin_x_hex,ORIGIN_Y,origin_z,direction_x,direction_y,direction_z,centre_x,centre_y,centre_z,radius\n"
         "9,0x1p2,0x1p1,0,0,1,0,0,0,0,0,1\n";
-    const DumpFile file("a.csv", text);
-    const auto dump = open_dump(file.path(), {});
-    CHECK(dump->layout().kept() == std::vector<std::string>{"t"});
-    const Chunk chunk = read_all(*dump).front();
+    const ScratchRayFile file("a.csv", text);
+    const auto ray_file = open_ray_file(file.path(), {});
+    CHECK(ray_file->layout().kept() == std::vector<std::string>{"t"});
+    const Chunk chunk = read_all(*ray_file).front();
     CHECK(chunk.t.front() == 4);
     CHECK(chunk.rays.ox.front() == 2);
 }
 
-}  // namespace test_dump
+}  // namespace test_ray_file
