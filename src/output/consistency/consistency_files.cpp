@@ -7,7 +7,7 @@
 
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
@@ -21,8 +21,8 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
 using pixel::colour_of;
+using pixel::DrawnColumn;
 using pixel::fraction_text;
-using pixel::PixelColumn;
 using pixel::PixelValue;
 using table::Table;
 
@@ -76,18 +76,18 @@ std::string summary_note(const Check& check, const CheckSummary& s) {
 
 }  // namespace
 
-std::string ConsistencyPresentation::row_name(const ConsistencyStudy& study, std::size_t form_index) {
-    return map::row_name(study.tested_forms[form_index]);
+std::string ConsistencyPresentation::file_stem(const ConsistencyStudy& study, std::size_t form_index) {
+    return map::tested_form_name(study.tested_forms[form_index]);
 }
 
-std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
-    std::vector<PixelColumn<ConsistencyBand>> columns;
+std::vector<DrawnColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
+    std::vector<DrawnColumn<ConsistencyBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
             const Check& check = *study.checks[c];
             const auto& tested_form = study.tested_forms[r];
             pixel::ColumnSpec spec{
-                .file = fmt::format("{}.{}.png", row_name(study, r), check.name),
+                .file = fmt::format("{}.{}.png", file_stem(study, r), check.name),
                 .title = fmt::format("{}: {}", check.name, check.title),
                 .subtitle = {fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name)},
                 .look = std::make_shared<const pixel::Look>(check_look(check)),
@@ -111,7 +111,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const
     return columns;
 }
 
-pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
+pixel::SheetFile ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format(

@@ -1,5 +1,5 @@
-// Names of forms and of series (forms in formats) in pictures and file names, and their cells in a table of forms by
-// formats.
+// Names of forms and of tested forms (forms in formats) in pictures and file names, and their cells in a table of forms
+// by formats.
 #pragma once
 
 #include <algorithm>
@@ -33,8 +33,8 @@ using measure::evaluate::TestedForm;
     return info.source.empty() ? "a form from outside" : "a form from outside: " + std::string(info.source);
 }
 
-/// Name of a series in file names: `sphere.unified.f32`.
-[[nodiscard]] inline std::string row_name(const TestedForm& tested_form) {
+/// Name of a tested form in file names: `sphere.unified.f32`.
+[[nodiscard]] inline std::string tested_form_name(const TestedForm& tested_form) {
     return std::string(tested_form.form->info->name) + "." + tested_form.format.name;
 }
 
@@ -52,7 +52,8 @@ using measure::evaluate::TestedForm;
     return index;
 }
 
-/// Properties of a series that its true answers depend on. Series with equal properties share the truth of every ray.
+/// Properties of a tested form that its true answers depend on. Tested forms with equal properties share the truth of
+/// every ray.
 struct TruthKind {
     intersect::Direction direction;
     intersect::Convention convention;
@@ -63,16 +64,16 @@ struct TruthKind {
     return {tested_form.form->info->direction, tested_form.convention(), scene::rays::generator_of(*tested_form.form)};
 }
 
-/// Grid with forms across and formats down, both in the order of the first series that has them.
-struct RowGrid {
-    /// Indices of the form and the format of a series in the grid.
+/// Grid with forms across and formats down, both in the order of the first tested form that has them.
+struct FormGrid {
+    /// Indices of the form and the format of a tested form in the grid.
     struct GridCell {
         std::size_t form, format;
     };
     std::vector<std::string> forms, formats;
-    std::vector<GridCell> cells;  ///< one per series
+    std::vector<GridCell> cells;  ///< one per tested form
 
-    explicit RowGrid(const std::vector<TestedForm>& tested_forms) {
+    explicit FormGrid(const std::vector<TestedForm>& tested_forms) {
         for (const TestedForm& tested_form : tested_forms)
             cells.push_back({find_or_add(forms, short_name(*tested_form.form->info)),
                              find_or_add(formats, tested_form.format.name)});

@@ -9,8 +9,8 @@
 #include "measure/answer/against.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_tables.hpp"
-#include "output/map/row_names.hpp"
 #include "text/count_with_noun.hpp"
 
 namespace lostbits::output::map {
@@ -184,7 +184,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
         entries.push_back({shorten(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
                            std::to_string(counts.front())});
     if (other_rays > 0)
-        entries.push_back({"other operations, each in its own colour", image::style::page,
+        entries.push_back({"other operations, each in its own colour", image::style::background,
                            pixel::count_text(other_rays, blamed_rays)});
 
     // Rays with these outcomes have no culprit; all others may have one.

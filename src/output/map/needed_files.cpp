@@ -9,7 +9,7 @@
 #include "measure/metric/statistics.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/pixel/columns.hpp"
-#include "output/pixel/row_files.hpp"
+#include "output/pixel/form_files.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::map {
@@ -43,17 +43,17 @@ pixel::PixelValue pixel_of(double needed) {
 
 using NeededColumns = pixel::PictureWriter<BitsNeededBand>;
 
-/// Picture of the form with the index `form_index` in the request.
-pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, std::size_t form_index,
+/// Picture of the form with the index `form_index` in the study.
+pixel::DrawnColumn<BitsNeededBand> make_picture(const BitsNeededStudy& study, std::size_t form_index,
                                                 std::shared_ptr<const pixel::Look> look) {
-    const Info& form = *request.tested_forms[form_index]->info;
+    const Info& form = *study.tested_forms[form_index]->info;
     return {{.file = file_stem(form) + ".png",
-             .title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
-                                  request.bits == 1 ? "bit" : "bits"),
+             .title = fmt::format("{}: significand bits needed for {} correct {}", form.name, study.bits,
+                                  study.bits == 1 ? "bit" : "bits"),
              .subtitle = {std::string(form.title),
                           fmt::format("colour: the smallest width from which on every width up to {} decides correctly "
                                       "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
-                                      measure::evaluate::max_precision, request.bits)},
+                                      measure::evaluate::max_precision, study.bits)},
              .look = std::move(look)},
             form_index,
             pixel::make_draw_function<BitsNeededBand>(
@@ -61,14 +61,14 @@ pixel::PixelColumn<BitsNeededBand> make_picture(const BitsNeededStudy& request, 
 }
 
 /// Makes one picture per form.
-NeededColumns make_pictures(const BitsNeededStudy& request, const NeededFilesOptions& options) {
+NeededColumns make_pictures(const BitsNeededStudy& study, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
-    std::vector<pixel::PixelColumn<BitsNeededBand>> columns;
-    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) columns.push_back(make_picture(request, r, look));
-    return {{.scene = request.scene,
+    std::vector<pixel::DrawnColumn<BitsNeededBand>> columns;
+    for (std::size_t r = 0; r < study.tested_forms.size(); ++r) columns.push_back(make_picture(study, r, look));
+    return {{.scene = study.scene,
              .sheets = {},
              .single_picture_folder = options.folder,
-             .stop = request.limit.stop,
+             .stop = study.limit.stop,
              .opens_files = !options.keep_piece},
             std::move(columns)};
 }
@@ -139,24 +139,24 @@ Table<NeededPixel> needed_pixel_table(int bits) {
              table::or_missing([](const R& r) { return r.band->bits_needed[r.i]; })}};
 }
 
-using NeededFormWriter = pixel::RowWriter<BitsNeededBand, NeededPixel>;
+using NeededFormWriter = pixel::FormFilesWriter<BitsNeededBand, NeededPixel>;
 
 }  // namespace
 
 struct NeededWriter::Parts {
-    const BitsNeededStudy& request;
+    const BitsNeededStudy& study;
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
-    NeededColumns pictures = make_pictures(request, options);
+    NeededColumns pictures = make_pictures(study, options);
     std::vector<std::unique_ptr<NeededFormWriter>> forms = {};
 
     void add_form(std::size_t form_index) {
-        const Info& form = *request.tested_forms[form_index]->info;
+        const Info& form = *study.tested_forms[form_index]->info;
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
         if (options.writes_pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
                 options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
-                fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
+                fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(study.bits));
 
         // The functions that turn a band into rows of the table and of the EXR.
         NeededFormWriter::Functions functions{
@@ -177,13 +177,13 @@ struct NeededWriter::Parts {
     }
 };
 
-NeededWriter::NeededWriter(const BitsNeededStudy& request, const NeededFilesOptions& options)
-    : parts_(new Parts{request, options}) {
+NeededWriter::NeededWriter(const BitsNeededStudy& study, const NeededFilesOptions& options)
+    : parts_(new Parts{study, options}) {
     if (!options.keep_piece)
-        parts_->table.emplace(
-            options.folder, "needed.csv",
-            fmt::format("One row per form: significand bits needed for {} correct bits", request.bits), needed_table());
-    for (std::size_t form = 0; form < request.tested_forms.size(); ++form) parts_->add_form(form);
+        parts_->table.emplace(options.folder, "needed.csv",
+                              fmt::format("One row per form: significand bits needed for {} correct bits", study.bits),
+                              needed_table());
+    for (std::size_t form = 0; form < study.tested_forms.size(); ++form) parts_->add_form(form);
 }
 
 NeededWriter::~NeededWriter() = default;
@@ -207,7 +207,7 @@ void NeededWriter::finish(const std::vector<BitsNeededSummary>& summaries) {
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
         if (auto& pixels = p.forms[f]->table()) pixels->close();
-        p.table->add({p.request.tested_forms[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
+        p.table->add({p.study.tested_forms[f]->info->name, p.study.bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();
 }

@@ -20,7 +20,7 @@ inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 struct NeededFilesOptions {
     std::filesystem::path folder;          ///< folder of the scene; created if missing
     bool writes_pixels_csv = false;        ///< a row per pixel in `<form>.needed.csv`
-    MapExr* exr = nullptr;                 ///< for the same request; null: no EXR is written
+    MapExr* exr = nullptr;                 ///< for the same study; null: no EXR is written
     pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };
 
@@ -29,7 +29,7 @@ struct NeededFilesOptions {
 /// it before the map of the same folder, which closes the EXR and whose summary.csv marks the folder as complete.
 class NeededWriter {
 public:
-    NeededWriter(const measure::evaluate::BitsNeededStudy& request, const NeededFilesOptions& options);
+    NeededWriter(const measure::evaluate::BitsNeededStudy& study, const NeededFilesOptions& options);
     ~NeededWriter();
     NeededWriter(const NeededWriter&) = delete;
     NeededWriter& operator=(const NeededWriter&) = delete;

@@ -1,4 +1,4 @@
-// Files that receive the bands of one series (a form in a format): strips of pictures, lines of a table of pixels,
+// Files that receive the bands of one tested form (a form in a format): strips of pictures, lines of a table of pixels,
 // rows of an EXR.
 #pragma once
 
@@ -28,7 +28,7 @@ void fields(Archive& archive, ExrScanlines& piece) {
     archive(part, y0, rows, samples);
 }
 
-/// Everything that the files receive from one band of a series. A shard stores the piece; other runs write it.
+/// Everything that the files receive from one band of a tested form. A shard stores the piece; other runs write it.
 struct Piece {
     int y0 = 0;
     std::vector<Strip> strips = {};  ///< strips of the pictures that are drawn, in the pictures' order
@@ -55,9 +55,9 @@ struct BandFiles {
     const PieceReceiver& receive_piece;                               ///< receives the pieces of a shard
 };
 
-/// Files of one series. `Pixel` is the record of a row of the table of pixels.
+/// Files of one tested form. `Pixel` is the record of a row of the table of pixels.
 template <class Band, class Pixel>
-class RowWriter {
+class FormFilesWriter {
 public:
     struct Functions {
         /// Turns a band into rows of the EXR; empty: the run writes no EXR.
@@ -66,24 +66,24 @@ public:
         std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel = {};
         std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
     };
-    RowWriter(std::size_t form_index, const BandFiles<Band>& files, Functions functions,
-              std::unique_ptr<table::TableFile<Pixel>> table)
-        : row_(form_index), files_(files), functions_(std::move(functions)), table_(std::move(table)) {}
+    FormFilesWriter(std::size_t form_index, const BandFiles<Band>& files, Functions functions,
+                    std::unique_ptr<table::TableFile<Pixel>> table)
+        : form_index_(form_index), files_(files), functions_(std::move(functions)), table_(std::move(table)) {}
 
     void add_band(const Band& result) {
         const std::size_t pixels = functions_.pixels(result);
-        Piece piece{.y0 = result.y0, .strips = files_.pictures.draw(row_, result, pixels)};
+        Piece piece{.y0 = result.y0, .strips = files_.pictures.draw(form_index_, result, pixels)};
         if (functions_.exr_scanlines)
             piece.exr = functions_.exr_scanlines(
                 result, piece.strips.empty() ? std::span<const image::Rgb8>() : piece.strips[0].colours);
         for (std::size_t i = 0; table_ && i < pixels; ++i) functions_.add_pixel(*table_, result, i);
         if (table_ && files_.receive_piece) piece.lines = table_->take_lines();
-        if (files_.receive_piece) files_.receive_piece(row_, std::move(piece));
+        if (files_.receive_piece) files_.receive_piece(form_index_, std::move(piece));
         else write_piece(piece);
     }
 
     void write_piece(const Piece& piece) {
-        files_.pictures.write_strips(row_, piece.y0, piece.strips);
+        files_.pictures.write_strips(form_index_, piece.y0, piece.strips);
         if (files_.write_exr) files_.write_exr(piece.exr);
         if (table_) table_->add_lines(piece.lines);
     }
@@ -92,7 +92,7 @@ public:
     [[nodiscard]] std::unique_ptr<table::TableFile<Pixel>>& table() { return table_; }
 
 private:
-    std::size_t row_;
+    std::size_t form_index_;
     BandFiles<Band> files_;
     Functions functions_;
     std::unique_ptr<table::TableFile<Pixel>> table_;

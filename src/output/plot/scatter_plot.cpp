@@ -41,7 +41,7 @@ void paint_marker(Canvas& canvas, Stroke& stroke, Point centre, const Marker& ma
     stroke.paint(canvas, marker.colour);
     if (!marker.is_hollow) return;
     stroke.disc(centre, hole_radius);
-    stroke.paint(canvas, image::style::page);
+    stroke.paint(canvas, image::style::background);
 }
 
 Box2 box_around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
@@ -222,18 +222,18 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     // Draw everything from back to front.
-    Canvas page(spec.width, frame.y + frame.height + foot);
-    page.draw_canvas(image::style::margin, image::style::margin, head);
-    axes.draw_grid(page, frame);
+    Canvas canvas(spec.width, frame.y + frame.height + foot);
+    canvas.draw_canvas(image::style::margin, image::style::margin, head);
+    axes.draw_grid(canvas, frame);
     ScatterPlotter plotter(spec, x, y, frame);
-    plotter.draw_points(page, ScatterPlotter::PointKind::faint);
-    plotter.draw_pareto_front(page);
-    plotter.draw_points(page, ScatterPlotter::PointKind::prominent);
-    plotter.draw_labels(page);
-    axes.draw(page, frame);
-    legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);
-    page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
-    return page;
+    plotter.draw_points(canvas, ScatterPlotter::PointKind::faint);
+    plotter.draw_pareto_front(canvas);
+    plotter.draw_points(canvas, ScatterPlotter::PointKind::prominent);
+    plotter.draw_labels(canvas);
+    axes.draw(canvas, frame);
+    legend.draw(canvas, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);
+    canvas.draw_canvas(image::style::margin, canvas.height() - image::style::margin - notes.height(), notes);
+    return canvas;
 }
 
 }  // namespace lostbits::output::plot

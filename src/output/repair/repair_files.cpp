@@ -9,7 +9,7 @@
 #include "number/error.hpp"
 #include "output/choose/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/repair/form_code.hpp"
 #include "output/table/shared_columns.hpp"
 #include "output/trade/trade_files.hpp"

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "output/file/base64.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/row_names.hpp"
 #include "output/report/assets.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/report/text.hpp"
@@ -92,7 +92,7 @@ Json index_json(const Report& report) {
                     {"note", s.note},
                     {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
                     {"charts", json_array(s.charts, [](const Chart& c) { return c.name; })},
-                    {"rows", s.row_names}};
+                    {"rows", s.tested_form_names}};
     });
     json["statistics"] = sweep_statistics;
     json["trades"] = json_array(report.trades, [](const TradeSection& t) { return t.json; });
@@ -256,7 +256,7 @@ std::string results_table(const std::vector<MapSection>& maps) {
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
             "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
-            html(m.id), html(m.title), html(m.finding), m.wrong_row_count, m.row_names.size());
+            html(m.id), html(m.title), html(m.finding), m.wrong_row_count, m.tested_form_names.size());
     return text + end_table;
 }
 

@@ -6,7 +6,7 @@
 
 #include "measure/evaluate/summary_columns.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/repair/repair_files.hpp"
 #include "output/report/page.hpp"
@@ -84,9 +84,9 @@ std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& 
 /// Row of a form and format in the table of a map. `value(name)` is the value of the column `name` of summary.csv.
 std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s,
                               const std::vector<CountColumn>& count_columns, const auto& value) {
-    std::string text =
-        fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
-                    html(tested_form.form->info->name), tested_form.format.name);
+    std::string text = fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>",
+                                   html(map::tested_form_name(tested_form)), html(tested_form.form->info->name),
+                                   tested_form.format.name);
 
     // Numbers of rays with each outcome.
     for (const CountColumn& count_column : count_columns)
@@ -105,15 +105,15 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 
 }  // namespace
 
-std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries) {
-    const auto columns = measure::evaluate::summary_columns(request.metrics);
-    const std::vector<CountColumn> count_columns = count_columns_for(*request.scene);
+std::string summary_table(const MapStudy& study, const std::vector<FormSummary>& summaries) {
+    const auto columns = measure::evaluate::summary_columns(study.metrics);
+    const std::vector<CountColumn> count_columns = count_columns_for(*study.scene);
     std::string text = summary_table_head(count_columns);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const auto value = [&](std::string_view name) {
             return measure::evaluate::find_column(columns, name)->value(summaries[r]);
         };
-        text += summary_table_row(*request.scene, request.tested_forms[r], summaries[r], count_columns, value);
+        text += summary_table_row(*study.scene, study.tested_forms[r], summaries[r], count_columns, value);
     }
     return text + end_table;
 }

@@ -10,7 +10,7 @@
 #include "measure/truth/lost_bits.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/image/figure.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "text/count_with_noun.hpp"
 

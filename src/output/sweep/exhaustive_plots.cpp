@@ -11,7 +11,7 @@
 
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/sweep/sweep_plots.hpp"
 

@@ -12,8 +12,8 @@
 #include "measure/truth/missing.hpp"
 #include "output/file/number_text.hpp"
 #include "output/image/figure.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_tables.hpp"
-#include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -94,7 +94,7 @@ void add_form_lines(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format
         spec.series.push_back(
             make_series(sweep.steps, r, map::short_name(*request.tested_forms[r].form->info), quantity.value));
         spec.series.back().look = plot::form_look(*request.tested_forms[r].form);
-        spec.series.back().key = map::row_name(request.tested_forms[r]);
+        spec.series.back().key = map::tested_form_name(request.tested_forms[r]);
 
         // Any form that hits at every step gives the same envelope. Skip forms without t: they have no line to compare
         // it with.

@@ -11,7 +11,7 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "text/count_with_noun.hpp"
 
