@@ -53,7 +53,7 @@ public:
         quiet_request.progress = [](std::uint64_t) {};
         const auto quality = measure_quality(quiet_request);
         for (std::size_t r = 0; r < request_.tested_forms.size(); ++r)
-            if (!quality[r].meets(request_.requirement) && !request_.tested_forms[r].form->is_placed)
+            if (!quality[r].meets(request_.requirement) && !request_.tested_forms[r].form->has_transform_method)
                 repair_one(request_.tested_forms[r]);
     }
 

@@ -89,12 +89,12 @@ GivenRange parse_range(const std::string& text) {
     return parsed_range;
 }
 
-/// The form itself or, for primitives placed by matrices, the form with the usual transform.
+/// The form itself or, for transformed primitives, the form with the usual transform method.
 template <class Subject>
 const intersect::table::Intersector* form_for_primitives(const intersect::table::Intersector& form,
                                                          const Subject& subject) {
     if (subject.accepts(form.shapes())) return &form;
-    if (subject.accepts(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
+    if (subject.accepts(form.shapes().with_transform()) && is_primitive(form.shape) && !form.has_transform_method)
         return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
     throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));

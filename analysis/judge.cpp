@@ -51,7 +51,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
         group.primitives.front().shape = tested_forms.front().form->shape;
     }
     for (Primitive<double>& primitive : group.primitives)
-        if (has_matrices) primitive.placed = selection::placeholder_matrix();
+        if (has_matrices) primitive.transform = selection::placeholder_matrix();
     group.march = request.march;
 
     return metric_set.adapt_to_forms(selection::with_default_metrics(drawn_metrics, request.tested_forms),
@@ -204,7 +204,7 @@ std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const Judge
     if (scene) request.mesh = scene::rays::stored_mesh(*scene, ray_file.format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     auto representatives = scene::rays::representatives_of(request.primitives, request.mesh.get());
-    selection::put_under_matrices(ray_file, representatives);
+    selection::transform_by_records(ray_file, representatives);
     return representatives;
 }
 
@@ -216,7 +216,7 @@ std::unique_ptr<RayFile> open_judged_file(const JudgeOptions& options, const std
 /// The contract by which the answers of the file are judged. Throws InputError for one that the shape cannot have.
 intersect::Info read_contract(const JudgeOptions& options, const RayFile& ray_file, Shapes shapes, Shape first_shape) {
     intersect::Info contract = selection::answer_contract(options, ray_file);
-    if (ray_file.layout().decides_only()) contract.roots = intersect::Roots::none;
+    if (ray_file.layout().has_only_decisions()) contract.roots = intersect::Roots::none;
     intersect::external::require_valid_facing(contract.facing, first_shape, options.file);
     if (!shapes.are_several())
         intersect::refuse_unused_at_origin(contract.at_origin, contract.inside, first_shape, options.file);
@@ -323,14 +323,14 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
     const auto ray_file = open_judged_file(options, scene);
-    if (ray_file->layout().answers() > scene::ray_file::AnswerKind::first_hit)
+    if (ray_file->layout().answer_kind() > scene::ray_file::AnswerKind::first_hit)
         return run_mesh_judge(options, scene, *ray_file, common);
 
     JudgeRequest request{.limit = {.stop = common.stop}};
     const auto representatives = add_primitives(request, options, scene, *ray_file);
     const Shapes shapes = selection::shapes_of_rays(ray_file->layout(), representatives);
     const Shape first_shape =
-        ray_file->layout().primitive() ? *ray_file->layout().primitive() : representatives.front().shape;
+        ray_file->layout().primitive_shape() ? *ray_file->layout().primitive_shape() : representatives.front().shape;
     const selection::ShapePredicate can_test = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
@@ -338,7 +338,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     // The rows: the answers of the file, and the forms of -i.
     const std::string stem = scene::toml::result_name(options.file);
     const measure::judge::FileForm answers(stem, first_shape, read_contract(options, *ray_file, shapes, first_shape));
-    if (ray_file->layout().has_answers()) request.file_answers_form = &answers.form();
+    if (ray_file->layout().has_first_hits()) request.file_answers_form = &answers.form();
     request.group_column = selection::group_column(options, ray_file->layout());
     request.tested_forms = select_tested_forms(options, *ray_file, can_test, request.file_answers_form, common);
     if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.tested_forms, common.quiet);

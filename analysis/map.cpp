@@ -18,9 +18,9 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/study/bands.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "output/map/bits_needed_files.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
-#include "output/map/needed_files.hpp"
 #include "scene/file/scene.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -87,7 +87,7 @@ PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std
         selection::require_no_generators(tested_forms, "--bits");
         planned.bits_needed.emplace(BitsNeededStudy{.scene = scene,
                                                     .tested_forms = forms_of_any_width(planned.map.tested_forms),
-                                                    .bits = options.bits_needed,
+                                                    .correct_bits = options.bits_needed,
                                                     .limit = planned.map.limit});
     }
     return planned;
@@ -180,11 +180,12 @@ struct MapRun {
 };
 
 std::string map_job(const Scene& scene) { return "map " + scene.id; }
-std::string needed_job(const Scene& scene) { return "needed " + scene.id; }
+std::string bits_needed_job(const Scene& scene) { return "needed " + scene.id; }
 
 /// Measures the narrowest significands of a scene, if --bits asks for them. Nothing without --bits, and in a shard.
 std::vector<measure::evaluate::BitsNeededSummary> measure_bits_needed(
-    const PlannedScene& planned, std::optional<output::map::NeededWriter>& needed_files, const MapRun& map_run) {
+    const PlannedScene& planned, std::optional<output::map::BitsNeededWriter>& bits_needed_files,
+    const MapRun& map_run) {
     if (!planned.bits_needed) return {};
     const Scene& scene = *planned.map.scene;
     shard::Division& division = map_run.run_division.division;
@@ -193,7 +194,7 @@ std::vector<measure::evaluate::BitsNeededSummary> measure_bits_needed(
                                     planned.bits_needed->units() / division.share().count, map_run.common.quiet);
     BitsNeededStudy study = *planned.bits_needed;
     study.progress = advance_callback(map_run.progress, &estimate);
-    auto summaries = shard::run_divided(study, *needed_files, division, needed_job(scene));
+    auto summaries = shard::run_divided(study, *bits_needed_files, division, bits_needed_job(scene));
     return summaries ? std::move(*summaries) : std::vector<measure::evaluate::BitsNeededSummary>{};
 }
 
@@ -216,11 +217,11 @@ std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
                                                     .command = canonical_command(scene, options),
                                                     .needed = planned.bits_needed ? &*planned.bits_needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
-    std::optional<output::map::NeededWriter> needed_files;
+    std::optional<output::map::BitsNeededWriter> bits_needed_files;
     if (planned.bits_needed)
-        needed_files.emplace(*planned.bits_needed,
-                             output::map::NeededFilesOptions{folder, writes_pixels, exr,
-                                                             shard::piece_recorder(division, needed_job(scene))});
+        bits_needed_files.emplace(*planned.bits_needed, output::map::BitsNeededFilesOptions{
+                                                            folder, writes_pixels, exr,
+                                                            shard::piece_recorder(division, bits_needed_job(scene))});
     output::map::MapWriter files(
         planned.map,
         {.folder = folder,
@@ -232,17 +233,17 @@ std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
          .sheet_with_explanations = map_run.sheet_with_explanations,
          .draws_envelope = options.envelope,
          .exr = exr,
-         .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
+         .other_tables = bits_needed_files ? bits_needed_files->resources() : std::vector<output::file::DataResource>{},
          .range = selection::parse_range(options.range, drawn_metrics),
          .keep_piece = shard::piece_recorder(division, map_job(scene))});
 
     // A shard measures and records, but has no summaries.
     auto map_summaries = shard::run_divided(planned.map, files, division, map_job(scene));
-    const auto needed_summaries = measure_bits_needed(planned, needed_files, map_run);
+    const auto bits_needed_summaries = measure_bits_needed(planned, bits_needed_files, map_run);
     if (!map_summaries) return 0;
 
-    const SceneSummaries summaries{std::move(*map_summaries), needed_summaries};
-    if (planned.bits_needed) needed_files->finish(summaries.bits_needed);
+    const SceneSummaries summaries{std::move(*map_summaries), bits_needed_summaries};
+    if (planned.bits_needed) bits_needed_files->finish(summaries.bits_needed);
     files.finish(summaries.map);
     map_run.complete();
     if (!common.quiet)
@@ -297,7 +298,7 @@ RunDivision divide_map(const MapOptions& options, const std::vector<PlannedScene
     for (const PlannedScene& planned : planned_scenes) {
         files.push_back(planned.map.scene->path);
         jobs.push_back(map_job(*planned.map.scene));
-        if (planned.bits_needed) jobs.push_back(needed_job(*planned.map.scene));
+        if (planned.bits_needed) jobs.push_back(bits_needed_job(*planned.map.scene));
     }
     auto run_division = divide_run(options.shard, options.out, files, common);
     run_division.division.expect(jobs);

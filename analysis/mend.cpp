@@ -49,9 +49,9 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
                                      options.form, selection::formats_text(*forms.front())));
     selection::require_no_generators(forms, "mend");
 
-    // For primitives that matrices place, the form gets the usual transform.
+    // For transformed primitives, the form gets the usual transform method.
     const auto* form = forms.front();
-    if (can_test(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
+    if (can_test(form->shapes().with_transform()) && is_primitive(form->shape) && !form->has_transform_method)
         form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
     if (!can_test(form->shapes()))
         throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
@@ -217,11 +217,12 @@ void require_shader_form(const std::string& emit, const measure::evaluate::Teste
         throw InputError("--emit " + emit +
                          ": shaders compute in f32; write -f f32, or a file name that ends in "
                          ".hpp");
-    if (tested_form.form->is_placed)
-        throw InputError("--emit " + emit +
-                         ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
-                         "form without its transform, -i " +
-                         std::string(intersect::bounding_box::innermost_form(*tested_form.form).info->name));
+    if (tested_form.form->has_transform_method)
+        throw InputError(
+            "--emit " + emit +
+            ": a shader cannot be written for a form with a transform method; write --emit NAME.hpp, or mend the "
+            "form without its transform, -i " +
+            std::string(intersect::bounding_box::innermost_form(*tested_form.form).info->name));
 }
 
 /// The request without the rays of files, which keep a reference to it.

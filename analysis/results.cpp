@@ -260,7 +260,7 @@ void print_table(const measure::evaluate::MapStudy& study,
 void print_table(const measure::evaluate::BitsNeededStudy& study,
                  const std::vector<measure::evaluate::BitsNeededSummary>& summaries) {
     shell::TextTable table({{"form", 28, true},
-                            {fmt::format("bits for {} correct: p50", study.bits), 24},
+                            {fmt::format("bits for {} correct: p50", study.correct_bits), 24},
                             {"p99", 6},
                             {"max", 6},
                             {"hits beyond 53", 16},

@@ -103,7 +103,7 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
     } else if (!are_pairs) {
         result.primitives = read_shared_primitives(rays, result.shape, format);
     }
-    selection::put_under_matrices(*result.ray_file, result.representatives());
+    selection::transform_by_records(*result.ray_file, result.representatives());
     return result;
 }
 

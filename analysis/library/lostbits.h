@@ -103,7 +103,7 @@ LOSTBITS_API int lostbits_scene_transform(lostbits_scene* scene, const double* m
                                           lostbits_error* error);
 /* The rays and the primitives of a scene as binary64 gets them; every format gets the same values if the scene's inputs
  * are shared. Tables: `rays` with the columns x, y, ox ... dz, row after row of pixels, and one table per shape with
- * the stored numbers of its primitives. If primitives of a shape are placed by matrices, its table also has M00 ...
+ * the stored numbers of its primitives. If primitives of a shape have transforms, its table also has M00 ...
  * M23, missing for a primitive without a matrix, and `inverse`, which is 1 if the matrix maps world space to object
  * space. The column `number` is the index of the primitive in the scene, from 0. */
 LOSTBITS_API int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error);

@@ -74,7 +74,7 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
                                                CallSettings& settings) {
     require(rays.scene, "scene");
     const auto ray_file = make_ray_file(rays, answers, settings);
-    const AnswerKind kind = ray_file->layout().answers();
+    const AnswerKind kind = ray_file->layout().answer_kind();
     const auto stored = rays.scene->stored->get(rays.scene->scene, ray_file->format().parameters);
     if (!stored->mesh || !stored->primitives_beside_mesh.empty())
         throw InputError("answers: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");

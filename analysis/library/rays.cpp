@@ -61,7 +61,8 @@ std::vector<const Metric*> make_metrics(const measure::judge::JudgeRequest& requ
     RayGroup group;
     group.primitives = given_rays.representatives();
     if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
-    if (given_rays.ray_file->layout().has_matrix()) group.primitives.front().placed = selection::placeholder_matrix();
+    if (given_rays.ray_file->layout().has_matrix())
+        group.primitives.front().transform = selection::placeholder_matrix();
     return chosen.metric_set.adapt_to_forms(metrics, measure::evaluate::forms_of(chosen.tested_forms),
                                             [&group] { return measure::attribution::OwnedSetting(group); });
 }
@@ -107,12 +108,12 @@ std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays
 
     // The rows: the answers of the arrays, and the forms of the call.
     intersect::Info contract = read_contract(rays, given_rays.shape);
-    if (given_rays.ray_file->layout().decides_only()) contract.roots = intersect::Roots::none;
+    if (given_rays.ray_file->layout().has_only_decisions()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given_rays.shape, contract);
     if (!chosen.tested_forms.empty()) chosen.keep_forms_for(rays_name, shape_filter(given_rays));
-    else if (!given_rays.ray_file->layout().has_answers())
+    else if (!given_rays.ray_file->layout().has_first_hits())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
-    if (given_rays.ray_file->layout().has_answers()) {
+    if (given_rays.ray_file->layout().has_first_hits()) {
         request.file_answers_form = &answers.form();
         request.tested_forms.push_back({request.file_answers_form, given_rays.ray_file->format()});
     }

@@ -74,7 +74,7 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
         if (const auto broken = broken_limit(candidate))
             throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
     }
-    return transformed(primitive, [](double x) { return Real(x); });
+    return convert_numbers(primitive, [](double x) { return Real(x); });
 }
 
 /// A mesh from three numbers per vertex and three indices per face. Throws InputError for a number that the format
@@ -124,11 +124,11 @@ void add_rays(const Scene& scene, lostbits_result& result) {
 }
 
 /// Adds the numbers of the matrix and its direction to the columns.
-void add_matrix(const std::optional<Placement<double>>& placed, std::span<ResultColumn> columns) {
+void add_matrix(const std::optional<Transform<double>>& transform, std::span<ResultColumn> columns) {
     constexpr std::size_t numbers = Affine<double>::numbers;
     for (std::size_t k = 0; k < numbers; ++k)
-        columns[k].numbers.push_back(placed ? placed->matrix[k] : measure::truth::missing);
-    columns[numbers].numbers.push_back(!placed ? measure::truth::missing : placed->is_inverse ? 1 : 0);
+        columns[k].numbers.push_back(transform ? transform->matrix[k] : measure::truth::missing);
+    columns[numbers].numbers.push_back(!transform ? measure::truth::missing : transform->is_inverse ? 1 : 0);
 }
 
 void add_primitives(const Scene& scene, lostbits_result& result) {
@@ -137,7 +137,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
         // Only shapes that matrices place have the columns of a matrix.
         std::vector<output::file::Column> columns;
         const bool has_matrices = std::ranges::any_of(primitives, [shape](const Primitive<double>& primitive) {
-            return primitive.shape == shape && primitive.placed;
+            return primitive.shape == shape && primitive.transform;
         });
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "number of the primitive, as stored"});
@@ -155,7 +155,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
             if (primitive.shape != shape) continue;
             table.columns.back().numbers.push_back(static_cast<double>(i));
             for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(primitive.numbers[k]);
-            if (has_matrices) add_matrix(primitive.placed, std::span(table.columns).subspan(numbers));
+            if (has_matrices) add_matrix(primitive.transform, std::span(table.columns).subspan(numbers));
         }
     }
 }
@@ -268,12 +268,12 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
                                  (is_shared ? " of float32" : ""));
             numbers[k] = x;
         }
-        const Placement<double> placement = placement_of(numbers, inverse != 0);
-        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
+        const Transform<double> transform = transform_of(numbers, inverse != 0);
+        if (!transform.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
 
         for (Primitive<Real>& primitive : target.listed)
-            primitive.placed = transformed(placement, [](double x) { return Real(x); });
-        if (target.mesh) target.mesh_placed = placement;
+            primitive.transform = convert_numbers(transform, [](double x) { return Real(x); });
+        if (target.mesh) target.mesh_transform = transform;
         scene->explain_arguments.clear();
         return Exit::done;
     });

@@ -143,9 +143,9 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                CallSettings& settings) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
-    if (scene.is_placed())
+    if (scene.has_transform())
         throw InputError("the primitives of scene " + scene.id +
-                         " are placed by matrices; only the command `lostbits mend` takes those");
+                         " have transforms; only the command `lostbits mend` takes those");
     const TestedForm& tested_form = only_tested_form(chosen, "mend repairs one form in one format");
     if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::require_no_generators({tested_form.form}, "mend");

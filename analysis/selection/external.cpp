@@ -125,7 +125,7 @@ void require_new_formula(const std::string& name, const std::string& library,
 void add_library(const std::string& plugin, const ExternalOptions& options, const PipeOptions& pipe_options,
                  std::map<std::string, std::string>& library_by_formula, ExternalForms& external_forms) {
     const auto library = intersect::external::find_plugin(plugin);
-    scene::toml::note_read(library);
+    scene::toml::reserve_for_reading(library);
     const bool is_in_own_process = is_isolated(library, options);
     auto forms =
         is_in_own_process ? load_isolated_forms(library, pipe_options) : intersect::external::load_plugin(library);
@@ -225,7 +225,7 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
     }
     for (const std::string& shader : options.shaders) {
         for (std::size_t end = shader.size(); end != std::string::npos && end > 0; end = shader.rfind(':', end - 1))
-            scene::toml::note_read(shader.substr(0, end));  // FILE:FUNCTION
+            scene::toml::reserve_for_reading(shader.substr(0, end));  // FILE:FUNCTION
         std::ranges::move(load_forms_on_devices(shader, options, pipe_options),
                           std::back_inserter(external_forms.forms));
         plugin_options += " --shader " + shell_word(shader);
@@ -318,7 +318,7 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
                                                                        const ExternalOptions& options) {
     auto function =
         intersect::function::load_function(function_name, {.seconds = options.seconds, .stop = options.stop});
-    scene::toml::note_read(function->path);
+    scene::toml::reserve_for_reading(function->path);
     if (!options.quiet) fmt::print(stderr, "lostbits: {}\n", function->signature_text);
     return function;
 }

@@ -156,24 +156,24 @@ std::unique_ptr<scene::ray_file::RayFile> open_file(const RayFileOptions& option
 }
 
 Shapes shapes_of_rays(const scene::ray_file::Layout& layout, const std::vector<Primitive<double>>& shared) {
-    const Shapes shapes = layout.primitive() ? Shapes(*layout.primitive()) : shapes_of(shared);
-    return layout.has_matrix() ? shapes.placed() : shapes;
+    const Shapes shapes = layout.primitive_shape() ? Shapes(*layout.primitive_shape()) : shapes_of(shared);
+    return layout.has_matrix() ? shapes.with_transform() : shapes;
 }
 
-void put_under_matrices(scene::ray_file::RayFile& ray_file, const std::vector<Primitive<double>>& shared) {
-    if (!ray_file.layout().has_matrix() || ray_file.layout().primitive()) return;
-    if (shared.size() != 1 || shared.front().placed)
+void transform_by_records(scene::ray_file::RayFile& ray_file, const std::vector<Primitive<double>>& shared) {
+    if (!ray_file.layout().has_matrix() || ray_file.layout().primitive_shape()) return;
+    if (shared.size() != 1 || shared.front().transform)
         throw InputError(
             ray_file.name() +
             ": each ray has the matrix of its primitive, m00 to m23; give one primitive for all rays, without a "
             "matrix of its own, or give the primitive of each ray in columns too");
-    ray_file.put_under_matrices(shared.front());
+    ray_file.transform_by_records(shared.front());
 }
 
 intersect::Info answer_contract(const RayFileOptions& options, const scene::ray_file::RayFile& ray_file) {
     for (const RayFileOption& option : ray_file_options())
         if (option.is_about_answers && option.is_given(options) &&
-            ray_file.layout().answers() == scene::ray_file::AnswerKind::none)
+            ray_file.layout().answer_kind() == scene::ray_file::AnswerKind::none)
             throw InputError(
                 fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
@@ -193,7 +193,7 @@ intersect::Info answer_contract(const RayFileOptions& options, const scene::ray_
 
 std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::ray_file::Layout& layout) {
     if (options.by.empty()) return {};
-    const auto own_columns = layout.kept();
+    const auto own_columns = layout.kept_columns();
     const auto found = std::ranges::find(own_columns, options.by);
     if (found != own_columns.end()) return static_cast<std::size_t>(found - own_columns.begin());
     throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", options.by, options.file,

@@ -79,10 +79,10 @@ Shapes shapes_of_rays(const scene::ray_file::Layout& layout, const std::vector<P
 
 /// If the file has matrices but no primitives: places the primitive that is given for all rays by the matrix of each
 /// ray. Throws InputError if there is not exactly one primitive, or if it has a matrix already.
-void put_under_matrices(scene::ray_file::RayFile& ray_file, const std::vector<Primitive<double>>& shared);
+void transform_by_records(scene::ray_file::RayFile& ray_file, const std::vector<Primitive<double>>& shared);
 
 /// A placeholder matrix: a form has the same operations for all matrices.
-inline Placement<double> placeholder_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
+inline Transform<double> placeholder_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
 
 /// The index, among the file's own columns, of the column to group rays by; nothing if none is asked for.
 std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::ray_file::Layout& layout);

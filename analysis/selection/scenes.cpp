@@ -167,7 +167,7 @@ void require_no_misplaced_options(const RayFileOptions& options, const std::vect
 namespace {
 
 std::string answers_column(const scene::ray_file::Layout& layout) {
-    return layout.columns()[layout.index_of(scene::ray_file::slot_of(layout.answers()))].name;
+    return layout.columns()[layout.index_of(scene::ray_file::slot_of(layout.answer_kind()))].name;
 }
 
 }  // namespace
@@ -188,7 +188,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     std::vector<std::unique_ptr<scene::ray_file::RayFile>> ray_files;
     for (const std::string& file : files) {
         ray_files.push_back(open_file(options, file, shared_shape(options, target_scene)));
-        if (ray_files.back()->layout().answers() > scene::ray_file::AnswerKind::first_hit)
+        if (ray_files.back()->layout().answer_kind() > scene::ray_file::AnswerKind::first_hit)
             throw InputError(
                 fmt::format("{}: has answers about the whole surface of a mesh (column {}), which only judge "
                             "takes; name a file of rays",
@@ -205,7 +205,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
     if (target_scene)
         result.options.mesh = scene::rays::stored_mesh(*target_scene, result.ray_file->format().parameters);
     const std::vector<Primitive<double>> representatives = result.options.representatives();
-    put_under_matrices(*result.ray_file, representatives);
+    transform_by_records(*result.ray_file, representatives);
     result.shapes = shapes_of_rays(result.ray_file->layout(), representatives);
     return result;
 }

@@ -195,14 +195,14 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
 
     using namespace measure::metric;
     drop_unless(
-        [](const TestedForm& tested_form) { return tested_form.form->filter_arithmetic != nullptr; },
-        [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
+        [](const TestedForm& tested_form) { return tested_form.form->deciding_arithmetic != nullptr; },
+        [](const Metric* m) { return (m->needs & needs_deciding_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             subject));
-    drop_unless([](const TestedForm& tested_form) { return tested_form.form->shapes().are_placed(); },
+    drop_unless([](const TestedForm& tested_form) { return tested_form.form->shapes().have_transform(); },
                 [](const Metric* m) { return (m->needs & needs_steps) != 0; },
-                fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
+                fmt::format("no primitive of {} has a transform, so no ray has steps of a transform", subject));
     drop_unless([](const TestedForm& tested_form) { return intersect::bounding_box::has_box(*tested_form.form); },
                 [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                 fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));

@@ -54,8 +54,8 @@ void add_unrepresentable_numbers(const RayGroup& group, bool includes_march, con
     for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
     if (!includes_march || !group.march) return;
     std::size_t i = 0;
-    // `transformed` calls the function for each number; its result is not needed.
-    transformed(*group.march, [&](double x) {
+    // `convert_numbers` calls the function for each number; its result is not needed.
+    convert_numbers(*group.march, [&](double x) {
         lost.add_number(x, "march." + std::string(intersect::march_number_names[i++]), where);
         return x;
     });

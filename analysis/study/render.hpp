@@ -58,7 +58,7 @@ struct RenderAdapter {
                 fmt::format("{}: the spheres of [sphereflake] have no colours, so render cannot draw them; use "
                             "`lostbits map`",
                             scene.path.string()));
-        if (!scene.accepts(Shapes(scene::file::rendered_shape).placed(scene.is_placed())))
+        if (!scene.accepts(Shapes(scene::file::rendered_shape).with_transform(scene.has_transform())))
             throw InputError(
                 fmt::format("{}: render draws {}, but scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
                             row_of(scene::file::rendered_shape).plural, scene.id,

@@ -37,7 +37,7 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     sdf::NoMarchWatch unwatched;
     return Form::intersect(
         ray, [&target](const Vec<P>& p) { return min_distance<P>(target, p); },
-        transformed(target.march, [](const F& x) { return P(x); }), unwatched);
+        convert_numbers(target.march, [](const F& x) { return P(x); }), unwatched);
 }
 
 /// Flattened, so that every call inside is inlined. Otherwise the compiler keeps functions for the operators of

@@ -187,8 +187,8 @@ inline constexpr bool is_one_program = !marches<Form> && !filters<Form> && !requ
 &&!requires { Form::has_loops; };
 
 template <class Form>
-FilterArithmetic filter_arithmetic_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
-                                      double tmax) {
+DecidingArithmetic deciding_arithmetic_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
+                                          double tmax) {
     return with_number(format, [&]<class T>() {
         const LiftedInputs<T> inputs(ray, target, tmax);
         const Primitive<T>& primitive = inputs.target.get().primitives.front();

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "intersect/info.hpp"
-#include "shapes/placement.hpp"
+#include "shapes/transform.hpp"
 
 namespace lostbits::intersect::transform {
 
@@ -29,7 +29,7 @@ enum class TransformStep {
 };
 inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
 
-/// The two matrices of a placed primitive: one is stored, the other is its inverse.
+/// The two matrices of a transformed primitive: one is stored, the other is its inverse.
 template <class T>
 struct Maps {
     Affine<T> to_world, to_object;

@@ -16,9 +16,9 @@ using table::HitBatch;
 using table::RayBatch;
 
 template <class Method, class T>
-Maps<T> make_maps(const Placement<T>& placed) {
-    const Affine<T> stored = placed.map(), inverse = Method::inverse(stored);
-    return placed.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
+Maps<T> make_maps(const Transform<T>& transform) {
+    const Affine<T> stored = transform.map(), inverse = Method::inverse(stored);
+    return transform.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
 }
 
 template <class Method, class T>

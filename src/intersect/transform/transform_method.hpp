@@ -25,7 +25,7 @@ struct ObjectColumns {
 /// The steps of a method as functions in the arithmetic T.
 template <class T>
 struct StepFunctions {
-    Maps<T> (*maps)(const Placement<T>&);
+    Maps<T> (*maps)(const Transform<T>&);
     Vec<T> (*origin)(const Maps<T>&, const Vec<T>&);
     Vec<T> (*direction)(const Maps<T>&, const Vec<T>&);
     ObjectRay<T> (*finish)(const Maps<T>&, const Vec<T>& origin, const Ray<T>& object);
@@ -39,7 +39,7 @@ struct StepFunctions {
 /// The steps of a method as functions over whole batches with one matrix. The results have the same bits as ray by ray.
 template <class T, class S>
 struct BatchFunctions {
-    Maps<T> (*maps)(const Placement<T>&);
+    Maps<T> (*maps)(const Transform<T>&);
     void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
     /// Converts the answers of the form to the world, in place.
     void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);

@@ -37,7 +37,7 @@ void test_pairs(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
     in.stop.check();
     const auto are_same_primitive = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
         return std::ranges::equal(primitives[a].shape_numbers(), primitives[b].shape_numbers()) &&
-               primitives[a].placed == primitives[b].placed;
+               primitives[a].transform == primitives[b].transform;
     };
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
         const std::size_t first = chunk.begin() + i;

@@ -208,7 +208,7 @@ NearbyRays nearby_pixels(const Explanation& explanation, std::span<const OneRay>
 /// the ray.
 void find_better_generators(Explanation& explanation, const OneRay& ray, const ScenePixel& pixel) {
     const Intersector& form = scene::rays::strip_generator(*explanation.form);
-    if (form.is_set() || form.is_placed) return;
+    if (form.is_set() || form.has_transform_method) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
         if (&generator == pixel.scene->camera.rays) continue;
         try {

@@ -63,11 +63,11 @@ FileRays judge_and_sample(scene::ray_file::RayFile& ray_file, const FileOptions&
 
     // The answers of the file, if it has some, are judged as a form of their own.
     intersect::Info contract = options.contract;
-    if (ray_file.layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape =
-        ray_file.layout().primitive() ? *ray_file.layout().primitive() : options.representatives().front().shape;
+    if (ray_file.layout().has_only_decisions()) contract.roots = intersect::Roots::none;
+    const Shape shape = ray_file.layout().primitive_shape() ? *ray_file.layout().primitive_shape()
+                                                            : options.representatives().front().shape;
     const judge::FileForm answers(options.result_name, shape, contract);
-    if (ray_file.layout().has_answers()) {
+    if (ray_file.layout().has_first_hits()) {
         judge_request.file_answers_form = &answers.form();
         judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
                                           {judge_request.file_answers_form, ray_file.format()});

@@ -110,7 +110,7 @@ IdealRays exact_rays(const scene::rays::RayGroup& group) {
         ideal.rays.push_range(group.rays, i);
     }
     for (const Primitive<double>& primitive : group.primitives)
-        ideal.primitives.push_back(transformed(primitive, [](double x) { return Real(x); }));
+        ideal.primitives.push_back(convert_numbers(primitive, [](double x) { return Real(x); }));
     ideal.paired = group.paired;
     return ideal;
 }

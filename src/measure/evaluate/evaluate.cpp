@@ -115,8 +115,8 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
 unsigned needs_supported_by(const intersect::table::Intersector& form) {
     return ~((form.ball ? 0U : metric::needs_unrounded) | (form.record ? 0U : metric::needs_tape) |
              (form.bounded ? 0U : metric::needs_bound) |
-             (form.filter_arithmetic ? 0U : metric::needs_filter_arithmetic) |
-             (form.shapes().are_placed() ? 0U : metric::needs_steps) |
+             (form.deciding_arithmetic ? 0U : metric::needs_deciding_arithmetic) |
+             (form.shapes().have_transform() ? 0U : metric::needs_steps) |
              (intersect::bounding_box::has_box(form) ? 0U : metric::needs_levels | metric::needs_end_margin));
 }
 

@@ -253,7 +253,7 @@ private:
         if (unrounded) sample.unrounded = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
-        const unsigned statement_needs = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
+        const unsigned statement_needs = needs_ & ~unsigned{metric::needs_deciding_arithmetic | metric::needs_levels};
         const FormStatements statements(row_, statement_needs, in, ray, i, measured_index(i), -1);
         statements.fill(sample);
 

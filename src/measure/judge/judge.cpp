@@ -74,11 +74,11 @@ public:
           show_(show),
           file_form_index_(request.file_form_index()),
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
-        if (file_form_index_ && ray_file.layout().decides_only() &&
+        if (file_form_index_ && ray_file.layout().has_only_decisions() &&
             file_form().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
 
-        const bool has_own_primitives = ray_file.layout().primitive() || ray_file.layout().has_matrix();
+        const bool has_own_primitives = ray_file.layout().primitive_shape() || ray_file.layout().has_matrix();
         if (!has_own_primitives) ray_file.number_primitives(primitives_.size());
         if (!has_own_primitives && request.mesh) culler_.emplace(primitives_);
         for (std::size_t r = 0; r < request.tested_forms.size(); ++r) result_.summaries.emplace_back(request.metrics);
@@ -282,14 +282,14 @@ private:
     /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
     std::vector<evaluate::RaysWithValue> group_rays(const Chunk& chunk) {
         if (!request_.group_column) return {};
-        const std::size_t columns = ray_file_.layout().kept().size();
+        const std::size_t columns = ray_file_.layout().kept_columns().size();
         auto values = evaluate::group_by_value(std::span(chunk.kept).subspan(*request_.group_column), columns);
         try {
             for (const auto& rays_of_value : values)
                 result_.groups.add(rays_of_value.value, request_.tested_forms.size(), request_.metrics);
         } catch (const InputError& e) {
-            throw InputError(ray_file_.name() + ": " + ray_file_.layout().kept()[*request_.group_column] + " has " +
-                             e.what());
+            throw InputError(ray_file_.name() + ": " + ray_file_.layout().kept_columns()[*request_.group_column] +
+                             " has " + e.what());
         }
         return values;
     }

@@ -36,7 +36,7 @@ public:
           show_(show),
           primitives_(triangles_of(request)),
           culler_(primitives_) {
-        result_.kind = ray_file.layout().answers();
+        result_.kind = ray_file.layout().answer_kind();
         if (ray_file.layout().has(scene::ray_file::slot::object)) ray_file.number_primitives(primitives_.size());
     }
 

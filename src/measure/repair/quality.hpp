@@ -88,8 +88,8 @@ FormQuality measure_own_quality(const RepairRequest& request, const Tape& tape, 
 bool has_answers_of_tape(const evaluate::TestedForm& form, const Tape& tape, const RepairRequest& request,
                          QualityMeasurer& measurer);
 
-/// All forms of the catalogue for the same primitives and format. Under matrices, every form is combined with
-/// the transform method of the row, and the form itself with all methods.
+/// All forms of the catalogue for the same primitives and format. With transforms, every form is combined with the
+/// transform method of the row, and the form itself with all methods.
 std::vector<evaluate::TestedForm> list_comparable_forms(const evaluate::TestedForm& tested_form);
 
 /// Form of the catalogue with its quality.

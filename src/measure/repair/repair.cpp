@@ -359,11 +359,11 @@ WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const For
 }
 
 bool are_matrices_inverse(const RepairRequest& request) {
-    if (!request.tested_form.form->is_placed) return false;
+    if (!request.tested_form.form->has_transform_method) return false;
     std::set<int> kinds;
     const auto add = [&kinds](const auto& primitives) {
         for (const auto& primitive : primitives)
-            kinds.insert(!primitive.placed ? 2 : primitive.placed->is_inverse ? 1 : 0);
+            kinds.insert(!primitive.transform ? 2 : primitive.transform->is_inverse ? 1 : 0);
     };
     if (request.scene) add(request.scene->primitives());
     else add(request.rays->sample.primitives);

@@ -308,7 +308,7 @@ namespace {
 /// change by ε moves that distance by at most 8 ε of their sum: the origin by |o|, the line by twice the way to the
 /// ball, the centre of the primitive by |c| + R, and its points by 3 R, because it turns.
 double relative_gap(const Ray<double>& ray, const Primitive<double>& primitive) {
-    if (primitive.placed || !has_bounding_box(primitive.shape)) return 0;
+    if (primitive.transform || !has_bounding_box(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
     const Vec<double> from_centre = ray.origin - ball.centre;
     const double distance = length(cross(from_centre, ray.direction)) / length(ray.direction);

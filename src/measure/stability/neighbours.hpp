@@ -42,10 +42,10 @@ public:
             add_vector(key.kind == Key::Kind::direction ? Unit::unitless : Unit::length, key.count());
         }
         matrix_begin_ = number_count_;
-        if (primitive.placed) {
+        if (primitive.transform) {
             // The linear part of a matrix needs no unit: world space and object space have the same one.
             for (std::size_t k = 0; k < 12; ++k)
-                numbers_[matrix_begin_ + k] = primitive.placed->matrix[place_in_matrix(k)];
+                numbers_[matrix_begin_ + k] = primitive.transform->matrix[place_in_matrix(k)];
             add_vector(Unit::unitless, 9), add_vector(Unit::length, 3);
         }
         for (std::size_t i = 0; i < number_count_; ++i)
@@ -95,10 +95,10 @@ public:
         Enclosures enclosures{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
                               Primitive<Near>(primitive_.shape)};
         for (std::size_t k = 6; k < matrix_begin_; ++k) enclosures.primitive.numbers[k - 6] = number(k);
-        if (primitive_.placed) {
-            enclosures.primitive.placed = transformed(*primitive_.placed, [](double) { return Near(0); });
+        if (primitive_.transform) {
+            enclosures.primitive.transform = convert_numbers(*primitive_.transform, [](double) { return Near(0); });
             for (std::size_t k = matrix_begin_; k < number_count_; ++k)
-                enclosures.primitive.placed->matrix[place_in_matrix(k - matrix_begin_)] = number(k);
+                enclosures.primitive.transform->matrix[place_in_matrix(k - matrix_begin_)] = number(k);
         }
         return enclosures;
     }
@@ -130,7 +130,7 @@ public:
             }
             for (std::size_t i = 6; i < matrix_begin_; ++i) shift(to_primitive.numbers[i - 6], i);
             for (std::size_t i = matrix_begin_; i < number_count_; ++i)
-                shift(to_primitive.placed->matrix[place_in_matrix(i - matrix_begin_)], i);
+                shift(to_primitive.transform->matrix[place_in_matrix(i - matrix_begin_)], i);
         };
 
         // Doubles are enough to tell whether the changed problem is proper.
@@ -168,9 +168,9 @@ private:
 
 /// True if no matrix within ε is singular, so that each has a determinant of the same sign as the stored one.
 bool is_always_proper(const Primitive<Near>& primitive) {
-    if (!primitive.placed) return true;
-    const Near determinant = primitive.placed->map().determinant(), zero(0);
-    return (primitive.placed->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
+    if (!primitive.transform) return true;
+    const Near determinant = primitive.transform->map().determinant(), zero(0);
+    return (primitive.transform->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
 }
 
 /// A problem with its convention and range, for questions about all problems near it.

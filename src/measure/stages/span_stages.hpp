@@ -115,7 +115,7 @@ struct ObjectSpaceProblem {
     mask_t<typename E::P> proper;
 };
 
-/// Does the work of `to_object_space` (shapes/placement.hpp) for rays at one primitive, in each lane. Everything that
+/// Does the work of `to_object_space` (shapes/transform.hpp) for rays at one primitive, in each lane. Everything that
 /// depends only on the matrix and the primitive is computed once. If the determinant is not proved to differ from 0,
 /// nothing is proved. `proper` is decided before the numbers are scaled, since zero times a number with an error bound
 /// is not an exact zero.

@@ -84,7 +84,7 @@ void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
     const StageKey key{.shape = shape,
                        .words = arithmetic == Arithmetic::one_word ? 1 : 2,
                        .two_words = problems.two_words,
-                       .matrix = problems.matrix.placed ? problems.matrix : MatrixKind{},
+                       .matrix = problems.matrix.exists ? problems.matrix : MatrixKind{},
                        .has_ranges = problems.has_ranges,
                        .open_ends = problems.has_ranges ? problems.open_ends : OpenEnds{},
                        .wants_t = problems.out.t.hi != nullptr,

@@ -36,8 +36,9 @@ bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<doubl
     };
     for (const auto* numbers : group.rays.numbers()) std::ranges::for_each(*numbers, check_number);
     for (const auto* numbers : {&group.rays.tmin, &group.rays.tmax}) std::ranges::for_each(*numbers, check_number);
-    for (const Primitive<double>& primitive : group.primitives) static_cast<void>(transformed(primitive, check_number));
-    if (group.march) transformed(*group.march, check_number);
+    for (const Primitive<double>& primitive : group.primitives)
+        static_cast<void>(convert_numbers(primitive, check_number));
+    if (group.march) convert_numbers(*group.march, check_number);
     return all_fit;
 }
 
@@ -314,8 +315,8 @@ bool Band::is_primitive_unrounded(const FormatInputs& inputs, std::size_t k) con
         const auto stored_primitive = inputs.primitives[k];
         const auto original = primitives[k];
         if (!std::ranges::equal(stored_primitive.shape_numbers(), original.shape_numbers(), is_same)) return false;
-        return !original.placed ||
-               std::ranges::equal(stored_primitive.placed->matrix, original.placed->matrix, is_same);
+        return !original.transform ||
+               std::ranges::equal(stored_primitive.transform->matrix, original.transform->matrix, is_same);
     });
 }
 

@@ -87,7 +87,7 @@ bool is_valid_ray(const Ray<S>& r) {
 template <class S>
 bool is_valid_primitive(const Primitive<S>& primitive) {
     return std::ranges::all_of(primitive.shape_numbers(), is_finite<S>) && !broken_limit(primitive) &&
-           (!primitive.placed || primitive.placed->is_proper());
+           (!primitive.transform || primitive.transform->is_proper());
 }
 
 /// Limit, convention and range by which the truth about one primitive is found.

@@ -25,7 +25,7 @@ struct ProblemColumns {
     std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                          ///< the shape of every primitive
     /// Numbers as in `Primitive::numbers`, empty beyond those of the shape; then the numbers of the matrix, if `matrix`
-    /// is placed.
+    /// is transformed.
     std::array<std::span<const S>, max_primitive_numbers> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open_ends = {};

@@ -45,7 +45,8 @@ template <class Tag>
 
     // Each slab must begin before the others end.
     for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) is_hit = is_hit && (i == j || (to_second[j] * speed[i] - to_first[i] * speed[j]).sign() >= 0);
+        for (std::size_t j = 0; j < 3; ++j)
+            is_hit = is_hit && (i == j || (to_second[j] * speed[i] - to_first[i] * speed[j]).sign() >= 0);
     if (is_hit) results[SlabIndex::decision] = 1;
 }
 

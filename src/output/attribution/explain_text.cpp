@@ -320,10 +320,10 @@ namespace {
 
 /// Phrase for what the envelope perturbs: the numbers of the problem as it is stored, before any step of the form.
 std::string perturbation_phrase(const Explanation& explanation) {
-    const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
+    const bool has_transform_method = explanation.form->form_for(explanation.shape).has_transform_method;
     if (explanation.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
-    return is_placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
-                     : "half an ulp in each input";
+    return has_transform_method ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
+                                : "half an ulp in each input";
 }
 
 std::string condition_phrase(double condition) {
@@ -340,8 +340,8 @@ bool does_another_form_better(const Explanation& explanation) {
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope_text(const Explanation& explanation) {
-    const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
-    const char* const losing_part = is_placed                      ? "transform and form lose"
+    const bool has_transform_method = explanation.form->form_for(explanation.shape).has_transform_method;
+    const char* const losing_part = has_transform_method           ? "transform and form lose"
                                     : explanation.is_generated_ray ? "making the ray and the form lose"
                                                                    : "the formula loses";
     const char* const others_hint = does_another_form_better(explanation) ? " Other forms do better (see below)." : "";
@@ -352,8 +352,8 @@ std::string within_envelope_text(const Explanation& explanation) {
         return fmt::format("; {} no more than that.{}", losing_part, others_hint);
     return fmt::format(
         "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
-        is_placed ? "as the world stores it the problem" : "the problem", explanation.format.name, losing_part,
-        others_hint);
+        has_transform_method ? "as the world stores it the problem" : "the problem", explanation.format.name,
+        losing_part, others_hint);
 }
 
 }  // namespace

@@ -357,7 +357,7 @@ bool is_wrong_root(const Explanation& explanation) {
     const Primitive<double> primitive(explanation.shape);
     const std::size_t range_input_count = explanation.range.is_whole() ? 1 : 2;
     if (explanation.input_values.size() != 6 + primitive.shape_numbers().size() + range_input_count)
-        return false;  // under a matrix
+        return false;  // with a transform
     return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.input_values),
                                              measure::tape::primitive_of(explanation.input_values, primitive),
                                              measure::truth::as_certified(*explanation.true_t), explanation.result.t);

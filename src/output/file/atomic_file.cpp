@@ -147,7 +147,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_p
             if (fd_ < 0) refuse(path, "cannot open", errno);
             return;
         }
-        scene::toml::note_written(final_path_);
+        scene::toml::reserve_for_writing(final_path_);
         // A rename would replace a file that its owner made read-only.
         if (::access(final_path_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
     }

@@ -32,7 +32,7 @@ scene::file::Scene make_scene(const JudgeRequest& request, const RayFile& ray_fi
     scene.title = options.title;
     scene.width = request.picture ? request.picture->first : 1;
     scene.height = request.picture ? request.picture->second : 1;
-    if (ray_file.layout().primitive()) scene.listed.emplace_back(*ray_file.layout().primitive());
+    if (ray_file.layout().primitive_shape()) scene.listed.emplace_back(*ray_file.layout().primitive_shape());
     for (const Primitive<double>& primitive : request.primitives) scene.listed.emplace_back(primitive.shape);
     if (request.mesh) scene.mesh = {request.mesh, &request.mesh->mesh()};
     return scene;
@@ -72,7 +72,7 @@ Table<JudgedRay> file_columns(const RayFile& ray_file) {
     const auto number = [is_f32](double x) { return is_f32 ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
         if (layout.has(s))
-            table.add({{std::string(scene::ray_file::name_of_slot(s, layout.primitive())), type, "", meaning},
+            table.add({{std::string(scene::ray_file::name_of_slot(s, layout.primitive_shape())), type, "", meaning},
                        std::move(value)});
     };
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
@@ -96,8 +96,9 @@ Table<JudgedRay> file_columns(const RayFile& ray_file) {
             s, "number of the ray's primitive, as it was judged",
             [k = s - slot::primitive](const Chunk& c, std::size_t i) { return c.primitives[i].shape_numbers()[k]; });
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
-        add_number(s, "number of the primitive's matrix, as it was judged",
-                   [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
+        add_number(
+            s, "number of the primitive's matrix, as it was judged",
+            [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].transform->matrix[k]; });
 
     // The answer.
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_file_hit);
@@ -117,10 +118,10 @@ Table<JudgedRay> ray_table(const RayFile& ray_file, const std::vector<const meas
 
     // Columns that the file holds beside rays and answers get names that no other column has.
     Table<JudgedRay> table = file_columns(ray_file);
-    const std::size_t kept_count = ray_file.layout().kept().size();
+    const std::size_t kept_count = ray_file.layout().kept_columns().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
         std::string name =
-            file::escape_formula(ray_file.layout().kept()[k]);  // a column may have the name of a formula
+            file::escape_formula(ray_file.layout().kept_columns()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || answer_columns.find(name)) name = "file_" + name;
         table.add({name, "this column of the file, unchanged",
                    [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
@@ -138,7 +139,7 @@ public:
             folder, map::tested_form_name(tested_form_) + ".csv",
             fmt::format("One row per ray: {} in {}", tested_form_.form->info->name, tested_form_.format.name),
             ray_table(ray_file, request.metrics,
-                      request.is_file_form(tested_form_) && ray_file.layout().decides_only()));
+                      request.is_file_form(tested_form_) && ray_file.layout().has_only_decisions()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
@@ -198,17 +199,18 @@ JudgeWriter::JudgeWriter(const JudgeRequest& request, const RayFile& ray_file, J
         tables.push_back(p.form_writers.back()->table()->about());
     }
 
-    p.map.emplace(p.map_request,
-                  map::MapFilesOptions{
-                      .folder = p.options.folder,
-                      .drawn_metrics = p.options.drawn_metrics,
-                      .draws_single_pictures = p.options.single_pictures,
-                      .scene_arguments = "",
-                      .other_tables = tables,
-                      .ray_arguments = ray_arguments,
-                      .is_list = !request.picture,
-                      .keep_piece = p.keep_map_piece(),
-                      .group_column = request.group_column ? ray_file.layout().kept()[*request.group_column] : ""});
+    p.map.emplace(
+        p.map_request,
+        map::MapFilesOptions{
+            .folder = p.options.folder,
+            .drawn_metrics = p.options.drawn_metrics,
+            .draws_single_pictures = p.options.single_pictures,
+            .scene_arguments = "",
+            .other_tables = tables,
+            .ray_arguments = ray_arguments,
+            .is_list = !request.picture,
+            .keep_piece = p.keep_map_piece(),
+            .group_column = request.group_column ? ray_file.layout().kept_columns()[*request.group_column] : ""});
     if (p.options.worst_count > 0 && !p.options.keep_piece) p.worst_file.emplace(p.options.folder / "worst.toml");
 
     for (std::size_t r = 0; r < p.form_writers.size(); ++r)

@@ -125,11 +125,11 @@ pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& first_form) {
     return layers;
 }
 
-pixel::ExrLayers<NeededStrip> needed_layers() {
-    pixel::ExrLayers<NeededStrip> layers;
-    layers.add_preview([](const NeededStrip& strip, std::size_t i) { return strip.preview[i]; });
+pixel::ExrLayers<BitsNeededStrip> bits_needed_layers() {
+    pixel::ExrLayers<BitsNeededStrip> layers;
+    layers.add_preview([](const BitsNeededStrip& strip, std::size_t i) { return strip.preview[i]; });
     layers.add_number("bits.needed",
-                      [](const NeededStrip& strip, std::size_t i) { return strip.result->bits_needed[i]; });
+                      [](const BitsNeededStrip& strip, std::size_t i) { return strip.result->bits_needed[i]; });
     add_truth(layers);
     return layers;
 }
@@ -150,13 +150,13 @@ ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form,
 
 ExrPart needed_part(const MapExrRequest& request, const Info& form) {
     ExrPart part =
-        make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
+        make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", bits_needed_layers().channels());
     part.run = 1;  // after the map
     using measure::evaluate::min_precision, measure::evaluate::max_precision;
     append(part.spec.attributes,
            {{"lostbits:form", std::string(form.name)},
             {"lostbits:format", "p" + std::to_string(min_precision) + "..p" + std::to_string(max_precision)},
-            {"lostbits:bits", std::to_string(request.needed->bits)},
+            {"lostbits:bits", std::to_string(request.needed->correct_bits)},
             {"lostbits:truths", pixel::numbered_list(measure::truth::decision_names)}});
     return part;
 }
@@ -218,7 +218,8 @@ std::vector<ExrScanlines> MapExr::make_rows(const TestedForm& tested_form, const
 
 std::vector<ExrScanlines> MapExr::make_rows(const BitsNeededBand& result, std::span<const image::Rgb8> preview) const {
     const std::size_t index = index_in(needed_forms_, [&result](const Info* form) { return form == result.form; });
-    return {band_forms(series_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
+    return {band_forms(series_.size() + truth_parts_.size() + index, bits_needed_layers(),
+                       BitsNeededStrip{&result, preview})};
 }
 
 void MapExr::write(const std::vector<ExrScanlines>& part_rows) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/map.hpp"
-#include "measure/evaluate/needed.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/pixel/columns.hpp"
@@ -39,7 +39,7 @@ struct PreviewedBand {
     std::span<const image::Rgb8> preview;
 };
 using MapStrip = PreviewedBand<BandResult>;
-using NeededStrip = PreviewedBand<BitsNeededBand>;
+using BitsNeededStrip = PreviewedBand<BitsNeededBand>;
 
 /// The EXR file of a map. It has these parts, in this order, with channels of 32 bits:
 /// - `<form>.<format>`, one per tested form: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);

@@ -124,7 +124,8 @@ bool MetricPaint::applies_to(const TestedForm& tested_form) const {
     const bool is_machine_format = !tested_form.format.is_emulated();
     if ((metric_->needs & measure::metric::needs_bound) && (tested_form.form->bounded == nullptr || !is_machine_format))
         return false;
-    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && tested_form.form->filter_arithmetic == nullptr)
+    if ((metric_->needs & measure::metric::needs_deciding_arithmetic) &&
+        tested_form.form->deciding_arithmetic == nullptr)
         return false;
     return metric_->domain != MetricDomain::marches || !is_primitive(tested_form.form->shape);
 }

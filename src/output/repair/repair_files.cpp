@@ -353,7 +353,7 @@ FormTexts make_texts(const RepairSummary& summary, const Proposal& proposal, con
         fmt::format("{} on every {} of {}.", choose::requirement_text(summary.request.requirement),
                     summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
         "Made by " + command};
-    if (summary.request.tested_form.form->is_placed)
+    if (summary.request.tested_form.form->has_transform_method)
         head_lines.emplace_back(are_matrices_inverse(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");

@@ -390,7 +390,7 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
             const TestedForm& tested_form = request.tested_forms[r];
             if (tested_form.format != format) continue;
             const LabelledMetrics step_metrics = transform_step_metrics(request);
-            if (!step_metrics.empty() && tested_form.form->is_placed)
+            if (!step_metrics.empty() && tested_form.form->has_transform_method)
                 save(fmt::format("steps.{}", tested_form.form->info->name),
                      parts_plot(sweep, r, "Steps", step_metrics));
             if (!map::asks_for_culprits(request.metrics)) continue;

@@ -198,8 +198,8 @@ Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
     camera.fov_deg = rounded(camera.fov_deg);
     camera.projection->near = rounded(camera.projection->near);
     if (auto& far = camera.projection->far) far = rounded(*far);
-    for (Primitive<Real>& primitive : scene.listed) primitive = transformed(primitive, rounded);
-    if (scene.march) scene.march = transformed(*scene.march, rounded);
+    for (Primitive<Real>& primitive : scene.listed) primitive = convert_numbers(primitive, rounded);
+    if (scene.march) scene.march = convert_numbers(*scene.march, rounded);
     scene.inputs = Inputs::own;
     return scene;
 }

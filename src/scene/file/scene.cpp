@@ -26,7 +26,7 @@ constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Input
 /// Fails if the primitive breaks a limit of its shape once its numbers are rounded as they are stored.
 void require_limits_when_rounded(const Primitive<Real>& primitive, const TableReader& table,
                                  const StoredNumbers& numbers) {
-    const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
+    const auto rounded = broken_limit(convert_numbers(primitive, [&](const Real& x) { return numbers.stored(x); }));
     if (!rounded) return;
     const bool equals_previous = rounded->key->limit == Key::Limit::differs_from_previous ||
                                  rounded->key->limit == Key::Limit::non_negative_below_previous ||
@@ -65,7 +65,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
         table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
     require_limits_when_rounded(primitive, table, numbers);
 
-    primitive.placed = read_transform(table, numbers);
+    primitive.transform = read_transform(table, numbers);
     table.require_known_keys();
     return primitive;
 }
@@ -217,10 +217,10 @@ void read_meshes(TableReader& file, const StoredNumbers& numbers, const intersec
     const triangle::MeshSettings terms{stop, scene.inputs == Inputs::shared ? binary32 : binary64};
     std::vector<triangle::Mesh> meshes;
     for (TableReader& table : file.tables("mesh")) {
-        if (const auto placed = read_transform(table, numbers))
-            scene.mesh_placed = transformed(*placed, [](const Real& x) { return x.convert_to<double>(); });
+        if (const auto transform = read_transform(table, numbers))
+            scene.mesh_transform = convert_numbers(*transform, [](const Real& x) { return x.convert_to<double>(); });
         meshes.push_back(triangle::read_mesh_table(table, scene.path.parent_path(), terms));
-        if (scene.mesh_placed && meshes.size() > 1)
+        if (scene.mesh_transform && meshes.size() > 1)
             table.fail_at(
                 "transform",
                 "applies to all triangles of the scene, but there are several meshes; write them into one, or leave it "
@@ -273,13 +273,13 @@ std::vector<Primitive<Real>> Scene::primitives() const {
     if (flake) {
         sphere::require_memory_for(*flake);
         sphere::for_each_primitive(*flake, [&all](const Primitive<double>& s) {
-            all.push_back(transformed(s, [](double x) { return Real(x); }));
+            all.push_back(convert_numbers(s, [](double x) { return Real(x); }));
         });
     }
     for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i) {
         Primitive<double> triangle(mesh->triangle(i));
-        triangle.placed = mesh_placed;
-        all.push_back(transformed(triangle, [](double x) { return Real(x); }));
+        triangle.transform = mesh_transform;
+        all.push_back(convert_numbers(triangle, [](double x) { return Real(x); }));
     }
     return all;
 }
@@ -300,14 +300,15 @@ std::vector<Shape> Scene::shapes() const {
     return scene_shapes;
 }
 
-bool Scene::is_placed() const {
-    return mesh_placed ||
-           std::ranges::any_of(listed, [](const Primitive<Real>& primitive) { return primitive.placed.has_value(); });
+bool Scene::has_transform() const {
+    return mesh_transform || std::ranges::any_of(listed, [](const Primitive<Real>& primitive) {
+               return primitive.transform.has_value();
+           });
 }
 
 bool Scene::accepts(Shapes form_shapes) const {
-    if (form_shapes == Shape::sdf) return march.has_value() && !is_placed();
-    return form_shapes == Shapes(shapes()).placed(is_placed());
+    if (form_shapes == Shape::sdf) return march.has_value() && !has_transform();
+    return form_shapes == Shapes(shapes()).with_transform(has_transform());
 }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {

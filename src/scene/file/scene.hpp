@@ -71,7 +71,7 @@ struct Scene {
     std::vector<Primitive<Real>> listed;         ///< as written, in world units, in the file's order
     std::optional<sphere::Sphereflake> flake;    ///< its spheres come after the primitives of `listed`
     std::shared_ptr<const triangle::Mesh> mesh;  ///< the triangles of all [[mesh]] tables, which come last; null: none
-    std::optional<Placement<double>> mesh_placed;  ///< matrix of the meshes, in ideal numbers, like the vertices
+    std::optional<Transform<double>> mesh_transform;  ///< matrix of the meshes, in ideal numbers, like the vertices
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: no sphere tracing
     Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of the scene
@@ -83,8 +83,8 @@ struct Scene {
     /// True if forms for these shapes can be used on the scene: the shapes are those of its primitives or, for `sdf`,
     /// the scene has constants for the march.
     [[nodiscard]] bool accepts(Shapes form_shapes) const;
-    /// True if a primitive is under a matrix.
-    [[nodiscard]] bool is_placed() const;
+    /// True if a primitive has a transform.
+    [[nodiscard]] bool has_transform() const;
     /// The shapes of its primitives, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// Remarks about its meshes for the author of the file, as sentences.

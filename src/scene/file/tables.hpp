@@ -10,7 +10,7 @@
 #include "scene/file/scene.hpp"
 #include "scene/toml/round.hpp"
 #include "scene/toml/toml_reader.hpp"
-#include "shapes/placement.hpp"
+#include "shapes/transform.hpp"
 
 namespace lostbits::scene::file {
 
@@ -71,6 +71,6 @@ Material read_material(toml::TableReader& sphere, const Appearance& look, const 
 /// other. They are composed in the scene's exact numbers, and rounded once when stored: as the matrix from the
 /// primitive to the world or, with `stored = "inverse"`, as its inverse. Throws InputError with a position, also if the
 /// matrix is singular, as written or as stored.
-std::optional<Placement<Real>> read_transform(toml::TableReader& primitive, const StoredNumbers& numbers);
+std::optional<Transform<Real>> read_transform(toml::TableReader& primitive, const StoredNumbers& numbers);
 
 }  // namespace lostbits::scene::file

@@ -15,10 +15,10 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std
     : layout_(layout),
       settings_(settings),
       chunk_(chunk),
-      answers_(layout.answers()),
-      shape_(layout.primitive()),
-      has_answers_(layout.has_answers()) {
-    if (layout.has_matrix() && settings.under_matrix) shape_ = settings.under_matrix->shape;
+      answers_(layout.answer_kind()),
+      shape_(layout.primitive_shape()),
+      has_answers_(layout.has_first_hits()) {
+    if (layout.has_matrix() && settings.transformed_primitive) shape_ = settings.transformed_primitive->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : rays.numbers()) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
@@ -148,7 +148,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_matrix() const {
         if (!is_present(s) || !std::isfinite(numbers_[s]))
             return fault_at(s, "a matrix has twelve finite numbers; leave this ray out");
     }
-    if (!primitive().placed->is_proper())
+    if (!primitive().transform->is_proper())
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_reason)};
     return std::nullopt;
 }
@@ -262,13 +262,13 @@ Range<double> ChunkWriter::range() const {
 }
 
 Primitive<double> ChunkWriter::primitive() const {
-    Primitive<double> primitive = settings_.under_matrix.value_or(Primitive<double>(*shape_));
-    for (std::size_t k = 0; !settings_.under_matrix && k < primitive.shape_numbers().size(); ++k)
+    Primitive<double> primitive = settings_.transformed_primitive.value_or(Primitive<double>(*shape_));
+    for (std::size_t k = 0; !settings_.transformed_primitive && k < primitive.shape_numbers().size(); ++k)
         primitive.numbers[k] = numbers_[slot::primitive + k];
     if (!layout_.has_matrix()) return primitive;
     std::array<double, Affine<double>::numbers> matrix;
     std::copy_n(numbers_ + slot::matrix, matrix.size(), matrix.begin());
-    primitive.placed = placement_of(matrix);
+    primitive.transform = transform_of(matrix);
     return primitive;
 }
 

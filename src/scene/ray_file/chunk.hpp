@@ -34,7 +34,7 @@ struct ReadSettings {
     OpenEnds open_ends = {};              ///< for the ranges of all rays
     /// The primitive for all rays, to which the matrix of each record is applied. Absent if records have no matrices,
     /// or have primitives of their own.
-    std::optional<Primitive<double>> under_matrix = {};
+    std::optional<Primitive<double>> transformed_primitive = {};
     /// Number of the primitives that are given once for all rays; absent: unknown.
     std::optional<std::size_t> primitives = {};
 };

@@ -133,13 +133,13 @@ bool has_any_slot(const std::vector<ColumnMatch>& matches, std::size_t first, st
 
 /// Ignores names that mean something only in files of another kind. Files of rays and of first hits may have columns of
 /// their own with these names.
-void ignore_foreign_names(const std::vector<std::string>& names, bool has_first_hits, bool has_directions,
+void ignore_foreign_names(const std::vector<std::string>& names, bool has_hit_columns, bool has_directions,
                           std::vector<ColumnMatch>& matches) {
     const bool has_points = !has_directions && has_any_slot(matches, slot::inside, slot::matrix);
     for (std::size_t c = 0; c < matches.size(); ++c) {
         if (matches[c].known == nullptr) continue;
         const std::size_t s = matches[c].known->slot;
-        if ((has_first_hits && (s == slot::crossings || s == slot::parity)) || (has_directions && s == slot::inside) ||
+        if ((has_hit_columns && (s == slot::crossings || s == slot::parity)) || (has_directions && s == slot::inside) ||
             (!has_points && s < slot::direction && names[c].starts_with('p')))
             matches[c].known = nullptr;
     }
@@ -161,14 +161,14 @@ Layout::Layout(std::vector<std::string> names, const Complain& complain) {
 }
 
 void Layout::give_slot(std::size_t c, std::size_t slot, std::optional<Shape> shape, const Complain& complain) {
-    if (shape && primitive_ && *shape != *primitive_)
+    if (shape && primitive_shape_ && *shape != *primitive_shape_)
         complain(c, fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
                                 "shape; leave one of the two out",
-                                columns_[c].name, with_article(*shape), with_article(*primitive_)));
+                                columns_[c].name, with_article(*shape), with_article(*primitive_shape_)));
     if (column_of_slot_[slot])
         complain(c, fmt::format("\"{}\" has the same meaning as column \"{}\"; rename one of the two", columns_[c].name,
                                 columns_[*column_of_slot_[slot]].name));
-    if (shape) primitive_ = shape;
+    if (shape) primitive_shape_ = shape;
     column_of_slot_[slot] = c;
     columns_[c].slot = slot;
 }
@@ -191,9 +191,9 @@ void Layout::find_slots(const Complain& complain) {
         matches[c].known = known && known->shape && shapes.is_users_own(*known->shape) ? nullptr : known;
     }
 
-    const bool has_first_hits = has_any_slot(matches, slot::t, slot::object);
+    const bool has_hit_columns = has_any_slot(matches, slot::t, slot::object);
     const bool has_directions = has_any_slot(matches, slot::direction, slot::tmax);
-    ignore_foreign_names(names, has_first_hits, has_directions, matches);
+    ignore_foreign_names(names, has_hit_columns, has_directions, matches);
 
     // Gives each known column its slot. Of two columns of one number, the hexadecimal one is read, since it is exact.
     for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -207,7 +207,7 @@ void Layout::find_slots(const Complain& complain) {
 
     // Looks for typing errors, but only in words of three letters and more, and only for columns that are missing. The
     // letters of `a_x` are in too many words.
-    const bool has_answer = has_first_hits || has_any_slot(matches, slot::hit_index, slot::matrix);
+    const bool has_answer = has_hit_columns || has_any_slot(matches, slot::hit_index, slot::matrix);
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.is_users_own(*known.shape)) continue;
@@ -227,16 +227,16 @@ void Layout::find_slots(const Complain& complain) {
     }
 }
 
-AnswerKind Layout::answers() const {
+AnswerKind Layout::answer_kind() const {
     if (has(slot::hit_index)) return AnswerKind::all_hits;
     if (has(slot::inside)) return AnswerKind::inside;
     if (has(slot::crossings)) return AnswerKind::crossings;
     if (has(slot::parity)) return AnswerKind::parity;
-    return has_answers() ? AnswerKind::first_hit : AnswerKind::none;
+    return has_first_hits() ? AnswerKind::first_hit : AnswerKind::none;
 }
 
 void Layout::require_one_kind(const Complain& complain) const {
-    if (answers() <= AnswerKind::first_hit) return;
+    if (answer_kind() <= AnswerKind::first_hit) return;
     for (std::size_t s = slot::hit_index, before = slot::count; s < slot::matrix; ++s) {
         if (!has(s)) continue;
         if (before < s)
@@ -244,17 +244,17 @@ void Layout::require_one_kind(const Complain& complain) const {
                                               columns_[index_of(before)].name, columns_[index_of(s)].name));
         before = s;
     }
-    const std::string name = columns_[index_of(slot_of(answers()))].name;
-    if (answers() == AnswerKind::all_hits && !has(slot::object))
+    const std::string name = columns_[index_of(slot_of(answer_kind()))].name;
+    if (answer_kind() == AnswerKind::all_hits && !has(slot::object))
         complain(
             index_of(slot::hit_index),
             fmt::format("\"{}\" counts the hits of a ray, and no column says what they hit; add object, the number "
                         "of the triangle",
                         name));
-    if (primitive_ || has_matrix())
+    if (primitive_shape_ || has_matrix())
         complain(0,
                  fmt::format("\"{}\" is about the surface of a mesh, but each record has {}; leave those columns out",
-                             name, primitive_ ? "a primitive" : "a matrix"));
+                             name, primitive_shape_ ? "a primitive" : "a matrix"));
 }
 
 void Layout::complain_of_ray(const std::string& names, const Complain& complain) const {
@@ -300,11 +300,11 @@ void Layout::require_complete(const Complain& complain) const {
                                 "columns that do not belong to it",
                                 names));
 
-    if (!primitive_) return;
-    const std::size_t end = slot::primitive + row_of(*primitive_).numbers;
-    if (const auto names = missing_names(slot::primitive, end, *primitive_); !names.empty())
-        complain(0, fmt::format("{} has no {}; its columns are {}", with_article(*primitive_), names,
-                                fmt::join(column_names(*primitive_), ",")));
+    if (!primitive_shape_) return;
+    const std::size_t end = slot::primitive + row_of(*primitive_shape_).numbers;
+    if (const auto names = missing_names(slot::primitive, end, *primitive_shape_); !names.empty())
+        complain(0, fmt::format("{} has no {}; its columns are {}", with_article(*primitive_shape_), names,
+                                fmt::join(column_names(*primitive_shape_), ",")));
 }
 
 bool Layout::has_any_of_matrix() const {
@@ -312,7 +312,7 @@ bool Layout::has_any_of_matrix() const {
                                [](const auto& column) { return column.has_value(); });
 }
 
-std::vector<std::string> Layout::kept() const {
+std::vector<std::string> Layout::kept_columns() const {
     std::vector<std::string> names;
     for (const LayoutColumn& c : columns_) {
         if (!c.slot && !c.is_skipped) names.push_back(c.name);

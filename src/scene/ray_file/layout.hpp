@@ -65,17 +65,18 @@ public:
     /// Index of the column of a number for which `has` is true.
     [[nodiscard]] std::size_t index_of(std::size_t slot) const { return column_of_slot_.at(slot).value(); }
     /// Shape of the primitive that each record has; nothing if records have none.
-    [[nodiscard]] std::optional<Shape> primitive() const { return primitive_; }
+    [[nodiscard]] std::optional<Shape> primitive_shape() const { return primitive_shape_; }
     /// True if each record has the matrix of its primitive.
     [[nodiscard]] bool has_matrix() const { return has(slot::matrix); }
-    [[nodiscard]] AnswerKind answers() const;
+    [[nodiscard]] AnswerKind answer_kind() const;
     /// True if the records are points: there are no columns of a direction.
-    [[nodiscard]] bool are_points() const { return answers() == AnswerKind::inside; }
-    [[nodiscard]] bool has_answers() const { return has(slot::t) || has(slot::hit); }
+    [[nodiscard]] bool are_points() const { return answer_kind() == AnswerKind::inside; }
+    /// True if a column tells whether or where each ray hits first.
+    [[nodiscard]] bool has_first_hits() const { return has(slot::t) || has(slot::hit); }
     /// True if the answers are decisions without a t.
-    [[nodiscard]] bool decides_only() const { return has(slot::hit) && !has(slot::t); }
+    [[nodiscard]] bool has_only_decisions() const { return has(slot::hit) && !has(slot::t); }
     /// Names of the columns that are kept unchanged.
-    [[nodiscard]] std::vector<std::string> kept() const;
+    [[nodiscard]] std::vector<std::string> kept_columns() const;
 
 private:
     void find_slots(const Complain& complain);
@@ -89,7 +90,7 @@ private:
 
     std::vector<LayoutColumn> columns_;
     std::array<std::optional<std::size_t>, slot::count> column_of_slot_;
-    std::optional<Shape> primitive_;
+    std::optional<Shape> primitive_shape_;
 };
 
 /// Returns the name of a number of a record in messages and files: `ox`, `cx`, `lox`. For numbers of a primitive,

@@ -32,11 +32,11 @@ void RayFile::finish_header(const ReadOptions& options, const Layout& layout, co
 
     // Primitives come from the file or from the command line, not from both.
     const std::string& file = name_;
-    if (layout.primitive() && options.primitive)
+    if (layout.primitive_shape() && options.primitive)
         throw InputError(file +
                          ": its columns have a primitive for each ray, but the command line gives one for all; leave "
                          "one of the two out");
-    if (!layout.primitive() && !options.primitive)
+    if (!layout.primitive_shape() && !options.primitive)
         throw InputError(file +
                          ": no primitive: give one for all rays (--sphere CX,CY,CZ,R or --scene SCENE), or columns "
                          "(cx,cy,cz,radius); other shapes: `lostbits judge --help`");
@@ -85,9 +85,10 @@ std::string names_of(const std::vector<std::unique_ptr<RayFile>>& files) {
 
 /// True if both files have the same kinds of primitives and answers and the same format.
 bool are_alike(const RayFile& a, const RayFile& b) {
-    return a.layout().primitive() == b.layout().primitive() && a.layout().has_matrix() == b.layout().has_matrix() &&
-           a.layout().has_answers() == b.layout().has_answers() &&
-           a.layout().decides_only() == b.layout().decides_only() && a.format() == b.format();
+    return a.layout().primitive_shape() == b.layout().primitive_shape() &&
+           a.layout().has_matrix() == b.layout().has_matrix() &&
+           a.layout().has_first_hits() == b.layout().has_first_hits() &&
+           a.layout().has_only_decisions() == b.layout().has_only_decisions() && a.format() == b.format();
 }
 
 class JoinedRayFile final : public RayFile {
@@ -130,8 +131,8 @@ public:
         return false;
     }
 
-    void put_under_matrices(const Primitive<double>& primitive) override {
-        for (const auto& file : files_) file->put_under_matrices(primitive);
+    void transform_by_records(const Primitive<double>& primitive) override {
+        for (const auto& file : files_) file->transform_by_records(primitive);
     }
     void number_primitives(std::size_t count) override {
         for (const auto& file : files_) file->number_primitives(count);

@@ -66,9 +66,11 @@ public:
     virtual bool next(std::size_t max_records, Records& records) = 0;
     /// Decodes the numbers of records. Several threads may call this at once.
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
-    /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. The numbers of
-    /// the primitive must be numbers of the format. Call this before any record is read.
-    virtual void put_under_matrices(const Primitive<double>& primitive) { settings_.under_matrix = primitive; }
+    /// Transforms one primitive by the matrix of each record, for a file with matrices and no primitives. The numbers
+    /// of the primitive must be numbers of the format. Call this before any record is read.
+    virtual void transform_by_records(const Primitive<double>& primitive) {
+        settings_.transformed_primitive = primitive;
+    }
     /// Sets the number of primitives at which the rays are aimed. No record may have an index beyond them. Call this
     /// before any record is read.
     virtual void number_primitives(std::size_t count) { settings_.primitives = count; }

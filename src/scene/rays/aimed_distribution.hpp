@@ -114,7 +114,7 @@ struct AimedDistribution {
     [[nodiscard]] std::vector<RayGroup> draw() const {
         return draw_views(*this, [](Random& random, const AimedDistribution& f) {
             const auto draw_primitive = [&](const Vec<double>& middle) {
-                return transformed(F::draw_primitive(random, middle, f.size), [](double x) { return stored(x); });
+                return convert_numbers(F::draw_primitive(random, middle, f.size), [](double x) { return stored(x); });
             };
             const Primitive<double> primitive = draw_primitive(offset_of(f));
             RayGroup group;

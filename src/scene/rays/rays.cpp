@@ -148,11 +148,11 @@ std::vector<Primitive<double>> stored_primitives(const Scene& scene, const Float
 }
 
 Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f) {
-    return transformed(primitive, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    return convert_numbers(primitive, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
 Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f) {
-    return transformed(primitive, [&f](double x) { return rounding::to_format(x, 0, f); });
+    return convert_numbers(primitive, [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {

@@ -254,7 +254,7 @@ rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& flo
         group.rays.push({to_double(r.origin), to_double(r.direction)});
         if (i < primitives)
             group.primitives.push_back(
-                transformed(primitive_at(value), [](float x) { return static_cast<double>(x); }));
+                convert_numbers(primitive_at(value), [](float x) { return static_cast<double>(x); }));
     }
     group.rays.set_as_list();
     if (takes_tmax(primitive.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));

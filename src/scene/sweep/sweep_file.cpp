@@ -270,7 +270,7 @@ void SweepFile::read_both_ends() {
         marches_ = group.march.has_value();
         shapes_.clear();
         for (const Primitive<double>& primitive : group.primitives) {
-            is_placed_ = is_placed_ || primitive.placed;
+            has_transform_ = has_transform_ || primitive.transform;
             if (std::ranges::find(shapes_, primitive.shape) == shapes_.end()) shapes_.push_back(primitive.shape);
         }
 

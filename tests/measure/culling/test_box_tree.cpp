@@ -176,7 +176,7 @@ std::vector<Primitive<double>> mixed_primitives(Draw& draw) {
         for (int i = 0; i < (row.is_ball ? 0 : 4); ++i)
             all.push_back(primitive_around(row.shape, draw.point(8), draw.in(0.1, 1)));
     const auto as_float = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-    for (Primitive<double>& primitive : all) primitive = transformed(primitive, as_float);
+    for (Primitive<double>& primitive : all) primitive = convert_numbers(primitive, as_float);
     return all;
 }
 

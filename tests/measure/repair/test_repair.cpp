@@ -187,11 +187,11 @@ TEST_CASE("operations that exchanged axes map to one another are in one group", 
     CHECK(std::ranges::count(of_sphere, std::size_t{3}, &std::vector<NodeId>::size) >= 4);
 }
 
-TEST_CASE("exchanged axes group the operations of forms under matrices, stored either way", "[mend]") {
+TEST_CASE("exchanged axes group the operations of forms with transforms, stored either way", "[mend]") {
     Primitive<double> like(Shape::sphere);
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
-        like.placed = Placement<double>{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, inverse, 1};
+        like.transform = Transform<double>{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, inverse, 1};
         const auto& form = intersect::transform::transformed_form(test::transform_method_named("plain"),
                                                                   test::form_named("sphere.half_b"));
         const Tape tape = tape::record_tape(form, *find_format("f32"), inverse);
@@ -264,14 +264,14 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     CHECK(m.wider_set.value().quality.meets(request.requirement));
 }
 
-TEST_CASE("under matrices the operations that lead into the space of the primitive are made wider", "[mend]") {
+TEST_CASE("with transforms the operations that lead into the space of the primitive are made wider", "[mend]") {
     Scene scene = scene_named("instance-far.sphere", 16);
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
         if (inverse) {
             // The rotated sphere as the matrix back to it: the file holds the transpose, and -A^T T.
-            auto& placed = *scene.listed.front().placed;
-            const auto there = placed.map();
+            auto& transform = *scene.listed.front().transform;
+            const auto there = transform.map();
             const Affine<Real> back{{Vec<Real>(there.rows[0].x, there.rows[1].x, there.rows[2].x),
                                      Vec<Real>(there.rows[0].y, there.rows[1].y, there.rows[2].y),
                                      Vec<Real>(there.rows[0].z, there.rows[1].z, there.rows[2].z)},
@@ -279,8 +279,8 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
             const Vec<Real> shift = back.linear(there.shift);
             std::size_t k = 0;
             Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.each(
-                [&](const Real& x) { placed.matrix[k++] = x; });
-            placed.is_inverse = true;
+                [&](const Real& x) { transform.matrix[k++] = x; });
+            transform.is_inverse = true;
         }
         RepairRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.tested_form.form;
@@ -296,7 +296,7 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());
-    scene.listed.back().placed.reset();
+    scene.listed.back().transform.reset();
     RepairRequest mixed = request_of(scene, "sphere.unified", 18);
     mixed.tested_form.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
                                                                      *mixed.tested_form.form);

@@ -125,7 +125,7 @@ TEST_CASE("fields of an array keep their types, and fields of three numbers are 
     const ScratchRayFile file("a.npy", npy);
     const auto ray_file = open_ray_file(file.path(), {.keep = true});
     CHECK(ray_file->picture() == std::pair{10, 10});
-    CHECK(ray_file->layout().kept() == std::vector<std::string>{"id"});
+    CHECK(ray_file->layout().kept_columns() == std::vector<std::string>{"id"});
     CHECK(read_all(*ray_file, 10)[1].kept[3] == "-37");
 }
 
@@ -224,7 +224,7 @@ TEST_CASE("numbers of a shape with missing columns are the user's own columns") 
     const std::string first = "ox,oy,oz,dx,dy,dz,cx,cy,cz,nx,ny,nz,";
     const ScratchRayFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
     const auto ray_file = open_ray_file(spheres.path(), {.keep = true});
-    CHECK(ray_file->layout().kept() == std::vector<std::string>{"nx", "ny", "nz"});
+    CHECK(ray_file->layout().kept_columns() == std::vector<std::string>{"nx", "ny", "nz"});
     CHECK(read_all(*ray_file).front().primitives.front().numbers ==
           Primitive<double>(Sphere<double>{{1, 2, 3}, 2}).numbers);
     const ScratchRayFile discs("a.csv", first + "outer_radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
@@ -257,7 +257,7 @@ TEST_CASE("columns named as in the project's tables are recognised, and hexadeci
         "9,0x1p2,0x1p1,0,0,1,0,0,0,0,0,1\n";
     const ScratchRayFile file("a.csv", text);
     const auto ray_file = open_ray_file(file.path(), {});
-    CHECK(ray_file->layout().kept() == std::vector<std::string>{"t"});
+    CHECK(ray_file->layout().kept_columns() == std::vector<std::string>{"t"});
     const Chunk chunk = read_all(*ray_file).front();
     CHECK(chunk.t.front() == 4);
     CHECK(chunk.rays.ox.front() == 2);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "intersect/roots.hpp"
 #include "number/wide/dyadic_sphere.hpp"
 #include "number/wide/exact_sum.hpp"
@@ -331,14 +331,14 @@ template <Number T, class Watch>
 SphereDecision<T> decide_further(const Ray<T>& ray, const Sphere<T>& sphere, const SphereDecision<T>& first_decision,
                                  Watch& watch) {
     using W = number::wide::TwoWords<number::wide::OneWord<T>>;
-    watch(FilterArithmetic::two_words);
+    watch(DecidingArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
         return first_proved(first_decision, decide_in_wider<W, T>(ray, sphere));
     };
     const SphereDecision<T> two_word_decision = in_two_words();
     if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
-    watch(FilterArithmetic::exact);
+    watch(DecidingArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, sphere);
     else return decide_exactly<T>(ray, sphere, two_word_decision);
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "number/wide/dyadic_triangle.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/widening.hpp"
@@ -315,14 +315,14 @@ TriangleDecision<T> decide_in_a_call(const Ray<T>& ray, const Triangle<T>& trian
 template <Number T, class Watch>
 TriangleDecision<T> decide_further(const Ray<T>& ray, const Triangle<T>& triangle,
                                    const TriangleDecision<T>& first_decision, Watch& watch) {
-    watch(FilterArithmetic::two_words);
+    watch(DecidingArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
         return first_proved(first_decision, decide_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
     };
     const TriangleDecision<T> two_word_decision = in_two_words();
     if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
-    watch(FilterArithmetic::exact);
+    watch(DecidingArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, triangle);
     else return decide_exactly<T>(ray, triangle, two_word_decision);
 }

@@ -9,21 +9,21 @@ namespace lostbits::intersect {
 
 /// The arithmetic in which a form that filters decided a ray: its own, the next wider one of one word (double for
 /// float), two words, or sums without any rounding.
-enum class FilterArithmetic : std::uint8_t { own, wider, two_words, exact };
+enum class DecidingArithmetic : std::uint8_t { own, wider, two_words, exact };
 
-inline constexpr std::array<std::string_view, 4> filter_arithmetic_names{"own", "wider", "two_words", "exact"};
+inline constexpr std::array<std::string_view, 4> arithmetic_names{"own", "wider", "two_words", "exact"};
 
 /// Keeps the widest arithmetic that is passed to it.
 struct ArithmeticWatch {
-    FilterArithmetic widest = FilterArithmetic::own;
-    void operator()(FilterArithmetic arithmetic) {
+    DecidingArithmetic widest = DecidingArithmetic::own;
+    void operator()(DecidingArithmetic arithmetic) {
         if (arithmetic > widest) widest = arithmetic;
     }
 };
 
 /// Ignores the arithmetic, at no cost.
 struct NoWatch {
-    void operator()(FilterArithmetic /*arithmetic*/) const {}
+    void operator()(DecidingArithmetic /*arithmetic*/) const {}
 };
 
 /// A form's answer over `Bounded`: its decision and t, with the bits of the format; whether the bounds prove the

@@ -1,5 +1,5 @@
 // Draws and tabulates the significand bits that each form needs.
-#include "output/map/needed_files.hpp"
+#include "output/map/bits_needed_files.hpp"
 
 #include <fmt/format.h>
 
@@ -38,22 +38,22 @@ pixel::Look needed_look() {
 
 pixel::PixelValue pixel_of(double needed) {
     if (std::isnan(needed)) return {2};
-    return needed == measure::evaluate::beyond_most_precision ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
+    return needed == measure::evaluate::beyond_max_precision ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
 }
 
-using NeededColumns = pixel::PictureWriter<BitsNeededBand>;
+using BitsNeededPictures = pixel::PictureWriter<BitsNeededBand>;
 
 /// Picture of the form with the index `form_index` in the study.
 pixel::DrawnColumn<BitsNeededBand> make_picture(const BitsNeededStudy& study, std::size_t form_index,
                                                 std::shared_ptr<const pixel::Look> look) {
     const Info& form = *study.tested_forms[form_index]->info;
     return {{.file = file_stem(form) + ".png",
-             .title = fmt::format("{}: significand bits needed for {} correct {}", form.name, study.bits,
-                                  study.bits == 1 ? "bit" : "bits"),
+             .title = fmt::format("{}: significand bits needed for {} correct {}", form.name, study.correct_bits,
+                                  study.correct_bits == 1 ? "bit" : "bits"),
              .subtitle = {std::string(form.title),
                           fmt::format("colour: the smallest width from which on every width up to {} decides correctly "
                                       "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
-                                      measure::evaluate::max_precision, study.bits)},
+                                      measure::evaluate::max_precision, study.correct_bits)},
              .look = std::move(look)},
             form_index,
             pixel::make_draw_function<BitsNeededBand>(
@@ -61,7 +61,7 @@ pixel::DrawnColumn<BitsNeededBand> make_picture(const BitsNeededStudy& study, st
 }
 
 /// Makes one picture per form.
-NeededColumns make_pictures(const BitsNeededStudy& study, const NeededFilesOptions& options) {
+BitsNeededPictures make_pictures(const BitsNeededStudy& study, const BitsNeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::DrawnColumn<BitsNeededBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) columns.push_back(make_picture(study, r, look));
@@ -73,15 +73,15 @@ NeededColumns make_pictures(const BitsNeededStudy& study, const NeededFilesOptio
             std::move(columns)};
 }
 
-struct NeededRow {
+struct BitsNeededRow {
     std::string_view form;
     int bits;
     const BitsNeededSummary* summary;
     PrecisionCounts widths;
 };
 
-Table<NeededRow> needed_table() {
-    using R = NeededRow;
+Table<BitsNeededRow> bits_needed_table() {
+    using R = BitsNeededRow;
     Table<R> table{{"form", "form under test", &R::form},
                    {"bits_asked", "bits",
                     "correct bits that are asked for, B: the answer must be within half an ulp of a format with B "
@@ -114,14 +114,14 @@ Table<NeededRow> needed_table() {
         &R::summary);
 }
 
-struct NeededPixel {
+struct BitsNeededPixel {
     const BitsNeededBand* band;
     std::size_t i;
     measure::truth::Truth truth;
 };
 
-Table<NeededPixel> needed_pixel_table(int bits) {
-    using R = NeededPixel;
+Table<BitsNeededPixel> bits_needed_pixel_table(int bits) {
+    using R = BitsNeededPixel;
     return {{"x", "pixel", "column, from the left",
              [](const R& r) { return r.i % static_cast<std::size_t>(r.band->width); }},
             {"y", "pixel", "row, from the top",
@@ -139,29 +139,30 @@ Table<NeededPixel> needed_pixel_table(int bits) {
              table::or_missing([](const R& r) { return r.band->bits_needed[r.i]; })}};
 }
 
-using NeededFormWriter = pixel::FormFilesWriter<BitsNeededBand, NeededPixel>;
+using BitsNeededFormWriter = pixel::FormFilesWriter<BitsNeededBand, BitsNeededPixel>;
 
 }  // namespace
 
-struct NeededWriter::Parts {
+struct BitsNeededWriter::Parts {
     const BitsNeededStudy& study;
-    NeededFilesOptions options;
-    std::optional<table::TableFile<NeededRow>> table = {};
-    NeededColumns pictures = make_pictures(study, options);
-    std::vector<std::unique_ptr<NeededFormWriter>> forms = {};
+    BitsNeededFilesOptions options;
+    std::optional<table::TableFile<BitsNeededRow>> table = {};
+    BitsNeededPictures pictures = make_pictures(study, options);
+    std::vector<std::unique_ptr<BitsNeededFormWriter>> forms = {};
 
     void add_form(std::size_t form_index) {
         const Info& form = *study.tested_forms[form_index]->info;
-        std::unique_ptr<table::TableFile<NeededPixel>> pixels;
+        std::unique_ptr<table::TableFile<BitsNeededPixel>> pixels;
         if (options.writes_pixels_csv)
-            pixels = std::make_unique<table::TableFile<NeededPixel>>(
+            pixels = std::make_unique<table::TableFile<BitsNeededPixel>>(
                 options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
-                fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(study.bits));
+                fmt::format("One row per pixel: bits needed by {}", form.name),
+                bits_needed_pixel_table(study.correct_bits));
 
         // The functions that turn a band into rows of the table and of the EXR.
-        NeededFormWriter::Functions functions{
+        BitsNeededFormWriter::Functions functions{
             .add_pixel =
-                [](table::TableFile<NeededPixel>& file, const BitsNeededBand& band, std::size_t i) {
+                [](table::TableFile<BitsNeededPixel>& file, const BitsNeededBand& band, std::size_t i) {
                     file.add({&band, i, band.truth(i)});
                 },
             .pixels = [](const BitsNeededBand& band) { return band.bits_needed.size(); }};
@@ -173,26 +174,28 @@ struct NeededWriter::Parts {
             };
             files.write_exr = [exr](const std::vector<ExrScanlines>& pieces) { exr->write(pieces); };
         }
-        forms.push_back(std::make_unique<NeededFormWriter>(form_index, files, std::move(functions), std::move(pixels)));
+        forms.push_back(
+            std::make_unique<BitsNeededFormWriter>(form_index, files, std::move(functions), std::move(pixels)));
     }
 };
 
-NeededWriter::NeededWriter(const BitsNeededStudy& study, const NeededFilesOptions& options)
+BitsNeededWriter::BitsNeededWriter(const BitsNeededStudy& study, const BitsNeededFilesOptions& options)
     : parts_(new Parts{study, options}) {
     if (!options.keep_piece)
-        parts_->table.emplace(options.folder, "needed.csv",
-                              fmt::format("One row per form: significand bits needed for {} correct bits", study.bits),
-                              needed_table());
+        parts_->table.emplace(
+            options.folder, "needed.csv",
+            fmt::format("One row per form: significand bits needed for {} correct bits", study.correct_bits),
+            bits_needed_table());
     for (std::size_t form = 0; form < study.tested_forms.size(); ++form) parts_->add_form(form);
 }
 
-NeededWriter::~NeededWriter() = default;
+BitsNeededWriter::~BitsNeededWriter() = default;
 
-measure::study::ShowBand<BitsNeededStudy> NeededWriter::show() {
+measure::study::ShowBand<BitsNeededStudy> BitsNeededWriter::show() {
     return [this](std::size_t form, const BitsNeededBand& band) { parts_->forms.at(form)->add_band(band); };
 }
 
-std::vector<file::DataResource> NeededWriter::resources() const {
+std::vector<file::DataResource> BitsNeededWriter::resources() const {
     std::vector<file::DataResource> resources;
     if (parts_->table) resources.push_back(parts_->table->about());
     for (const auto& form : parts_->forms)
@@ -200,14 +203,14 @@ std::vector<file::DataResource> NeededWriter::resources() const {
     return resources;
 }
 
-void NeededWriter::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
+void BitsNeededWriter::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
 
-void NeededWriter::finish(const std::vector<BitsNeededSummary>& summaries) {
+void BitsNeededWriter::finish(const std::vector<BitsNeededSummary>& summaries) {
     Parts& p = *parts_;
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
         if (auto& pixels = p.forms[f]->table()) pixels->close();
-        p.table->add({p.study.tested_forms[f]->info->name, p.study.bits, &summaries[f], summaries[f].all()});
+        p.table->add({p.study.tested_forms[f]->info->name, p.study.correct_bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();
 }

@@ -1,5 +1,5 @@
-// Placement of a primitive by a matrix: its stored numbers, and the transform of rays and points to the space of the
-// primitive.
+// Transform of a primitive: the stored numbers of its matrix, and the transformation of rays and points to the space of
+// the primitive.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ int orientation_of(std::span<const double, 12> matrix);
 
 /// A stored matrix of three rows and four columns, row by row, and whether it is the inverse.
 template <class S>
-struct Placement {
+struct Transform {
     std::array<S, Affine<S>::numbers> matrix;
     bool is_inverse = false;  ///< true: from the world to the primitive; false: from the primitive to the world
     int orientation = 1;  ///< sign of the determinant: −1 if the matrix mirrors, 0 if it is singular or not finite
@@ -31,19 +31,19 @@ struct Placement {
     }
     /// True if all numbers are finite and the matrix has an inverse.
     [[nodiscard]] bool is_proper() const { return orientation != 0; }
-    friend bool operator==(const Placement&, const Placement&) = default;
+    friend bool operator==(const Transform&, const Transform&) = default;
 };
 
 /// Converts each number by `lift`. If the result is in doubles, `lift` may have rounded, so the sign of the determinant
 /// is computed again. If a caller rounds in a wider number type, it must compute the sign itself.
 template <class S, class Lift>
-auto transformed(const Placement<S>& placement, Lift lift) {
+auto convert_numbers(const Transform<S>& transform, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
     const auto numbers = [&]<std::size_t... k>(std::index_sequence<k...>) {
-        return std::array<T, sizeof...(k)>{lift(placement.matrix[k])...};
+        return std::array<T, sizeof...(k)>{lift(transform.matrix[k])...};
     };
     constexpr std::make_index_sequence<Affine<T>::numbers> indices;
-    Placement<T> result{numbers(indices), placement.is_inverse, placement.orientation};
+    Transform<T> result{numbers(indices), transform.is_inverse, transform.orientation};
     if constexpr (std::same_as<T, double>) result.orientation = orientation_of(result.matrix);
     return result;
 }
@@ -62,10 +62,10 @@ struct ObjectSpaceRay {
 ///     o' = s adj(A) v,   d' = s adj(A) d,   and the primitive is s det A = |det A| times as large.
 /// For a stored inverse, o' = A o + τ, d' = A d, and the primitive keeps its size.
 template <class E>
-ObjectSpaceRay<E> to_object_space(const Ray<E>& ray, const Placement<E>& placed) {
-    const Affine<E> m = placed.map();
-    if (placed.is_inverse) return {{m.point(ray.origin), m.linear(ray.direction)}, E(1)};
-    const E sign(placed.orientation);
+ObjectSpaceRay<E> to_object_space(const Ray<E>& ray, const Transform<E>& transform) {
+    const Affine<E> m = transform.map();
+    if (transform.is_inverse) return {{m.point(ray.origin), m.linear(ray.direction)}, E(1)};
+    const E sign(transform.orientation);
     const auto adjugate = m.adjugate();
     return {{sign * times(adjugate, ray.origin - m.shift), sign * times(adjugate, ray.direction)},
             sign * m.determinant()};
@@ -73,9 +73,9 @@ ObjectSpaceRay<E> to_object_space(const Ray<E>& ray, const Placement<E>& placed)
 
 /// Transforms the world point p to the space of the stored primitive.
 template <class E>
-Vec<E> point_to_object_space(const Vec<E>& p, const Placement<E>& placed) {
-    const Affine<E> m = placed.map();
-    if (placed.is_inverse) return m.point(p);
+Vec<E> point_to_object_space(const Vec<E>& p, const Transform<E>& transform) {
+    const Affine<E> m = transform.map();
+    if (transform.is_inverse) return m.point(p);
     const E det = m.determinant();
     const Vec<E> scaled = times(m.adjugate(), p - m.shift);
     return {scaled.x / det, scaled.y / det, scaled.z / det};

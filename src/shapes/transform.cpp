@@ -1,4 +1,4 @@
-#include "shapes/placement.hpp"
+#include "shapes/transform.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -15,7 +15,7 @@ namespace lostbits::measure::evaluate {
 /// Smallest and largest precision P that are tested, in significand bits: formats pP with binary64's exponents.
 inline constexpr int min_precision = 2, max_precision = 53;
 /// Value of a pixel on which not even `max_precision` bits suffice. A pixel whose truth is unresolved has NaN.
-inline constexpr double beyond_most_precision = std::numeric_limits<double>::infinity();
+inline constexpr double beyond_max_precision = std::numeric_limits<double>::infinity();
 
 /// True if t has B correct bits: |t − t*| ≤ ½ ulp_B(t*), with the ulp of B significand bits and binary64's exponents.
 /// t* is the midpoint of its certificate, as in every metric, and is known to 2^-72 of itself. So a t that close to the
@@ -64,7 +64,7 @@ struct BitsNeededBand {
     const truth::Band* band;
     const intersect::Info* form;
     std::vector<double>
-        bits_needed;  ///< `min_precision` to `max_precision`, `beyond_most_precision`, or NaN if unresolved
+        bits_needed;  ///< `min_precision` to `max_precision`, `beyond_max_precision`, or NaN if unresolved
 
     /// Truth by the form's own convention.
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }
@@ -87,7 +87,7 @@ struct BitsNeededStudy {
 
     const scene::file::Scene& scene;
     std::vector<const intersect::table::Intersector*> tested_forms;  ///< each with `rounded` kernels
-    int bits = 12;                                                   ///< B, 1 to 52
+    int correct_bits = 12;                                           ///< B, 1 to 52
     truth::ProofLimit limit{};
     shard::Share share = {};
     /// Called with the number of (pixel, form, precision) triples done, `units()` in all; may throw to stop.

@@ -1,4 +1,4 @@
-// Interface of a form that also takes the matrix of its primitive: a form that was repaired under a matrix. It is
+// Interface of a form that also takes the matrix of its primitive: a form that was repaired with a transform. It is
 // compiled outside of the program and run over columns of rays. Only this program and the code that it compiles itself
 // use the interface; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
 #pragma once
@@ -18,9 +18,9 @@
 
 namespace lostbits::measure::repair {
 
-/// Rays and answers as a structure of arrays, for one primitive under its matrix as it is stored.
+/// Rays and answers as a structure of arrays, for one primitive with its transform as it is stored.
 template <class F>
-struct PlacedColumns {
+struct ColumnsWithTransform {
     const F* ray[6];
     const F* tmax;  ///< null: the rays have no end
     const F *primitive, *matrix;
@@ -30,13 +30,14 @@ struct PlacedColumns {
 };
 
 template <class F>
-using PlacedKernel = void (*)(const PlacedColumns<F>*);
+using KernelWithTransform = void (*)(const ColumnsWithTransform<F>*);
 
 /// Runs `Form::intersect` over T, which is F or a pack of it. In an object file for one register width, T has internal
 /// linkage, and so has everything instantiated here (see `Width`).
 template <class Form, template <class> class S, class T, class F>
-[[gnu::flatten]] void answer_placed(const PlacedColumns<F>* columns) {
-    const PlacedColumns<F> local = *columns;  // a copy, since the compiler must assume that stores change `*columns`
+[[gnu::flatten]] void answer_with_transform(const ColumnsWithTransform<F>* columns) {
+    const ColumnsWithTransform<F> local =
+        *columns;  // a copy, since the compiler must assume that stores change `*columns`
     const auto load = [](const F* source) {
         if constexpr (std::same_as<T, F>) return *source;
         else return T::load(source);
@@ -72,16 +73,17 @@ template <class Form, template <class> class S, class T, class F>
 }  // namespace lostbits::measure::repair
 
 #if defined(LOSTBITS_ISA)
-#define LOSTBITS_PLACED_NAME(name) name##_packs
-#define LOSTBITS_PLACED_NUMBER(F) lostbits::Pack<F, lostbits::BuildRegisters>
+#define LOSTBITS_TRANSFORMED_NAME(name) name##_packs
+#define LOSTBITS_TRANSFORMED_NUMBER(F) lostbits::Pack<F, lostbits::BuildRegisters>
 #else
-#define LOSTBITS_PLACED_NAME(name) name##_alone
-#define LOSTBITS_PLACED_NUMBER(F) F
+#define LOSTBITS_TRANSFORMED_NAME(name) name##_alone
+#define LOSTBITS_TRANSFORMED_NUMBER(F) F
 #endif
 /// Exports `name_alone`, or `name_packs` in an object of a register width: the answers of a form over F to one
 /// Primitive.
-#define LOSTBITS_PLACED_FORM(name, Form, Primitive, F)                                                              \
-    extern "C" [[gnu::visibility("default")]] void LOSTBITS_PLACED_NAME(name)(                                      \
-        const lostbits::measure::repair::PlacedColumns<F>* columns) {                                               \
-        lostbits::measure::repair::answer_placed<Form, lostbits::Primitive, LOSTBITS_PLACED_NUMBER(F), F>(columns); \
+#define LOSTBITS_TRANSFORMED_FORM(name, Form, Primitive, F)                                                         \
+    extern "C" [[gnu::visibility("default")]] void LOSTBITS_TRANSFORMED_NAME(name)(                                 \
+        const lostbits::measure::repair::ColumnsWithTransform<F>* columns) {                                        \
+        lostbits::measure::repair::answer_with_transform<Form, lostbits::Primitive, LOSTBITS_TRANSFORMED_NUMBER(F), \
+                                                         F>(columns);                                               \
     }

@@ -1,4 +1,4 @@
-#include "measure/evaluate/needed.hpp"
+#include "measure/evaluate/bits_needed.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ using truth::Truth;
 namespace {
 
 /// Inputs that a form receives for some pixels of a band.
-FormatInputs select_pixels(const FormatInputs& all, const intersect::Info& info,
-                           const std::vector<std::uint32_t>& pixels) {
+FormatInputs inputs_of_pixels(const FormatInputs& all, const intersect::Info& info,
+                              const std::vector<std::uint32_t>& pixels) {
     FormatInputs selected{.format = all.format, .primitives = all.primitives, .march = all.march, .stop = all.stop};
     const scene::rays::RayBlock& source = all.rays_for(info);
     scene::rays::RayBlock& destination = info.direction == Direction::unit ? selected.unit_rays : selected.rays;
@@ -46,7 +46,7 @@ void test_precision(Scan& scan, const intersect::table::Intersector& form, const
                     BitsNeededBand& result) {
     if (scan.pixels.empty()) return;
     const int precision = inputs.format.parameters.precision;
-    const answer::Answers answers = answer::evaluate(form, select_pixels(inputs, *form.info, scan.pixels));
+    const answer::Answers answers = answer::evaluate(form, inputs_of_pixels(inputs, *form.info, scan.pixels));
     const bool returns_t = form.info->roots != intersect::Roots::none;
 
     // Pixels that stay in the scan move to its front.
@@ -59,7 +59,7 @@ void test_precision(Scan& scan, const intersect::table::Intersector& form, const
                                 {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.object[k] : -1},
                                 correct_bits))
             scan.pixels[kept_count++] = i;
-        else result.bits_needed[i] = precision == max_precision ? beyond_most_precision : precision + 1;
+        else result.bits_needed[i] = precision == max_precision ? beyond_max_precision : precision + 1;
     }
     scan.pixels.resize(kept_count);
 }
@@ -106,7 +106,7 @@ bool is_precision_enough(const Truth& ray_truth, const intersect::Info& info, in
 void BitsNeededSummary::add(const Truth& ray_truth, double bits_needed) {
     if (std::isnan(bits_needed)) {
         ++unresolved;
-    } else if (bits_needed == beyond_most_precision) {
+    } else if (bits_needed == beyond_max_precision) {
         ++(ray_truth.is_hit() ? hits_beyond : misses_beyond);
     } else {
         ++(ray_truth.is_hit() ? hits : misses)[static_cast<std::size_t>(bits_needed)];
@@ -179,7 +179,7 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
             const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(precision)),
                                                     {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
-                test_precision(scans[s], *tested_forms[scans[s].form_index], inputs, bits,
+                test_precision(scans[s], *tested_forms[scans[s].form_index], inputs, correct_bits,
                                results[scans[s].form_index]);
             });
         }

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "measure/evaluate/needed.hpp"
+#include "measure/evaluate/bits_needed.hpp"
 #include "output/file/csv.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/map_exr.hpp"
@@ -17,7 +17,7 @@ namespace lostbits::output::map {
 /// every outcome as these colours are from each other; a test checks this.
 inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
-struct NeededFilesOptions {
+struct BitsNeededFilesOptions {
     std::filesystem::path folder;          ///< folder of the scene; created if missing
     bool writes_pixels_csv = false;        ///< a row per pixel in `<form>.needed.csv`
     MapExr* exr = nullptr;                 ///< for the same study; null: no EXR is written
@@ -27,12 +27,12 @@ struct NeededFilesOptions {
 /// Writes `<form>.needed.png`, which shows the width on viridis from 2 to 53; `needed.csv`, a row per form; and the
 /// parts `<form>.needed` of an EXR, if there is one. The object is opened, filled and finished like MapWriter. Finish
 /// it before the map of the same folder, which closes the EXR and whose summary.csv marks the folder as complete.
-class NeededWriter {
+class BitsNeededWriter {
 public:
-    NeededWriter(const measure::evaluate::BitsNeededStudy& study, const NeededFilesOptions& options);
-    ~NeededWriter();
-    NeededWriter(const NeededWriter&) = delete;
-    NeededWriter& operator=(const NeededWriter&) = delete;
+    BitsNeededWriter(const measure::evaluate::BitsNeededStudy& study, const BitsNeededFilesOptions& options);
+    ~BitsNeededWriter();
+    BitsNeededWriter(const BitsNeededWriter&) = delete;
+    BitsNeededWriter& operator=(const BitsNeededWriter&) = delete;
 
     /// Returns the function that receives the bands of the forms.
     [[nodiscard]] measure::study::ShowBand<measure::evaluate::BitsNeededStudy> show();

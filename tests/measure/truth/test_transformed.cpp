@@ -1,4 +1,4 @@
-// Truth of primitives under matrices: in packs, and for every shape compared with a primitive whose numbers were moved;
+// Truth of transformed primitives: in packs, and for every shape compared with a primitive whose numbers were moved;
 // tests/exact compares it with integers.
 #include <array>
 
@@ -8,7 +8,7 @@
 #include "measure/truth/truth.hpp"
 #include "measure/truth/truth_columns.hpp"
 
-namespace test_placed {
+namespace test_transformed {
 
 using namespace lostbits;
 using measure::truth::find_truth;
@@ -24,16 +24,16 @@ Matrix rows_of(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c,
 }
 
 /// A ray from outside, aimed near a point of the primitive.
-Ray<double> aimed(Seeded& r, const Placement<double>& placed, const Vec<double>& at) {
+Ray<double> aimed(Seeded& r, const Transform<double>& transform, const Vec<double>& at) {
     const Vec<double> from = r.vec(-8, 8), near = at + r.vec(-3, 3);
-    const Affine<double> m = placed.map();
-    if (!placed.is_inverse) return {m.point(near) + from, -from};
+    const Affine<double> m = transform.map();
+    if (!transform.is_inverse) return {m.point(near) + from, -from};
     return {times(m.adjugate(), near - m.shift) / m.determinant() + from, -from};
 }
 
 }  // namespace
 
-TEST_CASE("packs decide most rays at primitives under matrices, as single rays do") {
+TEST_CASE("packs decide most rays at transformed primitives, as single rays do") {
     const auto stored = [](double x) { return test::stored(x, binary32); };
     for (const bool is_inverse : {false, true}) {
         CAPTURE(is_inverse);
@@ -44,15 +44,15 @@ TEST_CASE("packs decide most rays at primitives under matrices, as single rays d
                                                   Triangle<double>{r.vec(-3, 3), r.vec(-3, 3), r.vec(-3, 3)}};
         for (Primitive<double>& primitive : primitives) {
             const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2), c = r.vec(-2, 2), shift = r.vec(-9, 9);
-            primitive = transformed(primitive, stored);
-            primitive.placed = transformed(Placement<double>{rows_of(a, b, c, shift), is_inverse, 1}, stored);
-            REQUIRE((primitive.placed->is_proper() && !broken_limit(primitive)));
+            primitive = convert_numbers(primitive, stored);
+            primitive.transform = convert_numbers(Transform<double>{rows_of(a, b, c, shift), is_inverse, 1}, stored);
+            REQUIRE((primitive.transform->is_proper() && !broken_limit(primitive)));
         }
         scene::rays::RayBlock rays;
         rays.width = 4500, rays.y1 = 1;
         while (rays.size() < 4500) {
             const Primitive<double>& at = primitives[rays.size() % 3];
-            const Ray<double> ray = aimed(r, *at.placed, at.point(0));
+            const Ray<double> ray = aimed(r, *at.transform, at.point(0));
             rays.push({test::stored(ray.origin, binary32), test::stored(ray.direction, binary32)});
         }
         const scene::rays::PrimitiveList<double> list(primitives);
@@ -93,7 +93,7 @@ Vec<double> turned(const Vec<double>& v) { return {-2 * v.y, 2 * v.x, 2 * v.z}; 
 
 }  // namespace
 
-TEST_CASE("a primitive under a matrix equals the primitive with moved numbers for every shape") {
+TEST_CASE("a transformed primitive equals the primitive with moved numbers for every shape") {
     const Vec<double> shift(16, -32, 8);
     Seeded r(7);
     for (const ShapeRow& row : shape_rows) {
@@ -107,7 +107,7 @@ TEST_CASE("a primitive under a matrix equals the primitive with moved numbers fo
             // Shapes with directions of their own, such as the planes of a box or radii by axis, do not turn with their
             // numbers.
             bool turns = row.shape != Shape::box;
-            Primitive<double> moved = primitive, placed = primitive;
+            Primitive<double> moved = primitive, transformed = primitive;
             for_each_key(row.shape, [&](const Key& key, std::size_t k) {
                 turns = turns && key.kind != Key::Kind::lengths;
                 if (key.kind == Key::Kind::point) moved.set_point(k, turned(primitive.point(k)) + shift);
@@ -115,10 +115,10 @@ TEST_CASE("a primitive under a matrix equals the primitive with moved numbers fo
                 else if (key.kind == Key::Kind::length) moved.numbers[k] = 2 * primitive.numbers[k];
             });
             if (!turns) continue;
-            placed.placed = Placement<double>{rows_of({0, -2, 0}, {2, 0, 0}, {0, 0, 2}, shift), false, 1};
+            transformed.transform = Transform<double>{rows_of({0, -2, 0}, {2, 0, 0}, {0, 0, 2}, shift), false, 1};
             const Vec<double> from = r.vec(-9, 9), to = turned(at) + shift + r.vec(-2, 2);
             const Ray<double> ray{to + from, -from};
-            const Truth one = find_truth(ray, placed), other = find_truth(ray, moved);
+            const Truth one = find_truth(ray, transformed), other = find_truth(ray, moved);
             REQUIRE(one.decision == other.decision);
             REQUIRE(one.touches == other.touches);
             if (!one.is_hit()) continue;
@@ -131,11 +131,11 @@ TEST_CASE("a primitive under a matrix equals the primitive with moved numbers fo
     }
 }
 
-TEST_CASE("the condition number of a primitive under a matrix counts the numbers of the matrix") {
+TEST_CASE("the condition number of a transformed primitive counts the numbers of the matrix") {
     // A unit sphere doubled about (10, 0, 0), seen from the origin along x: t = 10 − 2·1 = 8, with derivatives −1 by
     // o.x, −t by d.x, 1 by τ.x, −1 by the entry of the scale (the centre is 0) and −2 by the radius.
     Primitive<double> primitive(Sphere<double>{{0, 0, 0}, 1});
-    primitive.placed = Placement<double>{rows_of({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {10, 0, 0}), false, 1};
+    primitive.transform = Transform<double>{rows_of({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {10, 0, 0}), false, 1};
     const Ray<double> ray{{0, 0, 0}, {1, 0, 0}};
     CHECK(measure::truth::condition(ray, primitive) == Approx((8 + 10 + 2 + 2) / 8.0));
     const Truth truth = find_truth(ray, primitive);
@@ -143,4 +143,4 @@ TEST_CASE("the condition number of a primitive under a matrix counts the numbers
     CHECK(truth.t.exponent == 3);
 }
 
-}  // namespace test_placed
+}  // namespace test_transformed

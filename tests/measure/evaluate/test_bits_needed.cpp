@@ -4,12 +4,12 @@
 #include <string>
 
 #include "catch.hpp"
+#include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/map.hpp"
-#include "measure/evaluate/needed.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
-namespace test_needed {
+namespace test_bits_needed {
 
 using namespace lostbits;
 using namespace lostbits::measure::evaluate;
@@ -54,8 +54,8 @@ std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::
     const auto keep = [&values](std::size_t, const BitsNeededBand& r) {
         values.insert(values.end(), r.bits_needed.begin(), r.bits_needed.end());
     };
-    const auto summaries =
-        measure::study::run_study(BitsNeededStudy{.scene = scene, .tested_forms = {&form}, .bits = bits}, {keep});
+    const auto summaries = measure::study::run_study(
+        BitsNeededStudy{.scene = scene, .tested_forms = {&form}, .correct_bits = bits}, {keep});
     if (summary) *summary = summaries.front();
     return values;
 }
@@ -76,13 +76,13 @@ TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
                 REQUIRE(values.size() == 20 * 14);
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
-                    double expected = beyond_most_precision;
+                    double expected = beyond_max_precision;
                     const auto is_enough = [&](int p) {
                         return maps[static_cast<std::size_t>(p - min_precision)].suffices(i, bits);
                     };
                     for (int p = max_precision; p >= min_precision && is_enough(p); --p) expected = p;
                     wrong += values[i] != expected;
-                    beyond += expected == beyond_most_precision;
+                    beyond += expected == beyond_max_precision;
                     narrow_misses += expected < bits;
                     for (int p = min_precision; p < expected && p <= max_precision; ++p) lucky += is_enough(p);
                 }
@@ -119,7 +119,7 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
                                                                   &test::form_named("sphere.unified")};
     std::vector<std::vector<double>> together(3);
     std::uint64_t done = 0;
-    BitsNeededStudy request{.scene = scene, .tested_forms = forms, .bits = 16};
+    BitsNeededStudy request{.scene = scene, .tested_forms = forms, .correct_bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
     measure::study::run_study(request, {[&together](std::size_t form, const BitsNeededBand& r) {
                                   together[form].insert(together[form].end(), r.bits_needed.begin(),
@@ -181,7 +181,8 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =
-        BitsNeededStudy{.scene = none, .tested_forms = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
+        BitsNeededStudy{.scene = none, .tested_forms = {&test::form_named("sphere.unified")}, .correct_bits = 12}
+            .prepare(band);
     CHECK(std::isnan(results[0].bits_needed[0]));
     CHECK(results[0].bits_needed[1] <= max_precision);
     BitsNeededSummary summary;
@@ -204,4 +205,4 @@ TEST_CASE("statistics of whole widths are exact", "[needed]") {
     CHECK(counts.quantile(1) == 53);
 }
 
-}  // namespace test_needed
+}  // namespace test_bits_needed
