@@ -58,8 +58,8 @@ std::vector<NamedCommand> study_commands();
 
 /// Runs `judge` on a file of answers about the whole surface of a mesh: all hits of rays, numbers of crossings, or
 /// points inside.
-Exit run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
-                    scene::ray_file::RayFile& ray_file, const CommonOptions& common);
+ExitStatus run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                          scene::ray_file::RayFile& ray_file, const CommonOptions& common);
 
 /// Adds the examples in the help of each command, once all commands are there.
 void add_examples(const shell::Command& program);
@@ -166,7 +166,7 @@ void require_writable(const std::filesystem::path& file);
 
 /// Returns the exit status of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
 /// message about these rays on stderr.
-[[nodiscard]] Exit report_unproved(std::uint64_t rays, int bits = measure::truth::ProofLimit{}.max_bits);
+[[nodiscard]] ExitStatus report_unproved(std::uint64_t rays, int bits = measure::truth::ProofLimit{}.max_bits);
 
 /// Prints a line on stderr for each tested form of an external intersector whose contract seems to be wrong.
 /// `suspicion` returns the text for a tested form, empty if nothing seems wrong.

@@ -124,7 +124,8 @@ std::set<std::string> compared_columns(const std::vector<FileResult>& results) {
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Compares every file of every kind, one after another, as for two commits that should change no result.
-Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_options, const CommonOptions& common) {
+ExitStatus run_strictly(const DiffOptions& options, const CompareOptions& compare_options,
+                        const CommonOptions& common) {
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(options.a, options.b, compare_options);
     diff::require_known_columns(compare_options, compared_columns(results));
@@ -144,11 +145,11 @@ Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_opti
         if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b))
             diff::print_verdict(output::diff::compare_rows(a, b, "", compare_options).verdict, options.b);
     }
-    return is_same ? Exit::done : Exit::answer_is_no;
+    return is_same ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
-Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const CompareOptions& compare_options,
-                 const CommonOptions& common) {
+ExitStatus run_on_maps(const DiffOptions& options, const MapSides& sides, const CompareOptions& compare_options,
+                       const CommonOptions& common) {
     const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.compares_pictures);
     auto names = compared_columns(difference.other_files);
     names.insert(difference.rows.names.begin(), difference.rows.names.end());
@@ -171,7 +172,7 @@ Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const Compar
     if (difference.pictures > 0 && !common.quiet)
         fmt::print(stderr, "lostbits: {} {} not compared; --compare-pictures compares {}\n", difference.pictures,
                    difference.pictures == 1 ? "picture is" : "pictures are", difference.pictures == 1 ? "it" : "them");
-    return difference.same() ? Exit::done : Exit::answer_is_no;
+    return difference.same() ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.
@@ -230,7 +231,7 @@ void require_compatible_options(const DiffOptions& options, const MapSides& side
             "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
 }
 
-Exit run(const DiffOptions& options, const CommonOptions& common) {
+ExitStatus run(const DiffOptions& options, const CommonOptions& common) {
     CompareOptions compare_options;
     compare_options.stop = common.stop;
     for (const std::string& text : options.tolerances)

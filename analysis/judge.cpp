@@ -319,7 +319,7 @@ void note_suspicious_answers(const JudgeOptions& options, const JudgeRequest& re
     });
 }
 
-Exit run(const JudgeOptions& options, const CommonOptions& common) {
+ExitStatus run(const JudgeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
     const auto ray_file = open_judged_file(options, scene);
@@ -369,7 +369,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     finish_run(run_division, common);
     if (!judgement) {
         progress.finish();
-        return Exit::done;
+        return ExitStatus::done;
     }
 
     const bool wrote_worst_rays = writer.finish(*judgement);

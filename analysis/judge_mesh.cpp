@@ -110,8 +110,8 @@ void print_faults(const MeshAnswersResult& result) {
 
 }  // namespace
 
-Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
-                    scene::ray_file::RayFile& ray_file, const CommonOptions& common) {
+ExitStatus run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                          scene::ray_file::RayFile& ray_file, const CommonOptions& common) {
     const scene::ray_file::Layout& layout = ray_file.layout();
     const AnswerKind kind = layout.answer_kind();
     require_options_of_kind(options, kind, layout.columns()[layout.index_of(scene::ray_file::slot_of(kind))].name);

@@ -309,12 +309,12 @@ constexpr std::pair<const char*, Listing (*)(const CommonOptions&)> lists[] = {
     {"devices", devices},
 };
 
-Exit run(const std::string& list_name, bool json, const CommonOptions& common) {
+ExitStatus run(const std::string& list_name, bool json, const CommonOptions& common) {
     const Listing chosen =
         std::ranges::find(lists, list_name, [](const auto& list) { return list.first; })->second(common);
     if (json) print_json(chosen);
     else print(chosen);
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 }  // namespace

@@ -342,7 +342,7 @@ std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const 
     });
 }
 
-Exit run(MapOptions options, const CommonOptions& common) {
+ExitStatus run(MapOptions options, const CommonOptions& common) {
     require_folder(options.out);
     auto rows = selection::pair_forms_with_formats(selection::select_forms(options.forms),
                                                    selection::select_formats(options.formats));
@@ -366,7 +366,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
     SceneFolders folders(scenes, run_division, common);
     print_notes(planned_scenes, options, metrics.drawn, common.quiet);
     const std::uint64_t unresolved = map_scenes(planned_scenes, options, metrics.drawn, folders, run_division, common);
-    if (!finish_run(run_division, common)) return Exit::done;
+    if (!finish_run(run_division, common)) return ExitStatus::done;
     for (const PlannedScene& planned : planned_scenes)
         note_suspicions(planned.map.tested_forms, common, [&planned](const TestedForm& tested_form) {
             return measure::contract::suspicion_text(*planned.map.scene, tested_form);

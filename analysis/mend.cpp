@@ -276,7 +276,7 @@ private:
     std::optional<output::file::AtomicFile> emitted_file_;
 };
 
-Exit run(const MendOptions& options, const CommonOptions& common) {
+ExitStatus run(const MendOptions& options, const CommonOptions& common) {
     require_compatible_options(options);
     MendSubject subject(options, common);
     RepairRequest request = make_request(options, subject, common.stop);
@@ -295,7 +295,7 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     fmt::print("{}", output::repair::repair_text(result));
     if (!common.quiet) writer.print_paths();
     const bool meets_requirement = repair.wider_set || best_proposal(list_proposals(result), result);
-    return meets_requirement ? Exit::done : Exit::answer_is_no;
+    return meets_requirement ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ using measure::contract::Observation;
 
 /// Answers requests on standard input with the forms of a library. If it cannot load the library, it sends the reason
 /// in place of the header.
-Exit serve(const std::string& library) {
+ExitStatus serve(const std::string& library) {
     const int output = redirect_standard_output("plugin serve");
     intersect::process::keep_own_state();
     std::vector<ForeignForm> forms;
@@ -37,9 +37,9 @@ Exit serve(const std::string& library) {
         forms = intersect::external::load_plugin(intersect::external::find_plugin(library));
     } catch (const Error& error) {  // the process at the other end reports it
         const std::string message = intersect::external::refusal_of(error);
-        return write(output, message.data(), message.size()) < 0 ? Exit::environment : error.code();
+        return write(output, message.data(), message.size()) < 0 ? ExitStatus::environment : error.status();
     }
-    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return ExitStatus::done;
     throw InputError(
         "plugin serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --plugin LIBRARY "
         "--isolate` runs this command");
@@ -77,7 +77,7 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
 }
 
 /// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
-Exit try_forms(const std::string& library, const CommonOptions& common) {
+ExitStatus try_forms(const std::string& library, const CommonOptions& common) {
     selection::ExternalOptions options = common.external;
     if (!library.empty()) options.plugins.push_back(library);
     if (const std::string libraries = selection::libraries_in_process(options); !libraries.empty())
@@ -95,7 +95,7 @@ Exit try_forms(const std::string& library, const CommonOptions& common) {
         const auto& answers = function->answers->batch32 ? function->answers->batch32 : function->answers->batch64;
         all_kept = print_trial(answers->form(), {}, common.quiet) && all_kept;
     }
-    return all_kept ? Exit::done : Exit::answer_is_no;
+    return all_kept ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ std::uint64_t SceneFolders::for_each(std::size_t scene_count, output::file::Prog
             });
         } catch (const Interrupted&) {
             if (k == 0 || folders_.empty()) throw;
-            throw Error(Exit::interrupted,
+            throw Error(ExitStatus::interrupted,
                         fmt::format("interrupted: the files of {} are kept", count_with_noun(k, "finished scene")));
         }
         if (!folders_.empty()) folders_[k].reset();
@@ -164,11 +164,11 @@ double parse_quantile(const std::string& text) {
     }
 }
 
-Exit report_unproved(std::uint64_t rays, int bits) {
-    if (rays == 0) return Exit::done;
+ExitStatus report_unproved(std::uint64_t rays, int bits) {
+    if (rays == 0) return ExitStatus::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
                count_with_noun(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
-    return Exit::internal;
+    return ExitStatus::internal;
 }
 
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,

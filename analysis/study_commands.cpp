@@ -210,7 +210,7 @@ PlannedStudies<Adapter> plan_studies(const std::vector<Scene>& scenes,
 }
 
 template <class Adapter>
-Exit run_command(const StudyOptions& options, const CommonOptions& common) {
+ExitStatus run_command(const StudyOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     auto rows = selection::pair_forms_with_formats(
         selection::select_forms(selection::form_patterns_or(options.forms, Adapter::usual_forms())),

@@ -269,11 +269,11 @@ void run_sweep(const PlannedSweepFile& sweep, const SweepSelection& chosen) {
         else if (sweep.kind == SweepKind::search) run_search(sweep.path, chosen);
         else if (sweep.kind == SweepKind::edge_search) run_edge_search(sweep.path, chosen);
     } catch (const Interrupted&) {
-        throw Error(Exit::interrupted, selection::interrupted_text(sweep.kind, sweep.path.stem().string()));
+        throw Error(ExitStatus::interrupted, selection::interrupted_text(sweep.kind, sweep.path.stem().string()));
     }
 }
 
-Exit run(SweepOptions options, const CommonOptions& common) {
+ExitStatus run(SweepOptions options, const CommonOptions& common) {
     measure::metric::MetricSet metric_set;
     RunDivision run_division;
     SweepSelection chosen{{}, {}, metric_set, run_division, options, common};

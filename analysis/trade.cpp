@@ -40,7 +40,7 @@ measure::trade::TimingPlan timing_plan(const TradeOptions& options) {
     return plan;
 }
 
-Exit run(const TradeOptions& options, const CommonOptions& common) {
+ExitStatus run(const TradeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     auto rows = selection::pair_forms_with_formats(selection::select_forms(options.forms),
                                                    selection::select_formats(options.formats));
@@ -73,7 +73,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     progress.finish();
     if (!common.quiet)
         fmt::print("{}\n{}\n", output::trade::trade_text(request, result), (folder / "pareto.csv").string());
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 }  // namespace

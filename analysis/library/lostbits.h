@@ -4,7 +4,7 @@
  * Terms: a form is one way to compute the intersection of a ray with a primitive; its answer is a decision (hit or
  * miss) and t. The truth of a ray is the exact answer for the stored numbers, with a proof of each decision.
  *
- * Errors: a function returns LOSTBITS_OK or another of the codes below, which are the exit codes of the program. If a
+ * Errors: a function returns LOSTBITS_OK or another of the codes below, which are the exit status of the program. If a
  * call fails, `error->text` says what is wrong, why, and what to try. `error` may be NULL.
  *
  * Handles: the caller owns them and passes each to its `_free` function. Several threads may use one handle at once as

@@ -186,7 +186,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         if (given.width != 0)
             created->explain_arguments += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
         *scene = created.release();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -202,7 +202,7 @@ int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_
         created->scene.id = "text";
         created->scene.path.clear();
         *scene = created.release();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -222,7 +222,7 @@ int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const do
         remove_primitives(*scene);
         auto& listed = scene->scene.listed;
         listed.insert(listed.end(), primitives.begin(), primitives.end());
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -246,7 +246,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
 
         remove_primitives(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -275,7 +275,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
             primitive.transform = convert_numbers(transform, [](double x) { return Real(x); });
         if (target.mesh) target.mesh_transform = transform;
         scene->explain_arguments.clear();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 

@@ -203,8 +203,8 @@ struct RequirementArguments {
 /// Calls `find`, which fills a new result and returns true if the answer is yes. `default_at` is the requirement's `at`
 /// if none is given.
 template <class Find>
-Exit run_with_requirement(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
-                          const Find& find) {
+ExitStatus run_with_requirement(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
+                                const Find& find) {
     require(arguments.scene, "scene");
     require(arguments.requirement, "requirement");
     require(result, "result");
@@ -213,7 +213,7 @@ Exit run_with_requirement(const RequirementArguments& arguments, const char* def
     auto answer = std::make_unique<lostbits_result>();
     const bool meets_requirement =
         find(*answer, arguments.scene->scene, parse_requirement(*arguments.requirement, default_at), chosen, settings);
-    return hand_over(std::move(answer), result, meets_requirement ? Exit::done : Exit::answer_is_no);
+    return hand_over(std::move(answer), result, meets_requirement ? ExitStatus::done : ExitStatus::answer_is_no);
 }
 
 }  // namespace

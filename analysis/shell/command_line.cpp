@@ -241,7 +241,7 @@ std::function<std::vector<std::size_t>()> Command::make_value_order(const std::v
     };
 }
 
-void Command::set_action(const std::function<Exit()>& run) const {
+void Command::set_action(const std::function<ExitStatus()>& run) const {
     app_->callback([run, action = action_] { *action = run; });
 }
 

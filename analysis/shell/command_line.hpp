@@ -106,7 +106,7 @@ public:
     void hide() const;
 
     /// Sets the function that runs if this command is given.
-    void set_action(const std::function<Exit()>& run) const;
+    void set_action(const std::function<ExitStatus()>& run) const;
 
     [[nodiscard]] const std::string& name() const;  ///< empty: a group
     [[nodiscard]] std::string help() const;
@@ -121,9 +121,9 @@ public:
     [[nodiscard]] std::string command_path() const;                ///< their names: `lostbits plugin check`
 
 protected:
-    Command(CLI::App* app, std::function<Exit()>* action) : app_(app), action_(action) {}
+    Command(CLI::App* app, std::function<ExitStatus()>* action) : app_(app), action_(action) {}
     CLI::App* app_;
-    std::function<Exit()>* action_;  ///< runs the command that was given
+    std::function<ExitStatus()>* action_;  ///< runs the command that was given
 
 private:
     [[nodiscard]] std::vector<Command> to_commands(const std::vector<CLI::App*>& apps) const;
@@ -147,13 +147,13 @@ public:
     /// CommandLineError, or what a check throws.
     [[nodiscard]] Parsed parse(const std::vector<std::string>& words);
     /// Runs the command that was given.
-    [[nodiscard]] Exit run() const { return run_(); }
+    [[nodiscard]] ExitStatus run() const { return run_(); }
 
     [[nodiscard]] std::vector<std::string> leftover_words() const;  ///< words that no option or argument takes
 
 private:
     std::unique_ptr<CLI::App> parser_;
-    std::function<Exit()> run_;
+    std::function<ExitStatus()> run_;
 };
 
 /// Turns an error of the parser into a message that says what is wrong, why, and what to try.

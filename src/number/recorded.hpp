@@ -25,7 +25,7 @@ public:
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// The recorder of this thread. Throws Error(Exit::internal) if there is none.
+    /// The recorder of this thread. Throws Error(ExitStatus::internal) if there is none.
     static Recorder& current() {
         if (current_ == nullptr) [[unlikely]]
             fail_without_recorder();
@@ -59,7 +59,8 @@ public:
 
 private:
     [[noreturn]] static void fail_without_recorder() {
-        throw Error(Exit::internal, "a recorded number was used on a thread without a Recorder: construct one first");
+        throw Error(ExitStatus::internal,
+                    "a recorded number was used on a thread without a Recorder: construct one first");
     }
     static inline constinit thread_local Recorder* current_ = nullptr;
 

@@ -30,7 +30,7 @@ int exact_orientation(std::span<const S, 12> matrix) {
         if ((det < zero).is_yes()) return -1;
         if (det.is_exact()) return 0;
     }
-    throw Error(Exit::internal, "the sign of a determinant is still unknown at 32768 bits");
+    throw Error(ExitStatus::internal, "the sign of a determinant is still unknown at 32768 bits");
 }
 
 }  // namespace

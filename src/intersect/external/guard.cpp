@@ -69,15 +69,15 @@ void clean_up() {
     if (options().clean_up && !process::is_forked_copy()) options().clean_up();
 }
 
-[[noreturn]] void exit_program(Exit code) {
-    if (options().exit_with) options().exit_with(static_cast<int>(code));
-    _exit(static_cast<int>(code));
+[[noreturn]] void exit_program(ExitStatus status) {
+    if (options().exit_with) options().exit_with(static_cast<int>(status));
+    _exit(static_cast<int>(status));
 }
 
 [[noreturn]] void end_with_message(const char* who, const char* problem, const char* remedy) {
     clean_up();
     print_message(who, problem, remedy);
-    exit_program(Exit::environment);
+    exit_program(ExitStatus::environment);
 }
 
 constexpr const char* isolation_advice = "try --isolate, which runs it in a separate process, or a debugger";
@@ -152,7 +152,7 @@ void end_if_overdue(const char* who, std::chrono::duration<double> duration) {
     if (options().stop.is_requested() && duration.count() > 1) {
         clean_up();
         print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
-        exit_program(Exit::interrupted);
+        exit_program(ExitStatus::interrupted);
     }
     if (duration.count() > options().seconds)
         end_with_message(who, "has not answered a batch within the time limit",

@@ -106,7 +106,7 @@ bool restore_own_state(const char* who) noexcept {
                                  "program; the copy was ended; call exec or _exit in it\n"}) {
             if (write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
         }
-        _exit(static_cast<int>(Exit::environment));
+        _exit(static_cast<int>(ExitStatus::environment));
     }
     if (remembered.folder < 0 || fchdir(remembered.folder) == 0) return true;
     // The folder may no longer be accessible, which is not the fault of foreign code. It is the fault of that code if

@@ -178,7 +178,7 @@ double round_by_side(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
     }
-    throw Error(Exit::internal, "no precision was enough to tell the side of a rounding boundary");
+    throw Error(ExitStatus::internal, "no precision was enough to tell the side of a rounding boundary");
 }
 
 }  // namespace
