@@ -233,7 +233,7 @@ ExitStatus choose_for_scene(const ChooseOptions& options, const CommonOptions& c
     output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
-    if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.tested_forms);
+    if (!common.quiet) selection::note_ineffective_settings(options.set, scene.id, request.tested_forms);
     if (!options.mend) return choose(request, writer, result_folder, progress, common);
 
     // The repaired forms take part in the choice.

@@ -130,11 +130,11 @@ ExitStatus run_strictly(const DiffOptions& options, const CompareOptions& compar
     const auto results = diff::compare_all(options.a, options.b, compare_options);
     diff::require_known_columns(compare_options, compared_columns(results));
 
-    const bool is_same = std::ranges::all_of(results, &FileResult::same);
+    const bool is_same = std::ranges::all_of(results, &FileResult::is_same);
     const bool compares_files = fs::is_regular_file(options.a) && fs::is_regular_file(options.b);
     if (compares_files) print_option_differences(option_differences(folder_of(options.a), folder_of(options.b)));
     for (const FileResult& r : results) {
-        if (!r.same() || common.verbose) diff::print(r, common.verbose);
+        if (!r.is_same() || common.verbose) diff::print(r, common.verbose);
     }
     if (is_same && !common.quiet) fmt::print("same\n");
 
@@ -164,15 +164,15 @@ ExitStatus run_on_maps(const DiffOptions& options, const MapSides& sides, const 
     complete_folder(result_folder);
 
     if (!sides.compares_two_forms()) print_option_differences(option_differences_below(options.a, options.b));
-    if (!difference.same() || common.verbose) diff::print(difference, sides, common.verbose);
-    if (difference.same() && !common.quiet) fmt::print("same\n");
+    if (!difference.is_same() || common.verbose) diff::print(difference, sides, common.verbose);
+    if (difference.is_same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
         if (!common.quiet) fmt::print("{}\n", picture.string());
     }
     if (difference.pictures > 0 && !common.quiet)
         fmt::print(stderr, "lostbits: {} {} not compared; --compare-pictures compares {}\n", difference.pictures,
                    difference.pictures == 1 ? "picture is" : "pictures are", difference.pictures == 1 ? "it" : "them");
-    return difference.same() ? ExitStatus::done : ExitStatus::answer_is_no;
+    return difference.is_same() ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.

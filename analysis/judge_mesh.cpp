@@ -79,7 +79,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
     std::vector<std::string> cells{name, std::string(format.name)};
     for (std::size_t k = 0; k < measure::judge::mesh_outcome_rows.size(); ++k) {
         const auto outcome = static_cast<MeshOutcome>(k);
-        if (!can_be(outcome, result.kind)) continue;
+        if (!can_have_outcome(outcome, result.kind)) continue;
         const std::string title = output::map::name_in_words(name_of(outcome));
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
         cells.push_back(std::to_string(result.count(outcome)));

@@ -94,7 +94,7 @@ Listing intersectors(const CommonOptions& /*common*/) {
 }
 
 Listing formats(const CommonOptions& /*common*/) {
-    return make_listing({"name", "meaning"}, format_help, [](const FormatHelp& f) {
+    return make_listing({"name", "meaning"}, format_descriptions, [](const FormatDescription& f) {
         return Cells<2>{f.name, f.meaning};
     });
 }

@@ -21,7 +21,7 @@
 #include "commands.hpp"
 #include "intersect/external/guard.hpp"
 #include "intersect/process/floating_point.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -181,7 +181,7 @@ void load_external(const shell::Command& program, CommonOptions& common, const I
     shell::open_standard_streams();  // a library may have closed one
     if (common.quiet) return;
     selection::note_processor_states();
-    selection::note_unselected(program.given_commands().back());
+    selection::note_unused_external_forms(program.given_commands().back());
 }
 
 /// Runs the command that was given, and writes its table to standard output if `-o -` asks for it.
@@ -219,11 +219,11 @@ ExitStatus run_arguments(const std::vector<std::string>& arguments, std::shared_
     add_shell(program);
     add_examples(program);
 
-    const shell::UpdatedArguments updated = shell::update_names(program, arguments);
+    const shell::UpdatedArguments updated = shell::replace_former_names(program, arguments);
     try {
         const auto parsed = program.parse(updated.arguments);
-        if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, help_footer));
-        if (parsed != shell::CommandLine::Parsed::command) return ExitStatus::done;
+        if (parsed == shell::CommandLine::ParseOutcome::help) fmt::print("{}", shell::help_page(program, help_footer));
+        if (parsed != shell::CommandLine::ParseOutcome::command) return ExitStatus::done;
     } catch (const shell::CommandLineError& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
                    output::file::terminal_text(shell::describe_error(program, error)), program.command_path());

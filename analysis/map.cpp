@@ -61,7 +61,7 @@ std::string canonical_command(const Scene& scene, const MapOptions& options) {
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& tested_forms) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const TestedForm& tested_form : tested_forms)
-        if (tested_form.form->rounded != nullptr) selection::add_once(forms, tested_form.form);
+        if (tested_form.form->rounded != nullptr) selection::append_if_missing(forms, tested_form.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits: no selected form exists in formats of every width; `lostbits list forms` lists "
@@ -112,7 +112,7 @@ std::vector<const Metric*> exr_layers(const PlannedScene& planned, const MapOpti
                                       std::vector<const Metric*> drawn_metrics) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
     if (options.envelope) drawn_metrics.push_back(measure::metric::find_metric("excess_bits"));
-    for (const Metric* m : drawn_metrics) selection::add_once(layers, m);
+    for (const Metric* m : drawn_metrics) selection::append_if_missing(layers, m);
     std::erase_if(layers, [&planned](const Metric* m) {
         return std::ranges::find(planned.map.metrics, m) == planned.map.metrics.end();
     });

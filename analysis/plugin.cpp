@@ -14,7 +14,7 @@
 #include "intersect/external/formulas.hpp"
 #include "intersect/external/pipe.hpp"
 #include "intersect/external/plugin.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "measure/contract/probe.hpp"
 #include "shapes/number_names.hpp"
 #include "text/count_with_noun.hpp"
@@ -31,12 +31,12 @@ using measure::contract::Observation;
 /// in place of the header.
 ExitStatus serve(const std::string& library) {
     const int output = redirect_standard_output("plugin serve");
-    intersect::process::keep_own_state();
+    intersect::process::save_process_state();
     std::vector<ForeignForm> forms;
     try {
         forms = intersect::external::load_plugin(intersect::external::find_plugin(library));
     } catch (const Error& error) {  // the process at the other end reports it
-        const std::string message = intersect::external::refusal_of(error);
+        const std::string message = intersect::external::error_lines_of(error);
         return write(output, message.data(), message.size()) < 0 ? ExitStatus::environment : error.status();
     }
     if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return ExitStatus::done;
@@ -118,7 +118,7 @@ void add_plugin(const shell::Command& program, const CommonOptions& common) {
     check_command.set_action([library, &common] { return try_forms(*library, common); });
     auto serve_command = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
-    serve_command.hide();
+    serve_command.hide_from_help();
     serve_command.add("LIBRARY", *library, "The library").required();
     serve_command.set_action([library] { return serve(*library); });
 }

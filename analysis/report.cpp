@@ -328,7 +328,7 @@ PlannedReport plan_report(const ReportOptions& options, const std::filesystem::p
     const ReportForms forms{
         options, formats,
         selection::pair_forms_with_formats(
-            selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats),
+            selection::select_forms(selection::form_patterns(options.forms, defaults.forms)), formats),
         claims};
 
     PlannedReport planned;

@@ -64,7 +64,7 @@ ExitStatus serve_shader(const std::string& shader_name, const std::string& devic
                        device->description().renderer);
         forms = forms_of(shader, device, !device_kind.empty(), describe_device(device->description(), arithmetic));
     } catch (const Error& error) {
-        const std::string message = intersect::external::refusal_of(error);
+        const std::string message = intersect::external::error_lines_of(error);
         return write(output_fd, message.data(), message.size()) < 0 ? ExitStatus::environment : error.status();
     }
     if (intersect::external::serve_pipe(forms, STDIN_FILENO, output_fd)) return ExitStatus::done;
@@ -84,7 +84,7 @@ ExitStatus send_device_facts(const std::string& device_kind) {
         text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n",
                            description.kind, description.renderer, description.vendor, description.version,
                            description.driver, arithmetic.digest);
-        for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
+        for (const DeviceFact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
     } catch (const Error& error) {
         const std::string_view message = error.what();
         const std::string prefix = device_kind.empty() ? "" : device_kind + ": ";
@@ -138,7 +138,7 @@ void add_devices(const shell::Command& program, const CommonOptions& common) {
 
 void add_shader(const shell::Command& program, const CommonOptions& /*common*/) {
     auto command = program.add_command("shader", "The process of a shader, which --shader starts");
-    command.hide();
+    command.hide_from_help();
     const auto file = std::make_shared<std::string>(), device_kind = std::make_shared<std::string>();
     auto serve_command =
         command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");

@@ -190,7 +190,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
 void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
     const bool has_stopped_run = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
     for (const auto& run : runs)
-        if (!has_stopped_run || run->was_stopped()) run->resume();
+        if (!has_stopped_run || run->was_stopped()) run->read_saved_state();
 }
 
 /// A sweep of the run: its file, and the forms that can test it.

@@ -56,7 +56,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     }
 }
 
-void ExhaustiveRun::resume() {
+void ExhaustiveRun::read_saved_state() {
     state_file_.read([this](output::shard::BitReader& bits) {
         bits(state_);
         state_.require_match(request_);

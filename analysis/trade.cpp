@@ -62,7 +62,7 @@ ExitStatus run(const TradeOptions& options, const CommonOptions& common) {
     const auto result_folder = lock_folder(folder, common, scene ? text::shell_word(options.scene) : "");
     output::trade::TradeWriter writer(request, folder);
     const selection::ThreadLimit limit(common.threads);
-    if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);
+    if (scene && !common.quiet) selection::note_ineffective_settings(options.set, scene->id, rows);
     output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);

@@ -87,8 +87,8 @@ measure::trade::TimedWork work_on(const std::shared_ptr<measure::trade::RayStore
     return {[store, kernel] { store->run(kernel); }, store->rays_per_run(), true};
 }
 
-const intersect::simd::PackedRow& row_of(Isa isa, std::string_view form) {
-    const auto rows = intersect::simd::packed_rows(isa);
+const intersect::simd::PackedFormKernels& row_of(Isa isa, std::string_view form) {
+    const auto rows = intersect::simd::all_packed_kernels(isa);
     return *std::ranges::find_if(rows, [form](const auto& row) { return row.info->name == form; });
 }
 
@@ -98,7 +98,7 @@ void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>&
     const auto store = std::make_shared<measure::trade::RayStore<S>>(rays.pool, bytes, rays.hit_rate, 0, 1);
     std::vector<std::pair<std::string, measure::trade::TimedWork>> all;
     for (const std::string_view form : forms) {
-        const intersect::simd::PackedRow& row = row_of(isa, form);
+        const intersect::simd::PackedFormKernels& row = row_of(isa, form);
         if constexpr (sizeof(S) == 4) all.emplace_back(form, work_on(store, row.f32));
         else if (row.f64) all.emplace_back(form, work_on(store, row.f64));
     }

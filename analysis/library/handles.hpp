@@ -103,7 +103,7 @@ private:
 class SceneCache {
 public:
     std::shared_ptr<const SceneInFormat> get(const scene::file::Scene& scene, const FloatFormat& format);
-    void forget() { scenes_.clear(); }
+    void clear() { scenes_.clear(); }
 
 private:
     std::mutex mutex_;

@@ -39,7 +39,7 @@ std::string find_data_folder(const lostbits_where& where) {
 
 /// Removes the primitives that the scene was read with, once. Call it before primitives are added.
 void remove_primitives(lostbits_scene& scene) {
-    scene.stored->forget();
+    scene.stored->clear();
     if (scene.has_array_primitives) return;
     scene.has_array_primitives = true;
     scene.explain_arguments.clear();
@@ -255,7 +255,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         require(scene, "scene");
         require(matrix, "matrix");
         Scene& target = scene->scene;
-        scene->stored->forget();
+        scene->stored->clear();
         if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
 
         // The matrix has the numbers that a file of the scene would store.

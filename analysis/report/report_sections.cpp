@@ -202,7 +202,7 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
             .source = scene.source,
             .tested_form_names = names_of_tested_forms(planned.tested_forms),
             .index = std::move(index),
-            .blobs = data.blobs(summaries),
+            .named_data = data.named_data(summaries),
             .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
             .has_scene_size = planned.has_own_size,

@@ -20,7 +20,7 @@
 #include "intersect/external/plugin.hpp"
 #include "intersect/function/function.hpp"
 #include "intersect/process/child.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/tape/driver_difference.hpp"
 #include "number/error.hpp"
@@ -155,7 +155,7 @@ std::string this_program(const std::string& arguments) {
 
 std::vector<std::string> select_devices(const std::vector<std::string>& names) {
     std::vector<std::string> kinds;
-    const auto add = [&kinds](std::string_view kind) { add_once(kinds, std::string(kind)); };
+    const auto add = [&kinds](std::string_view kind) { append_if_missing(kinds, std::string(kind)); };
     for (const std::string& name : names) {
         if (name == "all") std::ranges::for_each(intersect::device::device_kinds, add);
         else if (std::ranges::find(intersect::device::device_kinds, name) != std::end(intersect::device::device_kinds))
@@ -336,7 +336,7 @@ void note_processor_states() {
                    library, state);
 }
 
-std::vector<std::string> form_patterns_or(const std::vector<std::string>& given, std::vector<std::string> defaults) {
+std::vector<std::string> form_patterns(const std::vector<std::string>& given, std::vector<std::string> defaults) {
     if (!given.empty()) return given;
     std::ranges::move(external_names(), std::back_inserter(defaults));
     return defaults;
@@ -369,7 +369,7 @@ void note_unmeasured(const std::vector<std::string>& patterns,
                    shapes_and_formats);
 }
 
-void note_unselected(const shell::Command& command) {
+void note_unused_external_forms(const shell::Command& command) {
     const shell::Option forms = command.option("--form");
     const shell::Option beside = command.option("--beside");  // a command without it uses isolated forms too
     const std::vector<std::string> names = external_names(static_cast<bool>(beside));
@@ -389,7 +389,7 @@ void note_unselected(const shell::Command& command) {
 DeviceReport ask_device(std::string_view kind, const ExternalOptions& options) {
     DeviceReport report{.kind = std::string(kind), .facts = {}, .problem = {}};
     try {
-        intersect::process::Child child(
+        intersect::process::ChildProcess child(
             this_program("shader probe " + report.kind),
             {.who = report.kind, .timeout_advice = "", .seconds = options.seconds, .stop = options.stop});
         for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {

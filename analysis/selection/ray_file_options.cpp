@@ -211,7 +211,7 @@ void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& me
             {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(options.tolerance, options.unit))});
     else if (!options.unit.empty())
         throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing; write both");
-    for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) add_once(metrics, m);
+    for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) append_if_missing(metrics, m);
 }
 
 }  // namespace lostbits::analysis::selection

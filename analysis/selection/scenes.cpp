@@ -8,7 +8,7 @@
 
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/select.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "scene/rays/stored_mesh.hpp"

@@ -182,7 +182,7 @@ void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shape
             return can_test(tested_form.form->shapes());
         }))
         return;
-    const Intersector& plain = plain_set(shapes);
+    const Intersector& plain = default_set(shapes);
     add_set_forms(chosen.tested_forms, {&plain});
     if (!chosen.quiet)
         fmt::print(stderr,
@@ -227,7 +227,7 @@ Forms select_sets(const std::string& pattern, const char* option) {
     return combinations(parts, fmt::format("{} {}", option, pattern));
 }
 
-const Intersector& plain_set(Shapes shapes) {
+const Intersector& default_set(Shapes shapes) {
     Forms parts;
     for (const Shape shape : list_shapes(shapes)) {
         const Intersector& plain = plain_form(shape);
@@ -357,7 +357,7 @@ std::string patterns_for(const ShapePredicate& can_test) {
     const auto add = [&patterns](const std::string& pattern) {
         patterns += (patterns.empty() ? "" : "' -i '") + pattern;
     };
-    if (const auto several = several_shapes(can_test)) add(std::string(plain_set(*several).info->name));
+    if (const auto several = several_shapes(can_test)) add(std::string(default_set(*several).info->name));
     for (const Shape shape : all_shapes)
         if (can_test(shape) || can_test(Shapes(shape).with_transform())) add(std::string(name_of(shape)) + ".*");
     return patterns;

@@ -69,7 +69,7 @@ std::vector<measure::evaluate::TestedForm> tested_forms_handling(const SelectedF
                                                                  const ShapePredicate& can_test);
 
 /// The set of the first form of each shape that takes any direction and has the default convention (a touch is a hit).
-const intersect::table::Intersector& plain_set(Shapes shapes);
+const intersect::table::Intersector& default_set(Shapes shapes);
 
 /// The patterns of the forms that can test the subject, or a set if its primitives have several shapes. They are for
 /// text between single quotes: sphere.*' -i 'sdf.*

@@ -103,7 +103,7 @@ public:
     /// Adds the examples that the help shows.
     void set_examples(const std::vector<Example>& examples) const;
     /// Leaves the command out of every help and list: the program starts it by itself.
-    void hide() const;
+    void hide_from_help() const;
 
     /// Sets the function that runs if this command is given.
     void set_action(const std::function<ExitStatus()>& run) const;
@@ -142,10 +142,10 @@ public:
     CommandLine(const std::string& name, const std::string& version, const std::string& help);
     ~CommandLine();
 
-    enum class Parsed { command, help, version };
+    enum class ParseOutcome { command, help, version };
     /// Parses the words; the first is the name of the program. If they asked for the version, it is printed. Throws
     /// CommandLineError, or what a check throws.
-    [[nodiscard]] Parsed parse(const std::vector<std::string>& words);
+    [[nodiscard]] ParseOutcome parse(const std::vector<std::string>& words);
     /// Runs the command that was given.
     [[nodiscard]] ExitStatus run() const { return run_(); }
 

@@ -21,6 +21,6 @@ std::span<const RenamedOption> renamed_options();
 struct UpdatedArguments {
     std::vector<std::string> arguments, advice;
 };
-UpdatedArguments update_names(const Command& program, const std::vector<std::string>& arguments);
+UpdatedArguments replace_former_names(const Command& program, const std::vector<std::string>& arguments);
 
 }  // namespace lostbits::analysis::shell

@@ -144,12 +144,12 @@ struct NumberAdapter {
             fmt::print("  {} {}: {}\n", study.tested_forms[r].form->info->name, study.tested_forms[r].format.name,
                        in_words(summaries[r]));
     }
-    static std::uint64_t unproved(const Summaries& summaries) {
+    static std::uint64_t unproved_count(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
         for (const NumberSummary& summary : summaries) max_unproved = std::max(max_unproved, summary.unresolved);
         return max_unproved;
     }
-    static std::uint64_t unproved(const NumberRow& row) { return row.summary->unresolved; }
+    static std::uint64_t unproved_count(const NumberRow& row) { return row.summary->unresolved; }
 
     static output::table::Table<NumberRow> summary_table() {
         output::table::Table<NumberRow> table;

@@ -117,7 +117,7 @@ public:
     explicit BasicRecorded(X x) : node_(Recorder::current().input(x, is_double)) {}
 
     /// The number with this index in the recorder.
-    static BasicRecorded at(NodeId node) { return BasicRecorded(node, FromNode()); }
+    static BasicRecorded at(NodeId node) { return BasicRecorded(node, FromNodeTag()); }
 
     [[nodiscard]] NodeId node() const { return node_; }
     [[nodiscard]] auto value() const {
@@ -189,8 +189,8 @@ public:
     }
 
 private:
-    struct FromNode {};
-    BasicRecorded(NodeId node, FromNode) : node_(node) {}
+    struct FromNodeTag {};
+    BasicRecorded(NodeId node, FromNodeTag) : node_(node) {}
     static BasicRecorded record_number(TapeOp op, const BasicRecorded& a) { return at(record(op, a.node_)); }
     static BasicRecorded record_number(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
         return at(record(op, a.node_, b.node_));

@@ -24,11 +24,11 @@ E lift(const S& x) {
 template <>
 inline Ball lift<Ball, Real>(const Real& x) {
     const auto hi = x.convert_to<double>();
-    if (!std::isfinite(hi)) return Ball::anything();
+    if (!std::isfinite(hi)) return Ball::all_reals();
     const auto lo = Real(x - Real(hi)).convert_to<double>();
     const Real rest = Real(x - Real(hi)) - Real(lo);
     if (rest == 0) return Ball(hi, lo, 0);
-    return std::fabs(hi) < 0x1p-800 ? Ball::anything() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
+    return std::fabs(hi) < 0x1p-800 ? Ball::all_reals() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
 }
 
 template <class E, class S>

@@ -102,7 +102,7 @@ struct ToCheck {
 /// Alone (`Isa::scalar`) or in packs.
 template <class F>
 Kernel<F> kernel_of(const Intersector& form, Isa isa) {
-    const intersect::simd::PackedRow row = intersect::simd::packed_kernels(form, isa);
+    const intersect::simd::PackedFormKernels row = intersect::simd::packed_kernels(form, isa);
     if constexpr (sizeof(F) == 4) return row.f32;
     else return row.f64;
 }

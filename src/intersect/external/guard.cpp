@@ -16,7 +16,7 @@
 #include <mutex>
 #include <thread>
 
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::external {
@@ -178,7 +178,7 @@ ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint
       state_before_(process::FloatingPointState::current()),
       fp_state_(fp_state) {
     set_up_signal_stack();
-    process::give_thread_own_folder();
+    process::make_working_folder_private();
     running_code = who;
     fp_state.apply();
 
@@ -195,7 +195,7 @@ ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint
 }
 
 ForeignCodeScope::~ForeignCodeScope() {
-    if (!process::restore_own_state(who_))
+    if (!process::restore_process_state(who_))
         end_with_message(who_, "closed descriptors that are the program's own",
                          "close only what it opened, each descriptor by its number");
     restore_limits_sometimes(who_);
@@ -253,7 +253,7 @@ void guard_foreign_code(const GuardOptions& new_options) {
     current_options = &all_options.emplace_back(new_options);
     if (is_guarding) return;
     is_guarding = true;
-    process::keep_own_state();
+    process::save_process_state();
 
     struct sigaction action {};
     action.sa_handler = on_crash;

@@ -61,7 +61,7 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
 
         // Moves the rays to the space of the primitive.
         const auto lifted = convert_numbers(*primitive.transform, [](const S& x) { return T(x); });
-        const Maps<T> maps = steps.maps(lifted);
+        const MatrixPair<T> maps = steps.maps(lifted);
         thread_local ObjectColumns<S> columns;
         steps.to_object(maps, world_rays, columns);
         const auto& [ox, oy, oz, dx, dy, dz] = columns.ray;
@@ -105,7 +105,7 @@ Hit<E> enclose_hit(void* context, const Ray<E>& ray, const Target<E>& target) {
     const Primitive<E>& primitive = target.primitives.front();
     if (!primitive.transform) return (form_parts.form->*kernel_member)(ray, target);
     const StepFunctions<E>& steps = form_parts.method->*steps_member;
-    const Maps<E> maps = steps.maps(*primitive.transform);
+    const MatrixPair<E> maps = steps.maps(*primitive.transform);
     const ObjectRay<E> object_ray = steps.to_object(maps, ray);
     const Primitive<E> object = scaled(primitive, object_ray.scale);
     const Hit<E> hit = (form_parts.form->*kernel_member)(object_ray.ray, Target<E>(object));

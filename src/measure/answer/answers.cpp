@@ -223,7 +223,7 @@ OneToMany<S> kernel_for_many(const Kernel& kernel, const RayBlock& rays) {
 /// spheres.
 void test_spheres(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in,
                   Answers& answers) {
-    const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
+    const intersect::simd::ManyFormKernels many = intersect::simd::many_kernels(form);
     switch (in.format.engine) {
         case Format::Engine::native32: {
             const auto many_kernel = kernel_for_many<float>(many.f32, rays);
@@ -296,9 +296,9 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
 
     // Kernels of packs keep no records of the marches in their lanes.
-    const intersect::simd::PackedRow native = marches
-                                                  ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
-                                                  : intersect::simd::packed_kernels(form);
+    const intersect::simd::PackedFormKernels native =
+        marches ? intersect::simd::PackedFormKernels{form.info, form.native32, form.native64}
+                : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
 
     // The spheres of an index are tested page by page.

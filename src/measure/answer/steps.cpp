@@ -17,7 +17,7 @@
 namespace lostbits::measure::answer {
 
 using intersect::table::Intersector;
-using intersect::transform::Maps;
+using intersect::transform::MatrixPair;
 using intersect::transform::ObjectRay;
 using intersect::transform::StepFunctions;
 using intersect::transform::TransformMethod;
@@ -97,7 +97,7 @@ public:
         steps.t[Steps::none_rounded] = true_t;
 
         // From here on, both matrices are those that the format computed.
-        const Maps<T> maps =
+        const MatrixPair<T> maps =
             rounded_steps.maps(convert_numbers(*primitive_.transform, [](double x) { return static_cast<T>(x); }));
         maps_ = {to_real(maps.to_world), to_real(maps.to_object)};
 
@@ -167,7 +167,7 @@ private:
     Ray<T> world_;
     Ray<Real> exact_world_;
     Primitive<double> object_primitive_;
-    Maps<Real> maps_;
+    MatrixPair<Real> maps_;
 };
 
 }  // namespace

@@ -241,7 +241,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
-        names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
+        names_of_inputs(form, target, recorded_ray && recorded_ray->try_prepend_to(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, names, form.form_for(target.primitives.front().shape), format, range);
     const Attribution tape_attribution = attribute(tape);
 
@@ -365,7 +365,7 @@ void explain_template(Explanation& explanation, const OneRay& ray, const OneRay:
     const auto recorded_ray = ray.recorded_ray(format);
     explanation.is_generated_ray = recorded_ray.has_value();
     explanation.input_names =
-        names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
+        names_of_inputs(form, target, recorded_ray && recorded_ray->try_prepend_to(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, explanation.input_names, form.form_for(explanation.shape), format, explanation.range);
     for (const TapeNode& n : tape.nodes) {
         if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);

@@ -23,7 +23,7 @@ public:
     }
 
     scene::rays::RayGroup take(const FileOptions& options) {
-        sample_.rays.set_as_list();
+        sample_.rays.mark_as_list();
         sample_.paired = !sample_.primitives.empty();
         if (!sample_.paired)
             sample_.primitives =

@@ -201,7 +201,8 @@ std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswe
     for (const double t : {answer.near, answer.far, answer.near_back, answer.far_back}) {
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
-    return truth::by_rising_precision([&]<class E>() { return chord_error_in<E>(rays, answer, are_distances, ulp); });
+    return truth::find_at_rising_precision(
+        [&]<class E>() { return chord_error_in<E>(rays, answer, are_distances, ulp); });
 }
 
 void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {

@@ -28,7 +28,7 @@ double pixel_count(const C& s) {
 }
 template <CheckResult a>
 double result_fraction(const C& s) {
-    return truth::fraction(s.count_of(a), s.asked());
+    return truth::fraction(s.count_of(a), s.question_count());
 }
 template <metric::Distribution C::*numbers, int percent>
 double quantile_of(const C& s) {
@@ -36,7 +36,8 @@ double quantile_of(const C& s) {
 }
 
 constexpr ConsistencyColumn column_rows[] = {
-    {"rays", "", "pixels at which both questions are asked", true, [](const C& s) { return as_number(s.asked()); }},
+    {"rays", "", "pixels at which both questions are asked", true,
+     [](const C& s) { return as_number(s.question_count()); }},
     {"agree", "", "of these, pixels with the same answer to both questions", true, pixel_count<CheckResult::agree>},
     {"first_alone", "", "the answer is yes only to the first question, and one of the answers is wrong", true,
      pixel_count<CheckResult::first_alone>},
@@ -51,9 +52,9 @@ constexpr ConsistencyColumn column_rows[] = {
     {"unresolved", "", "the answers differ, and the exact ones are not proved", true,
      pixel_count<CheckResult::unresolved>},
     {"disagree_fraction", "", "share of first_alone, second_alone and other_number", false,
-     [](const C& s) { return truth::fraction(s.disagreements(), s.asked()); }},
+     [](const C& s) { return truth::fraction(s.disagreements(), s.question_count()); }},
     {"decision_fraction", "", "share of first_alone and second_alone", false,
-     [](const C& s) { return truth::fraction(s.decisions(), s.asked()); }},
+     [](const C& s) { return truth::fraction(s.decisions(), s.question_count()); }},
     {"by_inputs_fraction", "", "share of by_inputs", false, result_fraction<CheckResult::by_inputs>},
     {"apart_p50", "ulp",
      "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, as "
@@ -69,7 +70,7 @@ constexpr ConsistencyColumn column_rows[] = {
 
 }  // namespace
 
-std::uint64_t CheckSummary::asked() const {
+std::uint64_t CheckSummary::question_count() const {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - count_of(CheckResult::not_asked);
 }
 

@@ -166,7 +166,7 @@ std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups)
         }
         joined.rays.primitives.insert(joined.rays.primitives.end(), g.rays.size(), g.primitives[0]);
     }
-    rays.set_as_list();
+    rays.mark_as_list();
     return joined;
 }
 

@@ -58,7 +58,7 @@ inline constexpr bool is_fault(MeshOutcome outcome) {
     return outcome != MeshOutcome::agree && outcome != MeshOutcome::on_surface;
 }
 /// True if answers of this kind can have the outcome.
-bool can_be(MeshOutcome outcome, scene::ray_file::AnswerKind kind);
+bool can_have_outcome(MeshOutcome outcome, scene::ray_file::AnswerKind kind);
 
 /// One hit in a list.
 struct ListedHit {

@@ -101,11 +101,12 @@ std::optional<double> computed_weight(const Sample& s, std::size_t vertex) {
 double weight_error(double x, const Sample& s, std::size_t vertex) {
     if (!std::isfinite(x)) return HUGE_VAL;
     return visit_shape(*s.primitive, [&]<template <class> class S>() {
-        if constexpr (requires(const S<double>& shape) { shape.weights(Ray<double>()); }) {
+        if constexpr (requires(const S<double>& shape) { shape.barycentric_coordinates(Ray<double>()); }) {
             return std::fabs(evaluate_enclosed([&]<class E>() {
                 return visit_in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
                                                 [&](const S<E>& shape, const Ray<E>& ray) -> E {
-                                                    return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                                    return E(x) -
+                                                           shape.barycentric_coordinates(ray)[static_cast<int>(vertex)];
                                                 });
             }));
         } else {

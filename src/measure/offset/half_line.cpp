@@ -120,7 +120,7 @@ template <class Find>
 auto escalate(const Find& find) {
     if (const auto by_running_errors = find.template operator()<number::wide::Running<double>>())
         return *by_running_errors;
-    if (const auto by_intervals = truth::by_rising_precision(find)) return *by_intervals;
+    if (const auto by_intervals = truth::find_at_rising_precision(find)) return *by_intervals;
     throw Error(ExitStatus::internal, "no precision was enough to decide how a ray meets a primitive");
 }
 

@@ -82,7 +82,7 @@ struct ObjectQuery {
         primitive = scaled(world_primitive, object_ray.scale);
     }
     [[nodiscard]] truth::EnclosedHit<E> enclosed() const {
-        return on_rendered(primitive, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
+        return visit_rendered_shape(primitive, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
     }
 };
 

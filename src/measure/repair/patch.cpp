@@ -256,7 +256,7 @@ std::string Patcher::Writer::expression_text(NodeId n, SourcePrecedence& precede
     const bool is_of_double = is_double(*new_tape_, is_comparison(node.op) ? node.operands[0] : n);
     const SourcePattern source_pattern = node.op == TapeOp::convert
                                              ? conversion_in(function_.language, is_wide)
-                                             : pattern_in(function_.language, node.op, is_of_double);
+                                             : operation_pattern(function_.language, node.op, is_of_double);
     if (source_pattern.pattern.empty())
         throw UnwritableChange(
             fmt::format("it needs {}, which the language does not have", lostbits::name_of(node.op)));
@@ -305,7 +305,7 @@ void Patcher::Writer::write_expression(NodeId old_node, NodeId new_node, bool sh
     std::string text = name_of(new_node) != nullptr ? *name_of(new_node) : expression_text(new_node, precedence);
     const SourcePrecedence required_precedence =
         computed_text.is_statement ? SourcePrecedence::choice
-                                   : pattern_in(function_.language, old_tape_[old_node].op, false).precedence;
+                                   : operation_pattern(function_.language, old_tape_[old_node].op, false).precedence;
     if (precedence < required_precedence) text = "(" + text + ")";
 
     if (!declarations.empty()) changes_.push_back({{statement.begin, statement.begin}, declarations});

@@ -116,7 +116,7 @@ std::vector<external::Formula> formulas_with_transforms(const fs::path& library_
         const Intersector& original_form = *forms[k].original.form;
         const std::string name = "mended" + std::to_string(k);
         intersect::Info& info = infos.emplace_back(*original_form.info);
-        info.name = external::lasting_text("mended." + name);
+        info.name = external::never_freed_copy("mended." + name);
         Intersector form{.info = &info,
                          .shape = original_form.shape,
                          .native32 = nullptr,
@@ -137,7 +137,7 @@ void write_file(const fs::path& file, const std::string& text) {
 
 /// Runs the compiler. Throws EnvironmentError with the compiler's output if it fails.
 void run_compiler(const intersect::process::ProgramArguments& arguments, const RepairRequest& request) {
-    intersect::process::Child child(
+    intersect::process::ChildProcess child(
         arguments, {.who = arguments.front(), .timeout_advice = "", .seconds = 600, .stop = request.limit.stop});
     const auto result = child.read_to_end();
     if (result.status == 0) return;

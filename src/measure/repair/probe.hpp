@@ -45,8 +45,8 @@ inline constexpr std::array isometries{
     Isometry{"rotated", "rotated by 147 degrees about (1, 2, 3)", {13, -26, 26,  34, 19, 2,  -14, 22, 29}, 39}};
 // clang-format on
 
-/// Maps a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a box or
-/// an ellipsoid without a matrix stays along the axes, so it cannot be rotated.
+/// MatrixPair a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a
+/// box or an ellipsoid without a matrix stays along the axes, so it cannot be rotated.
 std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, const Isometry& isometry);
 
 /// Quality of tapes on the rays and primitives of a request, mapped by one of the isometries.

@@ -23,8 +23,8 @@ RawStages filled_stages(void (*fill)(RawStages&)) {
     return kernels;
 }
 
-/// Registers of 512 bits use the kernels of 256 bits. Maps then take 3 to 4 % more processor time than with kernels for
-/// 512 bits, which were slow to compile and were removed.
+/// Registers of 512 bits use the kernels of 256 bits. MatrixPair then take 3 to 4 % more processor time than with
+/// kernels for 512 bits, which were slow to compile and were removed.
 const RawStages& kernels_at(Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::w256 || isa == Isa::w512) {

@@ -202,7 +202,7 @@ std::vector<Onset> find_onsets_of_draw(const SweepRequest& request, const std::v
     intersect::process::in_parallel(std::size_t{0}, request.tested_forms.size(), [&](std::size_t form_index) {
         FormEvaluator evaluator(request, form_index);
         for (const Event& event : list_events(request.tested_forms[form_index], request.metrics)) {
-            if (!request.asks_for({form_index, event.name, event.statistic, event.threshold})) continue;
+            if (!request.wants_onset({form_index, event.name, event.statistic, event.threshold})) continue;
             onsets_by_row[form_index].push_back(locate_onset(request, forward_steps, form_index, event, evaluator));
             if (!request.both_ends) continue;
             onsets_by_row[form_index].push_back(locate_onset(request, backward_steps, form_index, event, evaluator));

@@ -74,7 +74,7 @@ struct SweepRequest {
     truth::ProofLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
-    [[nodiscard]] bool asks_for(const Onset& onset) const {
+    [[nodiscard]] bool wants_onset(const Onset& onset) const {
         return wanted_onsets.empty() ||
                std::ranges::any_of(wanted_onsets, [&onset](const Onset& event) { return event.is_same_event(onset); });
     }

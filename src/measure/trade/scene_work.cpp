@@ -128,7 +128,8 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
     return row_store;
 }
 
-TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form, const intersect::simd::PackedRow& kernels) {
+TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form,
+                              const intersect::simd::PackedFormKernels& kernels) {
     const std::size_t items = rays() * primitives();
     if (tested_form.format.engine == Format::Engine::native32)
         return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, items, true};

@@ -145,7 +145,7 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& tested_for
                                                                       : intersect::simd::available_isas();
         for (const intersect::simd::Isa isa : isas) {
             if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*tested_form.form, isa)) continue;
-            const intersect::simd::PackedRow packed = packed_kernels(*tested_form.form, isa);
+            const intersect::simd::PackedFormKernels packed = packed_kernels(*tested_form.form, isa);
             add({.measured = tested_form, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
     }

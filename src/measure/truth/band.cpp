@@ -273,7 +273,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
 
 Truth FormatInputs::find_stored_truth(std::size_t i, Convention convention) const {
     const Truth closed_truth = stored_truth[i];
-    if (!convention.is_special() && !matters(convention, closed_truth.touches, closed_truth.on_surface))
+    if (!convention.is_special() && !convention_matters(convention, closed_truth.touches, closed_truth.on_surface))
         return closed_truth;
     return find_candidate_truth({truth_index.get(), paired}, i, rays[i], primitives, {.stop = stop}, convention,
                                 rays.range(i));

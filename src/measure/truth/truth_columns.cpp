@@ -121,7 +121,8 @@ private:
         const auto is_settled = [&](std::size_t i) {
             const auto& found = gathered.findings;
             return found.settled[i] != 0 &&
-                   !(stage == ties_ && matters(options_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
+                   !(stage == ties_ &&
+                     convention_matters(options_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
         };
         for (std::size_t i = 0; i < indices.size(); ++i) {
             out_.decision[indices[i]] = static_cast<Truth::Decision>(gathered.findings.hit[i]);

@@ -141,7 +141,7 @@ Json attribution_json(const Explanation& explanation, const TapeText& text) {
 }  // namespace
 
 std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march) {
-    const TapeText text(explanation.tape, explanation.input_names, TapeText::Style::plain);
+    const TapeText text(explanation.tape, explanation.input_names, TapeText::TextStyle::plain);
     Json json{{"schema", "lostbits-explanation/1"},
               {"form", std::string(explanation.form->info->name)},
               {"format", explanation.format.name},

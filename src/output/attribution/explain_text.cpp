@@ -433,7 +433,7 @@ std::string table_legend(const Explanation& explanation) {
 std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", explanation.form->info->name, explanation.format.name,
                                    explanation.form->info->title);
-    text += make_verdict(explanation, march).text() + better_sentences(explanation) + "\n";
+    text += make_verdict(explanation, march).text() + better_forms_text(explanation) + "\n";
 
     // The source line is also quoted for an operation that is not to blame if its result is not finite, because the
     // errors after it follow from that.

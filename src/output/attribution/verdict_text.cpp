@@ -304,7 +304,7 @@ std::string neighbourhood_phrase(const Explanation& explanation) {
 
 }  // namespace
 
-std::string better_sentences(const Explanation& explanation) {
+std::string better_forms_text(const Explanation& explanation) {
     // Lists the best forms, and in any case those that the user asked for.
     std::string list;
     constexpr std::size_t max_forms = 6;

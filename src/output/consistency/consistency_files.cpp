@@ -52,25 +52,26 @@ pixel::Look check_look(const Check& check) {
 
 /// Note below a cell of the sheet: how often the two answers differ, and by how much.
 std::string summary_note(const Check& check, const CheckSummary& s) {
-    if (s.asked() == 0) return "not asked";
+    if (s.question_count() == 0) return "not asked";
     // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
         const auto yes_count = s.count_of(CheckResult::second_alone);
-        return yes_count == 0           ? "always no"
-               : yes_count == s.asked() ? "always yes"
-                                        : fraction_text(yes_count, s.asked()) + " yes";
+        return yes_count == 0                    ? "always no"
+               : yes_count == s.question_count() ? "always yes"
+                                                 : fraction_text(yes_count, s.question_count()) + " yes";
     }
 
     const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.asked()) + " differ";
+    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.question_count()) + " differ";
     if (const auto input_count = s.count_of(CheckResult::by_inputs); input_count > 0 && !check.compares_numbers)
-        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.asked()));
+        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.question_count()));
 
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
     else if (s.count_of(CheckResult::other_number) > 0)
-        note += fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.asked()));
+        note +=
+            fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.question_count()));
     return note;
 }
 

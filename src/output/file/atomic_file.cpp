@@ -18,7 +18,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/files_of_run.hpp"

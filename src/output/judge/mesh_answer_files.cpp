@@ -73,7 +73,7 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
 
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
-        if (!measure::judge::can_be(outcome, kind)) continue;
+        if (!measure::judge::can_have_outcome(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
         table.add({std::string(name), records + ": " + std::string(meaning),
                    [outcome](const MeshSummaryRow& r) { return r.result->count(outcome); }});

@@ -269,14 +269,14 @@ std::string MetricPaint::hit_summary(const FormSummary& summary,
     if (hits.agreed_count == 0) {
         add(hits.true_hit_count == 0 ? "no ray hits" : "no correct hit");
     } else if (!hits.is_enough()) {
-        add("no p99: " + hits.too_few());
+        add("no p99: " + hits.too_few_text());
     } else if (distribution.count() == 0) {
         add("no value");
     } else {
         const double p99 = distribution.quantile(0.99);
         add("p99 " +
             (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit_suffix()));
-        add(measure::metric::Agreement{distribution.count(), hits.true_hit_count}.of_agreed_hits());
+        add(measure::metric::Agreement{distribution.count(), hits.true_hit_count}.of_agreed_hits_text());
     }
     return text;
 }

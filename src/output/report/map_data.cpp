@@ -299,8 +299,8 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_si
         {"rows", std::move(rows)}};
 }
 
-std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) const {
-    std::vector<Blob> result;
+std::vector<NamedData> MapData::named_data(const std::vector<FormSummary>& summaries) const {
+    std::vector<NamedData> result;
 
     // The truths, each shared by several rows.
     for (std::size_t g = 0; g < groups_.size(); ++g) {

@@ -38,7 +38,7 @@ inline constexpr std::size_t parts_each_way = 4;
 [[nodiscard]] Json rays_json(const MapStudy& study, const TestedForm& tested_form, const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
-struct Blob {
+struct NamedData {
     std::string name, packed;
 };
 
@@ -67,7 +67,7 @@ public:
     [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                              const std::string& scene_with_size) const;
     /// The pixels and the operations of the chosen rays; call this after the map.
-    [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;
+    [[nodiscard]] std::vector<NamedData> named_data(const std::vector<FormSummary>& summaries) const;
 
 private:
     struct Group;

@@ -364,7 +364,7 @@ std::string page(const Report& report) {
     text +=
         fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", compact_json(index_json(report)));
     for (const MapSection& m : report.maps) {
-        for (const Blob& b : m.blobs) text += blob_html(b.name, b.packed);
+        for (const NamedData& b : m.named_data) text += blob_html(b.name, b.packed);
     }
     for (const SweepSection& s : report.sweeps) text += blob_html("sweep:" + s.id, pack(compact_json(s.json)));
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);

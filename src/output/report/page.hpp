@@ -39,7 +39,7 @@ struct MapSection {
     std::string id, title, note, source;
     std::vector<std::string> tested_form_names;  ///< `map::tested_form_name` of each row
     Json index;                                  ///< from `MapData::index`
-    std::vector<Blob> blobs;
+    std::vector<NamedData> named_data;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
     bool has_scene_size = true;  ///< the map has the scene's own size, so claims are measured on the same rays

@@ -95,7 +95,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 
     // Quantiles are withheld if too few hits agree.
     if (s.true_hits > 0 && !s.agreement().is_enough()) {
-        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
+        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few_text());
     } else {
         for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
             text += fmt::format("<td class=\"n\">{}</td>", number_html(value(name)));
@@ -173,7 +173,7 @@ std::string mend_table(const repair::RepairSummary& result) {
         if (!result.prices.empty()) {
             add_cell(row.price ? row.price->packed.median * 1e9 : NAN);
             add_cell(row.price ? row.price->single.median * 1e9 : NAN);
-            text += fmt::format("<td>{}</td>", row.is_on_front ? "yes" : row.price ? "no" : "");
+            text += fmt::format("<td>{}</td>", row.is_on_pareto_front ? "yes" : row.price ? "no" : "");
         }
         text += "</tr>\n";
     }

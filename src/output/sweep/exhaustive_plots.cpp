@@ -157,8 +157,8 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
         lost.series.push_back(binades.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
         }));
-        wrong.series.push_back(
-            binades.series(half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong(), t.floats()); }));
+        wrong.series.push_back(binades.series(
+            half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong_count(), t.floats()); }));
     }
     return ExhaustivePlots{std::move(lost), std::move(wrong)};
 }

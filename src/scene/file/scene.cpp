@@ -144,11 +144,11 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
     TableReader file(root_);
     toml::require_schema(file, schema);
     for (TableReader& table : file.tables("variant")) {
-        Variant variant{table.string("name"), {}};
+        SceneVariant variant{table.string("name"), {}};
         if (!is_plain_name(variant.name))
             table.fail_at(
                 "name", "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
-        const auto has_same_name = [&](const Variant& other) { return other.name == variant.name; };
+        const auto has_same_name = [&](const SceneVariant& other) { return other.name == variant.name; };
         if (std::any_of(variants_.begin(), variants_.end(), has_same_name))
             table.fail_at("name", "is \"" + variant.name +
                                       "\", which is also the name of another variant; give each its own name");
@@ -163,13 +163,13 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
 
 std::vector<std::string> SceneFile::variants() const {
     std::vector<std::string> names;
-    for (const Variant& variant : variants_) names.push_back(variant.name);
+    for (const SceneVariant& variant : variants_) names.push_back(variant.name);
     return names;
 }
 
 std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
     if (options.variant) {
-        for (const Variant& variant : variants_)
+        for (const SceneVariant& variant : variants_)
             if (variant.name == *options.variant) return {interpret(&variant, options)};
         const std::string hint =
             variants_.empty() ? "the file has none" : text::did_you_mean(*options.variant, variants());
@@ -177,11 +177,11 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
     }
     if (variants_.empty()) return {interpret(nullptr, options)};
     std::vector<Scene> scenes;
-    for (const Variant& variant : variants_) scenes.push_back(interpret(&variant, options));
+    for (const SceneVariant& variant : variants_) scenes.push_back(interpret(&variant, options));
     return scenes;
 }
 
-Node SceneFile::root_with_changes(const Variant* variant, const LoadOptions& options) const {
+Node SceneFile::root_with_changes(const SceneVariant* variant, const LoadOptions& options) const {
     Node root = root_;
     if (root.find("rays") == nullptr) {  // any scene can get a range from a variant, from --set or from a sweep
         root.entries.push_back({"rays", root.where, {}});
@@ -231,7 +231,7 @@ void read_meshes(TableReader& file, const StoredNumbers& numbers, const intersec
 
 }  // namespace
 
-Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
+Scene SceneFile::interpret(const SceneVariant* variant, const LoadOptions& options) const {
     const Node root = root_with_changes(variant, options);
     Scene scene;
     scene.path = path_;
@@ -350,7 +350,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     const std::string no_file = name_or_path + ": no such file";
     const auto fail_if_misspelt = [&] {
         if (std::filesystem::exists(as_path, ignored)) return;
-        if (const std::string hint_text = toml::nearby_file(as_path); !hint_text.empty())
+        if (const std::string hint_text = toml::suggest_file(as_path); !hint_text.empty())
             throw InputError(no_file + "; " + hint_text);
     };
 

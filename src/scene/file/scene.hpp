@@ -30,8 +30,8 @@ enum class Inputs { shared, own };
 /// do not.
 struct CameraProjection {
     /// Range of z over w from the near plane to the far plane: -1 to 1, 0 to 1, 1 to 0.
-    enum class Depth { gl, zero_to_one, reversed };
-    Depth depth = Depth::zero_to_one;
+    enum class DepthRange { gl, zero_to_one, reversed };
+    DepthRange depth = DepthRange::zero_to_one;
     Real near;                ///< > 0
     std::optional<Real> far;  ///< > near; absent: at infinity
 };
@@ -125,17 +125,17 @@ public:
     [[nodiscard]] std::vector<Scene> load(const LoadOptions& options = {}) const;
 
 private:
-    struct Variant {
+    struct SceneVariant {
         std::string name;
         std::vector<toml::Override> changes;
     };
-    [[nodiscard]] Scene interpret(const Variant* variant, const LoadOptions& options) const;
+    [[nodiscard]] Scene interpret(const SceneVariant* variant, const LoadOptions& options) const;
     /// Returns the file's tree with the changes of the variant, of the options, and with a table for the range.
-    [[nodiscard]] toml::Node root_with_changes(const Variant* variant, const LoadOptions& options) const;
+    [[nodiscard]] toml::Node root_with_changes(const SceneVariant* variant, const LoadOptions& options) const;
 
     std::filesystem::path path_;
     toml::Node root_;  ///< without the variants
-    std::vector<Variant> variants_;
+    std::vector<SceneVariant> variants_;
 };
 
 /// Returns `SceneFile(path, options.stop).load(options)`.

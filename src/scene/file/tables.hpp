@@ -39,7 +39,7 @@ public:
     [[nodiscard]] Real stored(const Real& x) const { return shared_ ? Real(toml::round_to_format(x, binary32)) : x; }
 
     /// True if the number is zero, or if it is zero once rounded to binary32 for shared inputs.
-    [[nodiscard]] bool vanishes(const Real& x) const {
+    [[nodiscard]] bool is_stored_as_zero(const Real& x) const {
         return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
     }
 

@@ -150,7 +150,7 @@ Map inverse(const Map& m) {
 Transform<Real> to_transform(const Map& map, bool is_inverse) {
     std::array<Real, Map::numbers> numbers;
     std::size_t k = 0;
-    map.each([&](const Real& x) { numbers[k++] = x; });
+    map.for_each_number([&](const Real& x) { numbers[k++] = x; });
     return transform_of(numbers, is_inverse);
 }
 

@@ -53,12 +53,12 @@ std::string index_advice(std::size_t primitives) {
 
 }  // namespace
 
-ChunkWriter::Fault ChunkWriter::fault_at(std::size_t slot, std::string_view why) const {
+ChunkWriter::RecordFault ChunkWriter::fault_at(std::size_t slot, std::string_view why) const {
     const std::string value = is_present(slot) ? fmt::format("is {}", numbers_[slot]) : "is empty";
-    return Fault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
+    return RecordFault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault() {
     if (const auto fault = find_fault_of_ray()) return fault;
     if (const auto fault = find_fault_of_range()) return fault;
     if (const auto fault = find_fault_of_primitive()) return fault;
@@ -78,7 +78,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     return std::nullopt;
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_ray() const {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_ray() const {
     const auto& numbers = numbers_;
     for (std::size_t s = slot::origin; s < (layout_.are_points() ? slot::direction : slot::tmax); ++s) {
         if (!is_present(s) || !std::isfinite(numbers[s]))
@@ -89,11 +89,12 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_ray() const {
                          "any numbers");
     }
     if (!layout_.are_points() && numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
-        return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
+        return RecordFault{slot::direction,
+                           "the direction is 0,0,0, so this record is not a ray; leave the record out"};
     return std::nullopt;
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_range() const {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_range() const {
     const auto& numbers = numbers_;
     if (is_present(slot::tmax) && std::isnan(numbers[slot::tmax]))
         return fault_at(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
@@ -113,7 +114,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_range() const {
     return std::nullopt;
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_primitive() const {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_primitive() const {
     if (!shape_) return std::nullopt;
     const std::size_t count = row_of(*shape_).numbers;
     for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
@@ -125,7 +126,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_primitive() const {
     return find_fault_of_limits();
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_limits() const {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_limits() const {
     const auto broken = broken_limit(primitive());
     if (!broken) return std::nullopt;
     const std::size_t s = slot::primitive + broken->number_index;
@@ -142,18 +143,18 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_limits() const {
                                             numbers_[s], name, order_phrase(*broken->key)));
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_matrix() const {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_matrix() const {
     if (!layout_.has_matrix()) return std::nullopt;
     for (std::size_t s = slot::matrix; s < slot::count; ++s) {
         if (!is_present(s) || !std::isfinite(numbers_[s]))
             return fault_at(s, "a matrix has twelve finite numbers; leave this ray out");
     }
     if (!primitive().transform->is_proper())
-        return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_reason)};
+        return RecordFault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_reason)};
     return std::nullopt;
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_object() const {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_object() const {
     const double object = numbers_[slot::object];
     if (is_present(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return fault_at(slot::object,
@@ -163,7 +164,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_object() const {
     return std::nullopt;
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_answer() {
     const double t = numbers_[slot::t];
 
     // A column `hit` decides; a hit needs a t then.
@@ -171,14 +172,15 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         const double hit = numbers_[slot::hit];
         if (!is_present(slot::hit) || !(hit == 0 || hit == 1)) {
             const std::string value = is_present(slot::hit) ? fmt::format("is {}", hit) : "is empty";
-            return Fault{slot::hit,
-                         fmt::format("{} {}; write 1 for a hit and 0 for a miss", slot_name(slot::hit), value)};
+            return RecordFault{slot::hit,
+                               fmt::format("{} {}; write 1 for a hit and 0 for a miss", slot_name(slot::hit), value)};
         }
         is_hit_ = hit == 1;
         if (is_hit_ && layout_.has(slot::t) && !is_present(slot::t))
-            return Fault{slot::t, fmt::format("{} is empty, but {} is 1; write the t of the hit, nan if it is not a "
-                                              "number, or 0 as {}",
-                                              slot_name(slot::t), slot_name(slot::hit), slot_name(slot::hit))};
+            return RecordFault{slot::t,
+                               fmt::format("{} is empty, but {} is 1; write the t of the hit, nan if it is not a "
+                                           "number, or 0 as {}",
+                                           slot_name(slot::t), slot_name(slot::hit), slot_name(slot::hit))};
         return {};
     }
 
@@ -193,18 +195,19 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
     }
     if (!(t < 0)) return {};
 
-    return Fault{slot::t, fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
-                                      "--miss {} if this number means a miss, --miss negative if every negative "
-                                      "one does, --miss never if it is an answer",
-                                      slot_name(slot::t), t, t)};
+    return RecordFault{slot::t,
+                       fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
+                                   "--miss {} if this number means a miss, --miss negative if every negative "
+                                   "one does, --miss never if it is an answer",
+                                   slot_name(slot::t), t, t)};
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_count() {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_count() {
     if (answers_ == AnswerKind::all_hits) return find_fault_of_hit_index();
     const std::size_t s = slot_of(answers_);
     const double count = numbers_[s], most = answers_ == AnswerKind::crossings ? 0x1p31 - 1 : 1;
     if (is_present(s) && count >= 0 && count <= most && count == std::floor(count)) return {};
-    return Fault{
+    return RecordFault{
         s,
         fmt::format("{} {}; write {}", slot_name(s), is_present(s) ? fmt::format("is {}", count) : "is empty",
                     answers_ == AnswerKind::crossings ? "how often the ray crosses the surface, from 0"
@@ -212,10 +215,10 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_count() {
                                                      : "1 for a point inside and 0 for one outside")};
 }
 
-std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
+std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_hit_index() {
     const double index = is_present(slot::hit_index) ? numbers_[slot::hit_index] : -1;
     const auto fault_of_index = [this, index](const std::string& why) {
-        return Fault{slot::hit_index, fmt::format("{} is {}; {}", slot_name(slot::hit_index), index, why)};
+        return RecordFault{slot::hit_index, fmt::format("{} is {}; {}", slot_name(slot::hit_index), index, why)};
     };
 
     // The index counts the hits of a ray from 0, or is −1 without an object.
@@ -224,11 +227,11 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
             "write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
     is_hit_ = index >= 0;
     if (!is_hit_ && is_present(slot::object) && numbers_[slot::object] >= 0)
-        return Fault{slot::hit_index,
-                     fmt::format("{} says that the ray has no hit, but {} is {}; write 0 for its first "
-                                 "hit, or leave {} empty",
-                                 slot_name(slot::hit_index), slot_name(slot::object), numbers_[slot::object],
-                                 slot_name(slot::object))};
+        return RecordFault{slot::hit_index,
+                           fmt::format("{} says that the ray has no hit, but {} is {}; write 0 for its first "
+                                       "hit, or leave {} empty",
+                                       slot_name(slot::hit_index), slot_name(slot::object), numbers_[slot::object],
+                                       slot_name(slot::object))};
 
     // The hits of one ray follow each other.
     if (const auto previous_index = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
@@ -247,12 +250,13 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
 
     // A hit names its triangle and has a t.
     if (is_hit_ && !(is_present(slot::object) && numbers_[slot::object] >= 0))
-        return Fault{slot::object, fmt::format("{} is {}; write the number of the triangle that is hit, from 0",
-                                               slot_name(slot::hit_index), index)};
+        return RecordFault{slot::object, fmt::format("{} is {}; write the number of the triangle that is hit, from 0",
+                                                     slot_name(slot::hit_index), index)};
     if (is_hit_ && layout_.has(slot::t) && !is_present(slot::t))
-        return Fault{slot::t, fmt::format("{} is empty, but {} is {}; write the t of the hit, or nan if it is not a "
-                                          "number",
-                                          slot_name(slot::t), slot_name(slot::hit_index), index)};
+        return RecordFault{slot::t,
+                           fmt::format("{} is empty, but {} is {}; write the t of the hit, or nan if it is not a "
+                                       "number",
+                                       slot_name(slot::t), slot_name(slot::hit_index), index)};
     return {};
 }
 

@@ -54,8 +54,8 @@ struct Chunk {
     std::vector<std::int32_t> counts = {};
     std::vector<std::string> kept = {};  ///< the user's own columns, record by record, if they are stored
     std::uint64_t rounded_count = 0;     ///< count of numbers that were rounded, since the format does not have them
-    int digits = 0;                      ///< largest number of decimal digits of a number, see `NumberParser::Parsed`
-    std::uint64_t decimals = 0;          ///< count of numbers that are written with decimal digits
+    int digits = 0;              ///< largest number of decimal digits of a number, see `NumberParser::ParsedNumber`
+    std::uint64_t decimals = 0;  ///< count of numbers that are written with decimal digits
 
     [[nodiscard]] std::size_t size() const { return rays.size(); }
 };
@@ -83,23 +83,23 @@ public:
     }
 
 private:
-    struct Fault {
+    struct RecordFault {
         std::size_t slot;
         std::string why;
     };
     /// Finds the first fault of the record, if it has one. The functions below each look at one part of it.
-    [[nodiscard]] std::optional<Fault> find_fault();
-    [[nodiscard]] std::optional<Fault> find_fault_of_ray() const;
-    [[nodiscard]] std::optional<Fault> find_fault_of_range() const;
-    [[nodiscard]] std::optional<Fault> find_fault_of_primitive() const;
-    [[nodiscard]] std::optional<Fault> find_fault_of_limits() const;
-    [[nodiscard]] std::optional<Fault> find_fault_of_matrix() const;
-    [[nodiscard]] std::optional<Fault> find_fault_of_object() const;
-    [[nodiscard]] std::optional<Fault> find_fault_of_answer();
-    [[nodiscard]] std::optional<Fault> find_fault_of_count();
-    [[nodiscard]] std::optional<Fault> find_fault_of_hit_index();
+    [[nodiscard]] std::optional<RecordFault> find_fault();
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_ray() const;
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_range() const;
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_primitive() const;
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_limits() const;
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_matrix() const;
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_object() const;
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_answer();
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_count();
+    [[nodiscard]] std::optional<RecordFault> find_fault_of_hit_index();
     /// A fault of one number: its name and its value, then `why`.
-    [[nodiscard]] Fault fault_at(std::size_t slot, std::string_view why) const;
+    [[nodiscard]] RecordFault fault_at(std::size_t slot, std::string_view why) const;
     [[noreturn]] static void fail(const std::string& message_prefix, const std::string& why);
     [[nodiscard]] Primitive<double> primitive() const;  ///< of this record
     [[nodiscard]] Range<double> range() const;          ///< of this record's ray

@@ -228,7 +228,7 @@ Chunk CsvRayFile::decode(const Records& records) const {
 std::optional<std::string> CsvRayFile::store_number(std::string_view text, std::size_t slot,
                                                     ChunkWriter& writer) const {
     if (text.empty()) return std::nullopt;
-    const NumberParser::Parsed parsed = parser_->read(text);
+    const NumberParser::ParsedNumber parsed = parser_->read(text);
     switch (parsed.kind) {
         case NumberParser::Kind::number:
             writer.put(slot, parsed.value, parsed.is_representable, parsed.digits);

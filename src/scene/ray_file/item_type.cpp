@@ -47,7 +47,7 @@ std::int64_t extend_sign(std::uint64_t bits, std::size_t size) {
 
 }  // namespace
 
-ItemType::Item ItemType::read(const char* bytes) const {
+ItemType::DecodedItem ItemType::read(const char* bytes) const {
     // The most frequent type is read without a loop over its bytes.
     if (kind == Kind::floating && !is_big_endian && size == 4) {
         float value;

@@ -17,11 +17,11 @@ struct ItemType {
     std::uint8_t size = 4;  ///< in bytes: 2, 4 or 8 for floats, 1 to 8 for integers, 1 for booleans
     bool is_big_endian = false;
 
-    struct Item {
+    struct DecodedItem {
         double value;
         bool exact;  ///< true if a double holds the number exactly
     };
-    [[nodiscard]] Item read(const char* bytes) const;
+    [[nodiscard]] DecodedItem read(const char* bytes) const;
     /// The shortest decimal that reads back to the same number.
     [[nodiscard]] std::string text(const char* bytes) const;
     /// `f32`, `f64be`, `bool`: the name by which `find_item_type` finds it.

@@ -14,7 +14,7 @@ namespace lostbits::scene::ray_file {
 
 namespace {
 
-using Parsed = NumberParser::Parsed;
+using ParsedNumber = NumberParser::ParsedNumber;
 using Kind = NumberParser::Kind;
 
 std::string_view unsigned_part(std::string_view text) {
@@ -67,7 +67,7 @@ bool parse_whole_text(std::string_view text, F& value) {
 NumberParser::NumberParser(const Format& format)
     : format_(format), digits_(static_cast<int>(std::ceil(1 + format.parameters.precision * std::log10(2.0)))) {}
 
-Parsed NumberParser::read(std::string_view text) const {
+ParsedNumber NumberParser::read(std::string_view text) const {
     const std::string_view magnitude = unsigned_part(text);
     if (magnitude.empty()) return {Kind::not_numeric};
 
@@ -90,7 +90,7 @@ Parsed NumberParser::read(std::string_view text) const {
     if (format_.engine == Format::Engine::native32) {
         float narrow = 0;
         if (!parse_whole_text(text, narrow)) return read_slowly(text);
-        Parsed parsed{Kind::number, narrow};
+        ParsedNumber parsed{Kind::number, narrow};
         const int digits = significant_digits(magnitude);
         double wide = 0;
         if (digits < digits_) {
@@ -106,7 +106,7 @@ Parsed NumberParser::read(std::string_view text) const {
 
     if (const int digits = significant_digits(magnitude);
         format_.engine == Format::Engine::native64 && digits <= digits_) {
-        Parsed parsed;
+        ParsedNumber parsed;
         if (parse_whole_text(text, parsed.value)) {
             parsed.digits = digits < digits_ && (digits < 2 || is_exactly(text, parsed.value)) ? 0 : digits;
             return parsed;
@@ -115,7 +115,7 @@ Parsed NumberParser::read(std::string_view text) const {
     return read_slowly(text);
 }
 
-Parsed NumberParser::read_hexadecimal(std::string_view text) const {
+ParsedNumber NumberParser::read_hexadecimal(std::string_view text) const {
     // A text of at most 53 bits is exactly a double, except for the smallest numbers.
     const std::string_view digits = unsigned_part(text).substr(2);
     double exact = 0;
@@ -131,12 +131,12 @@ Parsed NumberParser::read_hexadecimal(std::string_view text) const {
     return {Kind::number, value, value == exact, digits_};
 }
 
-Parsed NumberParser::read_slowly(std::string_view text) const {
+ParsedNumber NumberParser::read_slowly(std::string_view text) const {
     const auto exact_or_fault = toml::parse_number(text);
     if (const auto* const fault = std::get_if<toml::NumberFault>(&exact_or_fault))
         return {fault->is_too_large ? Kind::too_large : Kind::not_numeric};
     const Real& exact = std::get<Real>(exact_or_fault);
-    Parsed parsed{Kind::number, toml::round_to_format(exact, format_.parameters)};
+    ParsedNumber parsed{Kind::number, toml::round_to_format(exact, format_.parameters)};
     if (std::isinf(parsed.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
     const bool is_hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');

@@ -13,7 +13,7 @@ public:
     explicit NumberParser(const Format& format);
 
     enum class Kind { number, not_numeric, too_large };
-    struct Parsed {
+    struct ParsedNumber {
         Kind kind = Kind::number;
         double value = 0;  ///< RN_F of the exact number in the text; NaN and infinities as written
         /// True if the text stands for a number of the format: it is exactly such a number, or it has no more digits
@@ -23,13 +23,13 @@ public:
         /// format and has fewer digits than needed to distinguish these numbers.
         int digits = 0;
     };
-    [[nodiscard]] Parsed read(std::string_view text) const;
+    [[nodiscard]] ParsedNumber read(std::string_view text) const;
     /// Number of digits that distinguish the numbers of the format.
     [[nodiscard]] int digits() const { return digits_; }
 
 private:
-    [[nodiscard]] Parsed read_hexadecimal(std::string_view text) const;
-    [[nodiscard]] Parsed read_slowly(std::string_view text) const;
+    [[nodiscard]] ParsedNumber read_hexadecimal(std::string_view text) const;
+    [[nodiscard]] ParsedNumber read_slowly(std::string_view text) const;
 
     Format format_;
     int digits_;  ///< number of digits that distinguish the numbers of the format

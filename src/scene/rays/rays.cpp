@@ -88,7 +88,7 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
 RayGroup group_of(const Ray<double>& ray) {
     RayGroup group;
     group.rays.push(ray);
-    group.rays.set_as_list();
+    group.rays.mark_as_list();
     return group;
 }
 
@@ -102,7 +102,7 @@ RayGroup sample_rays(const RayGroup& group, std::size_t max_rays) {
         part.rays.push_range(group.rays, i);
         if (group.paired) part.primitives.push_back(group.primitives[i]);
     }
-    part.rays.set_as_list();
+    part.rays.mark_as_list();
     return part;
 }
 

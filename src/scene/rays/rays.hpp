@@ -55,7 +55,7 @@ struct BasicRayBlock {
     [[nodiscard]] auto numbers() { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     [[nodiscard]] auto numbers() const { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     /// Declares that the rays are a list and not a picture: one line.
-    void set_as_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
+    void mark_as_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
 };
 
 /// Numbers of a format, held in doubles.

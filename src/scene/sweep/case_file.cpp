@@ -256,7 +256,7 @@ std::vector<Shape> CaseFile::shapes() const {
     return found;
 }
 
-std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::SourcePosition& where) const {
+std::vector<std::size_t> CaseFile::cases_matching(const std::string& glob, const toml::SourcePosition& where) const {
     std::vector<std::string> names;
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -302,7 +302,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& named_case, const FloatFormat& 
         add_ends(&RaySpec::tmin, 0, group.rays.tmin);
         add_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
         group.rays.open_ends = named_case.open_ends;
-        group.rays.set_as_list();
+        group.rays.mark_as_list();
         groups.push_back(std::move(group));
     }
     return groups;

@@ -39,7 +39,8 @@ public:
     [[nodiscard]] bool have_transform() const;
     /// Returns the indices of the cases whose name matches a glob. Throws InputError with did-you-mean and `where` in
     /// front.
-    [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const toml::SourcePosition& where) const;
+    [[nodiscard]] std::vector<std::size_t> cases_matching(const std::string& glob,
+                                                          const toml::SourcePosition& where) const;
 
     /// The rays of a case as numbers of the format, in groups that share their primitives. They may be improper rays:
     /// components may be NaN or infinite, directions zero.

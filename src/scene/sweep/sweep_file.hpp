@@ -19,13 +19,13 @@ struct Axis : AxisName {
     Spacing spacing = Spacing::log2;
     double from = 1, to = 2;
     std::vector<double> values;  ///< in order; values with log2 spacing are rounded to 12 significant bits
-    struct Target {
+    struct AxisTarget {
         std::string path;   ///< in the scene, or in the table of the ray distribution
         double factor = 1;  ///< the path is set to base + factor · value
         double base = 0;
         toml::SourcePosition where = {};
     };
-    std::vector<Target> targets;
+    std::vector<AxisTarget> targets;
 
     /// Midpoint of a and b by the spacing of the axis. It is a or b if no number of the axis lies between.
     [[nodiscard]] double middle(double a, double b) const;

@@ -218,7 +218,8 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
         CHECK(margin.end_factor / margin.holding_factor <= 1.02);
         const auto at = [&](double factor) {
             const auto there = stretch(exact_rays(rays.sample), margin.growth, factor);
-            return quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row, request.requirement);
+            return measure_quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row,
+                                      request.requirement);
         };
         CHECK(at(margin.holding_factor).meets(request.requirement));
         CHECK_FALSE(at(margin.end_factor).meets(request.requirement));

@@ -29,7 +29,7 @@ RayGroup ray_of(const RayGroup& from, std::size_t i) {
 /// A ray of the easy distribution, then some rays that miss another primitive, then more of both: a miss is seldom
 /// measured at the primitive of the first ray.
 std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution) {
-    const auto drawn = distribution.sets().front().groups();
+    const auto drawn = distribution.ray_sets().front().groups();
     const auto timed = distribution.draw_timed_rays();
     std::vector<RayGroup> all{ray_of(drawn.at(0), 0)};
     for (std::size_t i = 0; i < 5; ++i) all.push_back(ray_of(timed.misses, i));

@@ -62,11 +62,11 @@ TEST_CASE("integer powers are exact where the results are representable") {
 }
 
 TEST_CASE("a shadow ray starts at the point, an epsilon off, or some ulps of the largest coordinate off") {
-    using Offset = scene::file::ShadowRule::Offset;
+    using ShadowOffset = scene::file::ShadowRule::ShadowOffset;
     const auto p = vec<float>(3, -4, 0.5), n = vec<float>(1, 0, 0);
-    CHECK(shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
-    CHECK(shadow_origin<float>(p, n, Offset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
-    CHECK(shadow_origin<float>(p, n, Offset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
+    CHECK(shadow_origin<float>(p, n, ShadowOffset::none, 1, 5) == p);
+    CHECK(shadow_origin<float>(p, n, ShadowOffset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
+    CHECK(shadow_origin<float>(p, n, ShadowOffset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
 }
 
 TEST_CASE("a byte of an image is 255 times the channel, rounded half up and clamped") {

@@ -278,7 +278,7 @@ TEST_CASE("with transforms the operations that lead into the space of the primit
                                     {Real(0), Real(0), Real(0)}};
             const Vec<Real> shift = back.linear(there.shift);
             std::size_t k = 0;
-            Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.each(
+            Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.for_each_number(
                 [&](const Real& x) { transform.matrix[k++] = x; });
             transform.is_inverse = true;
         }

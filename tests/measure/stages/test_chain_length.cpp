@@ -70,7 +70,7 @@ struct Word {
 }  // namespace lostbits::test::test_chain_length
 
 template <>
-struct lostbits::number::wide::Words<lostbits::test::test_chain_length::Word> {
+struct lostbits::number::wide::WordProperties<lostbits::test::test_chain_length::Word> {
     using W = lostbits::test::test_chain_length::Word;
     using Word = lostbits::test::test_chain_length::Steps;
     static constexpr double error = 0x1p-53;

@@ -117,7 +117,7 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& tested_
                 CAPTURE(tested_forms[k].form->info->name, file.rays[r].name, binades[b].binade.name());
                 check_same(packs, alone);
                 compared.floats += alone.floats();
-                compared.wrong += alone.wrong() > 0;
+                compared.wrong += alone.wrong_count() > 0;
             }
         }
     }

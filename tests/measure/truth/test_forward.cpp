@@ -115,7 +115,7 @@ const int rays_per_distribution = test::draws(2000);
 
 TEST_CASE("the forward error is at most condition number times backward error for every shape", "[margin][forward]") {
     for (const auto& distribution : scene::sweep::distributions())
-        for (const auto& set : distribution.sets()) {
+        for (const auto& set : distribution.ray_sets()) {
             INFO(distribution.table << ", " << set.name);
             const bool at_edges = set.name == "edge-grazing";
             Both both;

@@ -70,7 +70,7 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
     CHECK(equal(look.background, 0.25, 0.5, 1));
     CHECK(equal(*look.light, 5, 6, 7));
     CHECK(look.shadows->tests_departed_sphere);
-    CHECK(look.shadows->offset == ShadowRule::Offset::ulp);
+    CHECK(look.shadows->offset == ShadowRule::ShadowOffset::ulp);
     CHECK(look.shadows->ulps == 4);
     CHECK(look.shadows->background == Real(1) / 2);
     CHECK_FALSE(look.shadows->half_diffuse);
@@ -97,7 +97,7 @@ TEST_CASE("a scene asks for every stage that it has the inputs for, and stages d
         CHECK(phong.last_stage_up_to(s) == s);
     const Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
     CHECK(matte.last_stage() == Stage::shadows);
-    CHECK_FALSE(matte.asks_for(Stage::phong));
+    CHECK_FALSE(matte.has_stage(Stage::phong));
     const Appearance plain =
         loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
     CHECK(plain.last_stage() == Stage::phong);

@@ -15,12 +15,12 @@ namespace lostbits::scene::rays {
 /// A sphere is lost if its radius rounds to 0 or to infinity, and a box if two corners that differ in a coordinate
 /// become equal in this coordinate. Any point is lost if a coordinate rounds to infinity. (A coordinate that rounds to
 /// 0 is still near the origin: that move is input error like any other rounding.)
-class LostLengths {
+class UnrepresentableLengths {
 public:
     /// Names the primitive, or the position of the loss; called only if something is lost.
     using DescribePosition = std::function<std::string()>;
 
-    explicit LostLengths(const FloatFormat& format) : format_(format) {}
+    explicit UnrepresentableLengths(const FloatFormat& format) : format_(format) {}
 
     /// Adds a stored primitive, whose numbers are then rounded to the format. Losses at one position count once.
     void add(const Primitive<double>& before, const DescribePosition& where);
@@ -34,20 +34,20 @@ public:
     [[nodiscard]] std::vector<std::string> lines() const;
 
 private:
-    struct Loss {
+    struct UnrepresentableLength {
         std::string what, becomes;
         double value;
         std::string first, last;  ///< positions
         int count;
     };
-    void add_loss(const std::string& what, double value, const char* becomes, const DescribePosition& where);
+    void add_length(const std::string& what, double value, const char* becomes, const DescribePosition& where);
     void check_point(const double* before, const double* after, const std::string& what, const DescribePosition& where);
 
     FloatFormat format_;
-    std::vector<Loss> losses_;
+    std::vector<UnrepresentableLength> losses_;
 };
 
 /// The losses of a scene's eye and primitives. Shared inputs are binary32 numbers before the format sees them.
-std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatFormat& f);
+std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& f);
 
 }  // namespace lostbits::scene::rays

@@ -1,4 +1,4 @@
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -60,7 +60,7 @@ std::atomic<bool> is_remembered{false}, is_forked{false};
 
 }  // namespace
 
-void keep_own_state() {
+void save_process_state() {
     if (is_remembered.load()) return;
     remembered.process = getpid();
     remembered.folder = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
@@ -93,12 +93,12 @@ const char* own_environment(const char* name) {
 
 bool is_forked_copy() noexcept { return is_remembered.load() && getpid() != remembered.process; }
 
-void give_thread_own_folder() noexcept {
+void make_working_folder_private() noexcept {
     thread_local const int unshare_error = is_remembered.load() ? unshare(CLONE_FS) : 0;
     static_cast<void>(unshare_error);  // a sandbox may refuse the call; then the folder stays shared
 }
 
-bool restore_own_state(const char* who) noexcept {
+bool restore_process_state(const char* who) noexcept {
     if (!is_remembered.load()) return true;
     if (is_forked.load() && is_forked_copy()) {
         for (const char* part : {"lostbits: ", who != nullptr ? who : "a library",

@@ -1,4 +1,4 @@
-#include "scene/rays/lost_lengths.hpp"
+#include "scene/rays/unrepresentable_lengths.hpp"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,11 @@
 
 namespace lostbits::scene::rays {
 
-void LostLengths::add_loss(const std::string& what, double value, const char* becomes, const DescribePosition& where) {
-    const auto is_same_loss = [&](const Loss& loss) { return loss.what == what && loss.becomes == becomes; };
+void UnrepresentableLengths::add_length(const std::string& what, double value, const char* becomes,
+                                        const DescribePosition& where) {
+    const auto is_same_loss = [&](const UnrepresentableLength& loss) {
+        return loss.what == what && loss.becomes == becomes;
+    };
     const auto known_loss = std::ranges::find_if(losses_, is_same_loss);
     const std::string position = where();
     if (known_loss == losses_.end()) {
@@ -24,41 +27,42 @@ void LostLengths::add_loss(const std::string& what, double value, const char* be
     }
 }
 
-void LostLengths::check_point(const double* before, const double* after, const std::string& what,
-                              const DescribePosition& where) {
+void UnrepresentableLengths::check_point(const double* before, const double* after, const std::string& what,
+                                         const DescribePosition& where) {
     for (int k = 0; k < 3; ++k) {
         if (!std::isinf(after[k])) continue;
-        add_loss(what, before[k], "rounds to infinity", where);
+        add_length(what, before[k], "rounds to infinity", where);
         return;
     }
 }
 
-void LostLengths::add_point(const Vec<double>& before, const char* what, const DescribePosition& where) {
+void UnrepresentableLengths::add_point(const Vec<double>& before, const char* what, const DescribePosition& where) {
     const double coordinates[] = {before.x, before.y, before.z};
     double rounded[3];
     for (int k = 0; k < 3; ++k) rounded[k] = rounding::to_format(coordinates[k], 0, format_);
     check_point(coordinates, rounded, what, where);
 }
 
-void LostLengths::add_number(double before, const std::string& what, const DescribePosition& where) {
+void UnrepresentableLengths::add_number(double before, const std::string& what, const DescribePosition& where) {
     const double after = rounding::to_format(before, 0, format_);
-    if (before != 0 && after == 0) add_loss(what, before, "rounds to 0", where);
-    if (std::isinf(after)) add_loss(what, before, "rounds to infinity", where);
+    if (before != 0 && after == 0) add_length(what, before, "rounds to 0", where);
+    if (std::isinf(after)) add_length(what, before, "rounds to infinity", where);
 }
 
-void LostLengths::add(const Primitive<double>& before, const DescribePosition& where) {
+void UnrepresentableLengths::add(const Primitive<double>& before, const DescribePosition& where) {
     add(before, round_primitive(before, format_), where);
 }
 
-void LostLengths::add(const Primitive<double>& before, const Primitive<double>& after, const DescribePosition& where) {
+void UnrepresentableLengths::add(const Primitive<double>& before, const Primitive<double>& after,
+                                 const DescribePosition& where) {
     const auto numbers_begin = [](const Primitive<double>& primitive) { return primitive.numbers.data(); };
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         const double *const stored = numbers_begin(before) + k, *const rounded = numbers_begin(after) + k;
         for (std::size_t i = 0; key.is_length() && i < key.count(); ++i) {
             // A positive ideal length may already be 0 in binary64.
             if (rounded[i] == 0 && (stored[i] != 0 || key.limit == Key::Limit::positive))
-                add_loss(std::string(key.name), stored[i], "rounds to 0", where);
-            if (std::isinf(rounded[i])) add_loss(std::string(key.name), stored[i], "rounds to infinity", where);
+                add_length(std::string(key.name), stored[i], "rounds to 0", where);
+            if (std::isinf(rounded[i])) add_length(std::string(key.name), stored[i], "rounds to infinity", where);
         }
 
         // A primitive with two corners loses its thickness if they become equal.
@@ -66,7 +70,7 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
             const std::size_t count = key.count();
             const double thickness = stored[i] - (stored - count)[i];
             if (!(thickness > 0) || rounded[i] != (rounded - count)[i] || std::isinf(rounded[i])) continue;
-            add_loss("thickness", thickness, "rounds to 0", where);
+            add_length("thickness", thickness, "rounds to 0", where);
             break;
         }
     });
@@ -74,17 +78,17 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
     // Points are lost if two of them become equal, or a coordinate does not fit into the format.
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::differs_from_previous && after.point(k) == after.point(k - 3))
-            add_loss("the distance to " + std::string(key.name),
-                     length(Vec<double>(before.point(k) - before.point(k - 3))), "rounds to 0", where);
+            add_length("the distance to " + std::string(key.name),
+                       length(Vec<double>(before.point(k) - before.point(k - 3))), "rounds to 0", where);
         if (!key.is_length())
             check_point(numbers_begin(before) + k, numbers_begin(after) + k,
                         fmt::format("a coordinate of {}", key.name), where);
     });
 }
 
-std::vector<std::string> LostLengths::lines() const {
+std::vector<std::string> UnrepresentableLengths::lines() const {
     std::vector<std::string> lines;
-    for (const Loss& loss : losses_) {
+    for (const UnrepresentableLength& loss : losses_) {
         // A nonzero ideal number may be 0 in a double. A number that is 0 itself is never lost.
         const std::string size = loss.value == 0 ? "less than 5e-324" : fmt::format("= {:g}", loss.value);
         const std::string count_text = loss.count > 1 ? fmt::format("; {} in all", loss.count) : "";
@@ -93,13 +97,13 @@ std::vector<std::string> LostLengths::lines() const {
     return lines;
 }
 
-std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatFormat& f) {
+std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& f) {
     // A format that has all numbers of binary32 loses none of them.
     const bool is_shared = scene.inputs == file::Inputs::shared;
     if (is_shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
 
     const FloatFormat& stored = is_shared ? binary32 : binary64;
-    LostLengths lost(f);
+    UnrepresentableLengths lost(f);
     const auto round_to_stored = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;
     lost.add_point({round_to_stored(eye.x), round_to_stored(eye.y), round_to_stored(eye.z)}, "a coordinate of the eye",
