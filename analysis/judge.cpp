@@ -288,7 +288,7 @@ output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options
             .id = id,
             .title = "rays of " + std::filesystem::path(options.file).filename().string(),
             .command = command,
-            .single_pictures = options.pictures == "all",
+            .draws_single_pictures = options.pictures == "all",
             .writes_rows = options.writes_rows,
             .worst_count = options.worst_count};
 }

@@ -32,17 +32,17 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
                "first_bad over draws");
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
-        if (!onset.found || (onset.from_last && onset.from_start)) continue;
+        if (!onset.found || (onset.reads_backwards && onset.happens_at_start)) continue;
         const TestedForm& tested_form = request.tested_forms[onset.form_index];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
         fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14.8g}  {:>15}  {}\n",
                    tested_form.form->info->name, tested_form.format.name, onset.event, onset.statistic, onset.threshold,
-                   onset.from_last ? "last" : "first", onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good),
-                   onset.first_bad,
-                   !onset.recovers     ? "-"
-                   : onset.good_at_end ? "to the end"
-                                       : fmt::format("{:.8g}", onset.last_good_after),
+                   onset.reads_backwards ? "last" : "first",
+                   onset.happens_at_start ? "-" : fmt::format("{:.8g}", onset.last_good), onset.first_bad,
+                   !onset.recovers        ? "-"
+                   : onset.is_good_at_end ? "to the end"
+                                          : fmt::format("{:.8g}", onset.last_good_after),
                    onset.further_first_bad.empty()
                        ? ""
                        : fmt::format("{:.4g} to {:.4g}, median {:.4g}", spread.low, spread.high, spread.median));

@@ -168,15 +168,15 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
             scene::ray_file::Chunk chunk =
                 given_rays.ray_file->decode({.first = first, .count = ray_count, .bytes = {}});
             RayGroup group;
-            group.paired = !chunk.primitives.empty();
-            group.primitives = group.paired ? std::move(chunk.primitives) : given_rays.primitives;
-            group.mesh = group.paired ? nullptr : given_rays.mesh;
+            group.is_paired = !chunk.primitives.empty();
+            group.primitives = group.is_paired ? std::move(chunk.primitives) : given_rays.primitives;
+            group.mesh = group.is_paired ? nullptr : given_rays.mesh;
             group.rays = std::move(chunk.rays);
             group.rays.width = static_cast<int>(ray_count);
             group.rays.y1 = 1;
 
             std::optional<measure::culling::Culler> culler;
-            if (shared_culler && !group.paired) culler.emplace(*shared_culler, group.rays);
+            if (shared_culler && !group.is_paired) culler.emplace(*shared_culler, group.rays);
             act(first, std::move(group), culler ? &*culler : nullptr);
             advance(ray_count);
         });
@@ -235,7 +235,7 @@ std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, Ca
     const bool is_unit = contract.direction == intersect::Direction::unit;
     for_each_piece(given_rays, settings, rays.count, measure::culling::min_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
-                       const bool is_paired = group.paired;
+                       const bool is_paired = group.is_paired;
                        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
                        for (std::size_t i = 0; i < band.pixels(); ++i) {
                            const measure::truth::Truth ray_truth = band.truth(i, contract.convention());

@@ -150,7 +150,7 @@ std::unique_ptr<scene::ray_file::RayFile> open_file(const RayFileOptions& option
 
     read_options.miss = parse_miss_rule(options.miss);
     read_options.primitive = primitive;
-    read_options.keep = keeps_own_columns;
+    read_options.keeps_own_columns = keeps_own_columns;
     read_options.open_ends = open_ends_named(options.open_ends);
     return scene::ray_file::open_ray_file(file, read_options);
 }

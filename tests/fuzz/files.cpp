@@ -133,7 +133,7 @@ void fuzz_rays(std::string_view bytes) {
     if (!raw) options.columns = std::regex_replace(options.columns, std::regex(":\\w+"), "");
     if ((kind & 16) != 0) options.skip = kind >> 5;
     if ((kind & 32) != 0) options.primitive = Shape::sphere;
-    options.keep = (kind & 128) != 0;
+    options.keeps_own_columns = (kind & 128) != 0;
     answer_or_error([&] {
         const auto ray_file = scene::ray_file::open_ray_file(path, options);
         scene::ray_file::Records records;

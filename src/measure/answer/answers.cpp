@@ -319,8 +319,8 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::capacity) {
             chunk.move_to(begin);
             if (marches) march_chunk<S>(kernel, chunk, rays, inputs, answers);
-            else if (inputs.paired && takes_batches) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
-            else if (inputs.paired) test_pairs<S>(kernel, chunk, inputs, answers);
+            else if (inputs.is_paired && takes_batches) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
+            else if (inputs.is_paired) test_pairs<S>(kernel, chunk, inputs, answers);
             else find_nearest_hits<S>(kernel, chunk, inputs, answers);
         }
     };

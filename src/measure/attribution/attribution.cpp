@@ -23,7 +23,7 @@ public:
         attribution_.errors.resize(tape.nodes.size());
         attribution_.exact_bits = Exact::bits;
         for (NodeId i = 0; i < tape.size(); ++i) find_value_and_error(i);
-        attribution_.exact_hit = tape.outputs.hit != no_node && is_true(tape.outputs.hit);
+        attribution_.is_exact_hit = tape.outputs.hit != no_node && is_true(tape.outputs.hit);
     }
 
     [[nodiscard]] bool has_failed() const { return has_failed_; }
@@ -345,7 +345,7 @@ Attribution attribute_by_walk(const Tape& tape, AttributionDepth depth, Subject 
 
 bool is_plain_miss(const Tape& tape, const Attribution& attribution) {
     const NodeId hit = tape.outputs.hit;
-    return hit != no_node && tape[hit].value == 0 && !attribution.exact_hit;
+    return hit != no_node && tape[hit].value == 0 && !attribution.is_exact_hit;
 }
 
 Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth) {

@@ -247,7 +247,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
 
     result.hit = tape[tape.outputs.hit].value != 0;
     result.t = tape[tape.outputs.t].value;
-    result.exact_hit = tape_attribution.exact_hit;
+    result.is_exact_hit = tape_attribution.is_exact_hit;
     result.exact_t = tape_attribution[tape.outputs.t].exact;
     return result;
 }
@@ -338,8 +338,8 @@ NodeId Explanation::amplifier(NodeId from) const {
 }
 
 bool Explanation::rounding_changed_order() const {
-    if (!missed_primitive || !missed_primitive->exact_hit) return false;
-    return !attribution.exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
+    if (!missed_primitive || !missed_primitive->is_exact_hit) return false;
+    return !attribution.is_exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
 }
 
 std::vector<NodeId> Explanation::changed_decisions() const {
@@ -433,7 +433,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     const truth::Truth ray_truth = ray.find_truth(*form.info);
     Explanation explanation{
-        .form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
+        .form = &form, .format = format, .has_rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
     set_given_direction(explanation, in);
 
     // Explains one primitive: the one that the form hits or, for a miss, the one that the ray truly meets.

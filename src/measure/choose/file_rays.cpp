@@ -24,8 +24,8 @@ public:
 
     scene::rays::RayGroup take(const FileOptions& options) {
         sample_.rays.mark_as_list();
-        sample_.paired = !sample_.primitives.empty();
-        if (!sample_.paired)
+        sample_.is_paired = !sample_.primitives.empty();
+        if (!sample_.is_paired)
             sample_.primitives =
                 scene::rays::primitive_list_of({{}, options.primitives, {}, false, options.mesh}).all();
         return std::move(sample_);

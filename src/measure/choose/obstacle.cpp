@@ -196,7 +196,7 @@ void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& r
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
     const auto& sample = request.rays->sample;
-    const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
+    const std::size_t primitives = sample.is_paired ? 1 : sample.primitives.size();
     const auto affordable_rays = std::max<std::size_t>(64, max_trial_pairs / primitives);
     const auto smaller_sample =
         sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));

@@ -134,7 +134,7 @@ struct SegmentsFromEnd {
     AllAnswers answers;
 
     SegmentsFromEnd(const FormOnBand& band_form, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
-        : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
+        : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .is_paired = true}),
           answers(evaluate_all(
               band_form.kernels,
               band_form.takes_unit_directions() ? with_unit_directions(rays, band_form.format()) : rays, primitives)) {}

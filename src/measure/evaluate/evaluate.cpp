@@ -124,7 +124,7 @@ namespace {
 
 /// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
 struct JoinedRays {
-    scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .paired = true};
+    scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .is_paired = true};
     std::vector<std::size_t> first_rays = {};  ///< index of the first ray of each group
 
     /// Converts the position of a ray in the joined group to its position in its own group.
@@ -146,7 +146,7 @@ struct JoinedRays {
 /// distributions have a group for each ray.
 std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups) {
     const auto can_be_joined = [&](const scene::rays::RayGroup& g) {
-        return g.primitives.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
+        return g.primitives.size() == 1 && !g.is_paired && g.rays.size() > 0 && g.rays.width > 0 &&
                g.primitives[0].shape == groups[0].primitives[0].shape &&
                g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
                g.rays.tmax.empty() == groups[0].rays.tmax.empty() &&

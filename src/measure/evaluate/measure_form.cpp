@@ -195,7 +195,7 @@ private:
 
         // The decision margin of a miss among several primitives is that of the one missed most narrowly.
         const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
-        const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired &&
+        const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->is_paired &&
                                     result_.inputs->primitives.size() > 1;
         fill(i, sample, [&](const Metric& m) { return applies(m) && !(misses_several && is_margin(m)); });
         if (!misses_several || std::ranges::none_of(metrics_, [&](const Metric* m) { return is_margin(*m); })) return;

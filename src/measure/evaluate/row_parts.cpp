@@ -158,7 +158,7 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
                .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
                .group = request_.group,
-               .primitive_index = result_.inputs->paired && object >= 0 ? first + object : object,
+               .primitive_index = result_.inputs->is_paired && object >= 0 ? first + object : object,
                .size = 0,
                .ray = result_.inputs->rays[i],
                .primitive = result_.inputs->primitives[primitive],

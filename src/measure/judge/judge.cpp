@@ -167,8 +167,8 @@ private:
         group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? ray_count / width : 1);
 
-        group.paired = !chunk.primitives.empty();
-        if (group.paired) {
+        group.is_paired = !chunk.primitives.empty();
+        if (group.is_paired) {
             group.primitives = chunk.primitives;
         } else {
             group.primitives = request_.primitives;

@@ -12,13 +12,13 @@ struct Paint {
     Vec<T> colour;
     T ambient, diffuse, specular;  ///< ka, kd, ks
     int exponent = 1;              ///< n
-    bool shiny = false;            ///< ks > 0: the sphere gets a highlight
+    bool is_shiny = false;         ///< ks > 0: the sphere gets a highlight
 };
 
 /// Terms of the shading that are added to the plain colour of a sphere.
 struct ShadeRule {
     bool has_diffuse = false, has_shadows = false, has_phong = false;
-    bool halves_diffuse = false;  ///< in shadow, half of the diffuse light stays
+    bool keeps_half_diffuse = false;  ///< in shadow, half of the diffuse light stays
 };
 
 /// Returns the rule that a scene asks for, up to a stage.
@@ -26,7 +26,7 @@ inline ShadeRule shade_rule(const scene::file::Appearance& appearance, scene::fi
     using scene::file::Stage;
     const auto has_stage = [&](Stage s) { return s <= stage && appearance.has_stage(s); };
     return {has_stage(Stage::diffuse), has_stage(Stage::shadows), has_stage(Stage::phong),
-            appearance.shadows && appearance.shadows->half_diffuse};
+            appearance.shadows && appearance.shadows->keeps_half_diffuse};
 }
 
 /// Returns the point at t: x = x0 + t·dx, and so on.
@@ -95,11 +95,12 @@ Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shad
     const T zero(0);
     const T facing = dot(n, l);
     T diffuse = paint.diffuse * max(zero, facing);
-    if (rule.has_shadows) diffuse = select(shadowed, rule.halves_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
+    if (rule.has_shadows)
+        diffuse = select(shadowed, rule.keeps_half_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
     const Vec<T>& s = paint.colour;
     Vec<T> colour(paint.ambient * s.x + diffuse * s.x, paint.ambient * s.y + diffuse * s.y,
                   paint.ambient * s.z + diffuse * s.z);
-    if (!rule.has_phong || !paint.shiny) return colour;
+    if (!rule.has_phong || !paint.is_shiny) return colour;
     const T highlight = paint.specular * whole_power<T>(max(zero, dot(unit_of<T>(l + v), n)), paint.exponent);
     mask_t<T> dark = facing <= zero;
     if (rule.has_shadows) dark = dark || shadowed;

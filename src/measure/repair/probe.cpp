@@ -91,9 +91,9 @@ struct RequestRays {
 };
 
 std::optional<RequestRays> take_request_rays(const RepairRequest& request, int rays) {
-    const std::size_t primitives = request.scene                 ? request.scene->primitive_count()
-                                   : request.rays->sample.paired ? 1
-                                                                 : request.rays->sample.primitives.size();
+    const std::size_t primitives = request.scene                    ? request.scene->primitive_count()
+                                   : request.rays->sample.is_paired ? 1
+                                                                    : request.rays->sample.primitives.size();
     if (primitives == 0 || primitives > max_primitives) return std::nullopt;
     const std::size_t max_rays = std::clamp<std::size_t>(max_pairs / primitives, 64, static_cast<std::size_t>(rays));
     if (!request.scene) {

@@ -154,9 +154,9 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
     if (good_index == bad_index) return;
 
     onset.recovers = true;
-    onset.good_at_end = good_index + 1 == steps.size();
+    onset.is_good_at_end = good_index + 1 == steps.size();
     onset.last_good_after = steps[good_index]->values.front();
-    if (onset.good_at_end) return;
+    if (onset.is_good_at_end) return;
 
     onset.bad_again = steps[good_index + 1]->values.front();
     narrow_bracket(
@@ -182,7 +182,7 @@ Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::siz
 
     // Locates the onset between the last good step and the first bad one.
     if (first_bad_step == steps.begin()) {
-        onset.from_start = true;
+        onset.happens_at_start = true;
         return onset;
     }
     onset.last_good = (*std::prev(first_bad_step))->values.front();
@@ -206,7 +206,7 @@ std::vector<Onset> find_onsets_of_draw(const SweepRequest& request, const std::v
             onsets_by_row[form_index].push_back(locate_onset(request, forward_steps, form_index, event, evaluator));
             if (!request.both_ends) continue;
             onsets_by_row[form_index].push_back(locate_onset(request, backward_steps, form_index, event, evaluator));
-            onsets_by_row[form_index].back().from_last = true;
+            onsets_by_row[form_index].back().reads_backwards = true;
         }
         request.progress(steps.size());
     });

@@ -49,11 +49,11 @@ public:
     void find() {
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
-        if (problems_.paired) test_paired_primitives();
+        if (problems_.is_paired) test_paired_primitives();
         else
             for (std::size_t k = 0; k < problems_.primitives.size(); ++k) test_primitive(k);
         const auto open = static_cast<std::size_t>(std::ranges::count(open_, 1));
-        results_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.primitives.size());
+        results_.counts.double_double += (count_ - open) * (problems_.is_paired ? 1 : problems_.primitives.size());
         if (open > 0) find_pairs([this](std::size_t i) { return open_[i] != 0; });
     }
 
@@ -217,7 +217,7 @@ private:
             for (std::size_t candidate = k == 0 ? 0 : candidate_ends_[k - 1]; candidate < candidate_ends_[k];
                  ++candidate)
                 add_pair(i, candidates_[candidate]);
-        } else if (problems_.paired) {
+        } else if (problems_.is_paired) {
             add_pair(i, static_cast<std::uint32_t>(begin_ + i));
         } else {
             for (std::size_t primitive = 0; primitive < problems_.primitives.size(); ++primitive)
@@ -285,7 +285,7 @@ private:
     /// True if columns in two words with bounds were tried before and left all gathered pairs open.
     [[nodiscard]] bool columns_left_all_open() const {
         if (problems_.index) return false;
-        return problems_.paired ? !problems_.primitives[begin_].transform : problems_.primitives.size() == 1;
+        return problems_.is_paired ? !problems_.primitives[begin_].transform : problems_.primitives.size() == 1;
     }
     /// Settles the gathered pairs of one shape that are in `open_pairs`. Pairs that stay open remain there.
     void settle_gathered(Shape shape, std::vector<std::size_t>& open_pairs) {

@@ -138,7 +138,7 @@ struct RaysAndPrimitives {
     const scene::rays::PrimitiveList<S>& primitives;
     /// Finds the primitives that a ray can meet; null: a ray can meet every primitive.
     const culling::PrimitiveIndex* index = nullptr;
-    bool paired = false;  ///< ray i can meet only primitive i; all primitives are of one shape
+    bool is_paired = false;  ///< ray i can meet only primitive i; all primitives are of one shape
 };
 
 /// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.

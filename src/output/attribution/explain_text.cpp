@@ -231,14 +231,14 @@ std::string model_text(const Explanation& explanation, const OperationView& view
 
     const bool truly_hits = explanation.truth == measure::truth::Truth::Decision::hit;
     if (explanation.truth == measure::truth::Truth::Decision::unresolved ||
-        explanation.attribution.exact_hit == truly_hits)
+        explanation.attribution.is_exact_hit == truly_hits)
         return "";
     return fmt::format(
                "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth "
                "because "
                "of what it assumes{}.\n",
-               explanation.attribution.exact_hit ? "hits" : "misses",
-               explanation.rounded_inputs ? ", or because the inputs were rounded" : "") +
+               explanation.attribution.is_exact_hit ? "hits" : "misses",
+               explanation.has_rounded_inputs ? ", or because the inputs were rounded" : "") +
            deciding_comparisons_text(explanation, view);
 }
 
@@ -345,7 +345,7 @@ std::string within_envelope_text(const Explanation& explanation) {
                                     : explanation.is_generated_ray ? "making the ray and the form lose"
                                                                    : "the formula loses";
     const char* const others_hint = does_another_form_better(explanation) ? " Other forms do better (see below)." : "";
-    if (explanation.rounded_inputs && !explanation.is_generated_ray)
+    if (explanation.has_rounded_inputs && !explanation.is_generated_ray)
         return "; input rounding alone explains this loss.";
     if (explanation.is_generated_ray || explanation.form->info->direction == intersect::Direction::unit ||
         !rounding_explains(explanation))
@@ -402,7 +402,7 @@ std::string subject_notes(const Explanation& explanation) {
 /// Sentences on inputs that the form does not get as they were given.
 std::string input_notes(const Explanation& explanation) {
     std::string text;
-    if (explanation.rounded_inputs)
+    if (explanation.has_rounded_inputs)
         text += fmt::format(
             "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "
             "numbers as given, so the error includes the rounding of the inputs (input error).\n",

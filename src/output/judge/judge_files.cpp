@@ -204,7 +204,7 @@ JudgeWriter::JudgeWriter(const JudgeRequest& request, const RayFile& ray_file, J
         map::MapFilesOptions{
             .folder = p.options.folder,
             .drawn_metrics = p.options.drawn_metrics,
-            .draws_single_pictures = p.options.single_pictures,
+            .draws_single_pictures = p.options.draws_single_pictures,
             .scene_arguments = "",
             .other_tables = tables,
             .ray_arguments = ray_arguments,

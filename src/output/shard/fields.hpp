@@ -34,8 +34,8 @@ LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_e
 template <class Archive>
 void fields(Archive& archive, scene::rays::RayGroup& group) {
     // A group that names one ray holds its primitives itself. It has no mesh and no scene.
-    auto& [rays, primitives, march, paired, mesh, scene] = group;
-    archive(rays, primitives, march, paired);
+    auto& [rays, primitives, march, is_paired, mesh, scene] = group;
+    archive(rays, primitives, march, is_paired);
 }
 
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)

@@ -116,7 +116,7 @@ void add_marks(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& for
 
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
             const TestedForm& tested_form = request.tested_forms[o.form_index];
-            return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
+            return o.found && !o.reads_backwards && tested_form.form->info->name == mark.form &&
                    tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
                    o.threshold == mark.threshold;
         });
@@ -240,7 +240,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
             return drawn_quantile(s, metric_index, 0.5);
         }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.form_index == form_index && o.event == metric)
+            if (o.found && !o.happens_at_start && o.form_index == form_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
 

@@ -43,7 +43,7 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     using ShadowOffset = ShadowRule::ShadowOffset;
     ShadowRule rule;
 
-    table.read("surface", rule.half_diffuse, surface_names);
+    table.read("surface", rule.keeps_half_diffuse, surface_names);
     read_coefficient(table, "background", rule.background, numbers);
     if (rule.background > 1)
         table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");

@@ -34,8 +34,8 @@ struct ShadowRule {
     /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class ShadowOffset : std::uint8_t { none, epsilon, ulp };
 
-    bool half_diffuse = false;      ///< true: half of the diffuse light remains in shadow; false: only ambient light
-    Real background = Real(1) / 2;  ///< factor on the colour of the background in shadow
+    bool keeps_half_diffuse = false;  ///< true: half of the diffuse light remains in shadow; false: only ambient light
+    Real background = Real(1) / 2;    ///< factor on the colour of the background in shadow
     bool tests_departed_sphere = false;  ///< true: the sphere that the point lies on is also tested
     ShadowOffset offset = ShadowOffset::none;
     Real epsilon = Real(0);

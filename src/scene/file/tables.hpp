@@ -18,13 +18,13 @@ namespace lostbits::scene::file {
 /// position of `key`.
 class StoredNumbers {
 public:
-    explicit StoredNumbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
+    explicit StoredNumbers(Inputs inputs) : are_inputs_shared_(inputs == Inputs::shared) {}
 
     static constexpr std::string_view overflow_words =
         "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"";
 
     [[nodiscard]] bool overflows(const Real& x) const {
-        return shared_ && std::isinf(toml::round_to_format(x, binary32));
+        return are_inputs_shared_ && std::isinf(toml::round_to_format(x, binary32));
     }
 
     Real finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
@@ -36,16 +36,18 @@ public:
         return {finite(table, key, v.x), finite(table, key, v.y), finite(table, key, v.z)};
     }
 
-    [[nodiscard]] Real stored(const Real& x) const { return shared_ ? Real(toml::round_to_format(x, binary32)) : x; }
+    [[nodiscard]] Real stored(const Real& x) const {
+        return are_inputs_shared_ ? Real(toml::round_to_format(x, binary32)) : x;
+    }
 
     /// True if the number is zero, or if it is zero once rounded to binary32 for shared inputs.
     [[nodiscard]] bool is_stored_as_zero(const Real& x) const {
-        return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
+        return x == 0 || (are_inputs_shared_ && toml::round_to_format(x, binary32) == 0);
     }
 
     Real positive(const toml::TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
-        if (shared_ && toml::round_to_format(x, binary32) == 0)
+        if (are_inputs_shared_ && toml::round_to_format(x, binary32) == 0)
             table.fail_at(key,
                           "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or "
                           "inputs = \"own\"");
@@ -53,7 +55,7 @@ public:
     }
 
 private:
-    bool shared_;
+    bool are_inputs_shared_;
 };
 
 /// Reads `[camera]`.

@@ -162,7 +162,7 @@ std::vector<BinaryRayFile::ColumnReader> BinaryRayFile::make_column_readers(cons
         const LayoutColumn& layout_column = layout_->columns()[c];
         const std::size_t offset = record_layout_.is_column_major ? begin : column.offset;
         begin += records.count * column.type.size;
-        const bool is_kept = !layout_column.slot && !layout_column.is_skipped && settings().keep;
+        const bool is_kept = !layout_column.slot && !layout_column.is_skipped && settings().keeps_own_columns;
         if (!layout_column.slot && !is_kept) continue;
         readers.push_back(
             {records.bytes.data() + offset,

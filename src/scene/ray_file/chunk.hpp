@@ -30,7 +30,7 @@ struct ReadSettings {
     Format format;                        ///< the format of the answers; every number is rounded once to it
     MissRule miss = {};                   ///< used if there is no column `hit`
     std::optional<Shape> primitive = {};  ///< shape of the primitives that are given once for all rays
-    bool keep = false;                    ///< true: the user's own columns are stored
+    bool keeps_own_columns = false;       ///< true: the user's own columns are stored
     OpenEnds open_ends = {};              ///< for the ranges of all rays
     /// The primitive for all rays, to which the matrix of each record is applied. Absent if records have no matrices,
     /// or have primitives of their own.

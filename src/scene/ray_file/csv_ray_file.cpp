@@ -274,7 +274,7 @@ void CsvRayFile::decode_line(std::string_view line, std::uint64_t line_number, C
                 throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.cell_start()),
                                              columns[c].name, text, *why_not));
         }
-        if (!columns[c].slot && !columns[c].is_skipped && settings().keep) chunk.kept.emplace_back(cell);
+        if (!columns[c].slot && !columns[c].is_skipped && settings().keeps_own_columns) chunk.kept.emplace_back(cell);
     }
 
     if (c != columns.size())

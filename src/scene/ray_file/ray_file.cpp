@@ -26,7 +26,7 @@ double number_in(double x, const Format& format) {
 
 void RayFile::finish_header(const ReadOptions& options, const Layout& layout, const Format& file_format) {
     settings_.format = options.format.value_or(file_format);
-    settings_.keep = options.keep;
+    settings_.keeps_own_columns = options.keeps_own_columns;
     settings_.primitive = options.primitive;
     settings_.open_ends = options.open_ends;
 

@@ -30,7 +30,7 @@ struct ReadOptions {
     std::optional<Shape> primitive = std::nullopt;  ///< shape of the primitives that are given once for all rays
     OpenEnds open_ends = {};                        ///< for the ranges of all rays
     intersect::process::StopToken stop = {};        ///< checked before each piece is read
-    bool keep = false;                              ///< true: the user's own columns are stored
+    bool keeps_own_columns = false;                 ///< true: the user's own columns are stored
 };
 
 /// Consecutive records as they are in the file.

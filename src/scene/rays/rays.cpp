@@ -95,12 +95,12 @@ RayGroup group_of(const Ray<double>& ray) {
 RayGroup sample_rays(const RayGroup& group, std::size_t max_rays) {
     const std::size_t step = (group.rays.size() + max_rays - 1) / max_rays;
     RayGroup part{.rays = {},
-                  .primitives = group.paired ? std::vector<Primitive<double>>() : group.primitives,
-                  .paired = group.paired};
+                  .primitives = group.is_paired ? std::vector<Primitive<double>>() : group.primitives,
+                  .is_paired = group.is_paired};
     for (std::size_t i = 0; i < group.rays.size(); i += step) {
         part.rays.push(group.rays[i]);
         part.rays.push_range(group.rays, i);
-        if (group.paired) part.primitives.push_back(group.primitives[i]);
+        if (group.is_paired) part.primitives.push_back(group.primitives[i]);
     }
     part.rays.mark_as_list();
     return part;

@@ -73,7 +73,7 @@ struct RayGroup {
     RayBlock rays;
     std::vector<Primitive<double>> primitives;
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot be used
-    bool paired = false;  ///< there are as many primitives as rays, and ray i is aimed only at primitive i
+    bool is_paired = false;  ///< there are as many primitives as rays, and ray i is aimed only at primitive i
     std::shared_ptr<const MeshColumns> mesh = {};  ///< the meshes whose triangles come after the primitives
     /// The scene, for pixels of a scene whose camera has a projection, so that rays can be made in each format.
     std::shared_ptr<const file::Scene> scene = {};

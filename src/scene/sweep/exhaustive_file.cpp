@@ -258,7 +258,7 @@ rays::RayGroup ExhaustiveFile::group_of_floats(std::size_t ray, const FloatRange
     }
     group.rays.mark_as_list();
     if (takes_tmax(primitive.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
-    group.paired = primitives > 1;
+    group.is_paired = primitives > 1;
     group.mesh = mesh;
     return group;
 }

@@ -130,7 +130,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
     CHECK(judged.quality.front().hits == rays);
     const auto& sample = judged.sample;
     REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
-    CHECK(sample.paired);
+    CHECK(sample.is_paired);
     REQUIRE(sample.primitives.size() == 2500);
     for (std::size_t i = 0; i < 2500; ++i) {
         CHECK(sample.rays.ox[i] == 16 * static_cast<double>(i));
@@ -191,7 +191,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
     one.primitives.resize(1);
     const auto large = stretch(one, Growth::radius, 100);
     REQUIRE(large);
-    CHECK(large->rays.paired);
+    CHECK(large->rays.is_paired);
     REQUIRE(large->rays.primitives.size() == one.rays.size());
     const auto gap = [](const IdealRays& rays, std::size_t i, std::size_t primitive) {
         const auto sphere = rays.primitives[primitive].sphere();

@@ -22,7 +22,7 @@ namespace {
 RayGroup ray_of(const RayGroup& from, std::size_t i) {
     RayGroup one = scene::rays::group_of(from.rays[i]);
     one.rays.push_range(from.rays, i);
-    one.primitives = {from.primitives[from.paired ? i : 0]};
+    one.primitives = {from.primitives[from.is_paired ? i : 0]};
     return one;
 }
 

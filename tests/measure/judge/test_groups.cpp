@@ -40,7 +40,8 @@ TEST_CASE("the summary of a group is that of its rays alone") {
         columns.add("kind", own);
         const scene::test::ScratchRayFile file("kinds.bin", scene::test::as_bytes<float>(columns));
         const auto ray_file = scene::ray_file::open_ray_file(
-            file.path(), {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keep = true});
+            file.path(),
+            {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keeps_own_columns = true});
         const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
         JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
         request.tested_forms = {{&form.form(), row.format}};

@@ -102,7 +102,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
     }
     group.rays.width = count;
     group.rays.y1 = 1;
-    group.paired = true;
+    group.is_paired = true;
     return group;
 }
 

@@ -73,7 +73,7 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
     CHECK(look.shadows->offset == ShadowRule::ShadowOffset::ulp);
     CHECK(look.shadows->ulps == 4);
     CHECK(look.shadows->background == Real(1) / 2);
-    CHECK_FALSE(look.shadows->half_diffuse);
+    CHECK_FALSE(look.shadows->keeps_half_diffuse);
     REQUIRE(look.materials.size() == 2);
     CHECK(equal(look.materials[0].colour, 1, 0.5, 0));
     CHECK(look.materials[0].ambient == Real(1) / 8);
@@ -87,7 +87,7 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
         loaded(replaced(painted, "offset = \"ulp\"\nulps = 4",
                         "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
     CHECK(eps.appearance.shadows->epsilon == Real(1) / 1000);
-    CHECK(eps.appearance.shadows->half_diffuse);
+    CHECK(eps.appearance.shadows->keeps_half_diffuse);
     CHECK(eps.appearance.shadows->background == Real(1) / 4);
 }
 

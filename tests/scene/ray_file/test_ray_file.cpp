@@ -123,7 +123,7 @@ TEST_CASE("fields of an array keep their types, and fields of three numbers are 
     const std::string npy = as_npy("{'descr': " + fields + ", 'fortran_order': False, 'shape': (10, 10), }", bytes);
     require_reads("a.npy", npy, {}, columns, "f32");
     const ScratchRayFile file("a.npy", npy);
-    const auto ray_file = open_ray_file(file.path(), {.keep = true});
+    const auto ray_file = open_ray_file(file.path(), {.keeps_own_columns = true});
     CHECK(ray_file->picture() == std::pair{10, 10});
     CHECK(ray_file->layout().kept_columns() == std::vector<std::string>{"id"});
     CHECK(read_all(*ray_file, 10)[1].kept[3] == "-37");
@@ -223,7 +223,7 @@ TEST_CASE("the columns of each shape give its numbers in either order") {
 TEST_CASE("numbers of a shape with missing columns are the user's own columns") {
     const std::string first = "ox,oy,oz,dx,dy,dz,cx,cy,cz,nx,ny,nz,";
     const ScratchRayFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
-    const auto ray_file = open_ray_file(spheres.path(), {.keep = true});
+    const auto ray_file = open_ray_file(spheres.path(), {.keeps_own_columns = true});
     CHECK(ray_file->layout().kept_columns() == std::vector<std::string>{"nx", "ny", "nz"});
     CHECK(read_all(*ray_file).front().primitives.front().numbers ==
           Primitive<double>(Sphere<double>{{1, 2, 3}, 2}).numbers);
@@ -246,7 +246,8 @@ TEST_CASE("quoted cells may hold commas and newlines, and line numbers count the
     const std::string text = "note,\"ox\",oy,oz,dx,dy,dz\n\"a, \"\"b\"\"\nc\",\"1\", 2 ,3,4,5,6\n\nx,1,2,3,4,5,six\n";
     CHECK(fault_of("a.csv", text, {.primitive = Shape::sphere}).starts_with("a.csv:5:13: dz \"six\" is not a number"));
     const ScratchRayFile file("a.csv", text.substr(0, text.find("x,1,2")));
-    const Chunk chunk = read_all(*open_ray_file(file.path(), {.primitive = Shape::sphere, .keep = true})).front();
+    const Chunk chunk =
+        read_all(*open_ray_file(file.path(), {.primitive = Shape::sphere, .keeps_own_columns = true})).front();
     CHECK(chunk.kept == std::vector<std::string>{"a, \"b\"\nc"});
     CHECK(chunk.rays.dz == std::vector<double>{6});
 }
