@@ -35,7 +35,7 @@ std::vector<Ray<double>> unit_rays(const scene::rays::RayGroup& group) {
 
 /// Many rays of one view of a ray distribution: hits, and misses close to the sphere.
 RayPool view_of(SphereDistribution hits) {
-    hits = scene::rays::of_one_view(hits);
+    hits = scene::rays::with_single_view(hits);
     SphereDistribution misses = hits;
     misses.impact_from = 1.1;
     misses.impact_to = 1.5;
@@ -58,7 +58,7 @@ std::vector<Rays> sphere_rays() {
 std::vector<Rays> box_rays() {
     using Aim = scene::box::BoxDistribution::Aim;
     const auto view = [](const scene::box::BoxDistribution& distribution) {
-        const auto group = scene::rays::of_one_view(distribution).draw().front();
+        const auto group = scene::rays::with_single_view(distribution).draw().front();
         return RayPool{group.primitives.front(), unit_rays(group), unit_rays(group)};
     };
     return {{"easy", measure::trade::ray_pool(Shape::box), 0.5},

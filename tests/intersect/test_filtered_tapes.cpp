@@ -47,7 +47,7 @@ HostileRay in_format(const HostileRay& x, const FloatFormat& format) {
 void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& tally) {
     const measure::attribution::Attribution found = measure::attribution::attribute(tape, {.full = true});
     ++tally.shared_out;
-    tally.turned += found.exact_hit != hit;
+    tally.turned += found.is_exact_hit != hit;
     if (found.culprit != no_node) tally.of_constants += tape[found.culprit].op == TapeOp::constant;
     if (!hit) return;
     ++tally.hits;

@@ -66,7 +66,7 @@ TEST_CASE("the tape of a row behind a box answers as its kernel, and its inputs 
     for (int n = 0; n < test::draws(2000); ++n) {
         Primitive<double> primitive = round_primitive(Sphere<double>{r.vec(-1, 1), r.uniform(0.5, 2)}, binary32);
         for (const bool has_transform : {false, true}) {
-            if (transform) primitive.transform = Transform<double>{{2, 0, 0, 7, 0, 1, 0, 0, 0, 1, 1, -3}, false, 1};
+            if (has_transform) primitive.transform = Transform<double>{{2, 0, 0, 7, 0, 1, 0, 0, 0, 1, 1, -3}, false, 1};
             const Vec<double> middle =
                 has_transform ? primitive.transform->map().point(primitive.point(0)) : primitive.point(0);
             const Vec<double> origin = test::stored(r.vec(-6, 6), binary32);
