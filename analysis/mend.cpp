@@ -286,7 +286,7 @@ ExitStatus run(const MendOptions& options, const CommonOptions& common) {
     const std::string name = subject.quoted_name(common);
     MendWriter writer(options, common, name, request.id());
     const measure::repair::RepairResult repair = repair_form(request);
-    RepairSummary result = output::repair::summarize_repair(request, repair);
+    RepairSummary result = output::repair::summarise_repair(request, repair);
     // Only a command for a scene can be made from its options.
     const std::string command = subject.scene ? mend_command(options) : common.typed_command.for_subject(name);
     if (options.price) add_prices(result, options, command);

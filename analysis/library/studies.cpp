@@ -156,7 +156,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
-    const output::repair::RepairSummary repair_summary = output::repair::summarize_repair(request, repair);
+    const output::repair::RepairSummary repair_summary = output::repair::summarise_repair(request, repair);
 
     result.add_table("mend", output::repair::form_table(), output::repair::form_rows(repair_summary));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));

@@ -45,7 +45,7 @@ struct RepairSummary {
 };
 
 /// Collects the results. Measures the catalogue and all margins, and makes the patches, but measures no times.
-RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
+RepairSummary summarise_repair(const measure::repair::RepairRequest& request,
                                const measure::repair::RepairResult& repair);
 
 /// A proposed repair: the form with the wider set, with the symmetric set, or rewritten. The symmetric set treats x, y

@@ -324,7 +324,7 @@ std::vector<std::string> changed_lines(const RepairSummary& summary, const Tape&
     return changed_lines(statements(summary.repair.tape, form), statements(changed, form, &summary.repair.tape));
 }
 
-RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
+RepairSummary summarise_repair(const measure::repair::RepairRequest& request,
                                const measure::repair::RepairResult& repair) {
     RepairSummary summary{.request = request, .repair = repair, .catalogue = {}, .catalogue_quality = {}};
     for (const auto& [row, quality] : rank_catalogue(request)) {
