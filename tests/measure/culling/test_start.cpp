@@ -86,8 +86,7 @@ exact::Problem problem_of(const Ray<double>& ray, const Primitive<double>& primi
     }
     std::ranges::copy(primitive.shape_numbers(), p.primitive.begin());
     if (primitive.transform)
-        p.matrix = primitive.transform->matrix, p.has_transform = true,
-        p.is_inverse = primitive.transform->is_inverse;
+        p.matrix = primitive.transform->matrix, p.has_transform = true, p.is_inverse = primitive.transform->is_inverse;
     return p;
 }
 
